@@ -1,0 +1,13 @@
+# Every package comes from Debian 12 (tools/install-deps).
+find_package(Threads REQUIRED)
+find_package(TBB REQUIRED)
+find_package(glm REQUIRED)
+find_package(fmt REQUIRED)
+find_package(tinyobjloader REQUIRED)
+find_package(tomlplusplus REQUIRED)
+find_package(nlohmann_json REQUIRED)
+find_package(CLI11 REQUIRED)
+
+# OpenImageIO's CMake package names a path of OpenCV that Debian 12 does not have, so its pkg-config file is used.
+find_package(PkgConfig REQUIRED)
+pkg_check_modules(OpenImageIO REQUIRED IMPORTED_TARGET OpenImageIO)

@@ -1,0 +1,41 @@
+#include "core/isa.h"
+
+#include "core/error.h"
+
+namespace plumb {
+
+const char* isa_name(Isa isa) {
+    switch (isa) {
+        case Isa::scalar: return "scalar";
+        case Isa::sse: return "sse";
+        case Isa::avx2: return "avx2";
+        case Isa::avx512: return "avx512";
+    }
+    return "?";
+}
+
+std::vector<Isa> supported_isas() {
+    std::vector<Isa> isas{Isa::scalar};
+    if (__builtin_cpu_supports("sse4.2")) isas.push_back(Isa::sse);
+    // f16c comes with every processor that has AVX2; GCC 12 cannot ask for it by name in clang's spelling.
+    if (__builtin_cpu_supports("avx2")) isas.push_back(Isa::avx2);
+    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw") &&
+        __builtin_cpu_supports("avx512vl"))
+        isas.push_back(Isa::avx512);
+    return isas;
+}
+
+Isa best_isa() { return supported_isas().back(); }
+
+Isa parse_isa(const std::string& name) {
+    if (name == "auto") return best_isa();
+    for (Isa isa : {Isa::scalar, Isa::sse, Isa::avx2, Isa::avx512}) {
+        if (name != isa_name(isa)) continue;
+        for (Isa supported : supported_isas())
+            if (supported == isa) return isa;
+        throw InputError("--isa " + name + ": this processor does not have that instruction set");
+    }
+    throw InputError("--isa " + name + ": expected auto, scalar, sse, avx2 or avx512");
+}
+
+}  // namespace plumb
