@@ -1,0 +1,100 @@
+// AVX-512 F, DQ, BW, VL: sixteen lanes.
+#pragma once
+
+#include "core/number.h"
+
+namespace plumb::PLUMB_ISA::native {
+
+inline constexpr int width = 16;
+using Real = __m512;
+typedef std::int32_t Int __attribute__((vector_size(64)));
+typedef std::uint32_t UInt __attribute__((vector_size(64)));
+using Mask = __mmask16;  // a bit a lane
+
+PLUMB_INLINE Mask mask_and(Mask a, Mask b) { return Mask(a & b); }
+PLUMB_INLINE Mask mask_or(Mask a, Mask b) { return Mask(a | b); }
+PLUMB_INLINE Mask mask_not(Mask a) { return Mask(~a); }
+PLUMB_INLINE bool any(Mask a) { return a != 0; }
+
+PLUMB_INLINE Real splat(float x) { return _mm512_set1_ps(x); }
+PLUMB_INLINE Int iota() { return Int{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15}; }
+PLUMB_INLINE Real negate(Real a) { return _mm512_xor_ps(a, _mm512_set1_ps(-0.0f)); }
+PLUMB_INLINE Real abs(Real a) { return _mm512_andnot_ps(_mm512_set1_ps(-0.0f), a); }
+PLUMB_INLINE Real sqrt(Real a) { return _mm512_sqrt_ps(a); }
+PLUMB_INLINE Real floor(Real a) { return _mm512_roundscale_ps(a, _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC); }
+PLUMB_INLINE Real min(Real a, Real b) { return _mm512_min_ps(a, b); }
+PLUMB_INLINE Real max(Real a, Real b) { return _mm512_max_ps(a, b); }
+PLUMB_INLINE Int min(Int a, Int b) { return (Int)_mm512_min_epi32((__m512i)a, (__m512i)b); }
+PLUMB_INLINE Int max(Int a, Int b) { return (Int)_mm512_max_epi32((__m512i)a, (__m512i)b); }
+PLUMB_INLINE Mask less(Real a, Real b) { return _mm512_cmp_ps_mask(a, b, _CMP_LT_OQ); }
+PLUMB_INLINE Mask less_equal(Real a, Real b) { return _mm512_cmp_ps_mask(a, b, _CMP_LE_OQ); }
+PLUMB_INLINE Mask equal(Real a, Real b) { return _mm512_cmp_ps_mask(a, b, _CMP_EQ_OQ); }
+PLUMB_INLINE Mask less(Int a, Int b) { return _mm512_cmplt_epi32_mask((__m512i)a, (__m512i)b); }
+PLUMB_INLINE Mask equal(Int a, Int b) { return _mm512_cmpeq_epi32_mask((__m512i)a, (__m512i)b); }
+PLUMB_INLINE Real select(Mask m, Real a, Real b) { return _mm512_mask_blend_ps(m, b, a); }
+PLUMB_INLINE Int select(Mask m, Int a, Int b) { return (Int)_mm512_mask_blend_epi32(m, (__m512i)b, (__m512i)a); }
+PLUMB_INLINE Int round_to_int(Real a) { return (Int)_mm512_cvtps_epi32(a); }
+PLUMB_INLINE Int truncate_to_int(Real a) { return (Int)_mm512_cvttps_epi32(a); }
+PLUMB_INLINE Real from_int(Int a) { return _mm512_cvtepi32_ps((__m512i)a); }
+
+PLUMB_INLINE Real gather(const float* p, Int i) { return _mm512_i32gather_ps((__m512i)i, p, 4); }
+PLUMB_INLINE Int gather(const std::int32_t* p, Int i) { return (Int)_mm512_i32gather_epi32((__m512i)i, p, 4); }
+
+// 16 bytes of lanes k, k + 4, k + 8, k + 12, at byte `at` of the texel of `bytes` bytes that a lane's index names.
+PLUMB_INLINE Real load_quad(const void* p, std::ptrdiff_t at, std::ptrdiff_t bytes, const std::int32_t* i) {
+    auto lane = [&](int k) { return _mm_loadu_ps((const float*)((const char*)p + at + bytes * i[k])); };
+    Real r = _mm512_castps128_ps512(lane(0));
+    r = _mm512_insertf32x4(r, lane(4), 1);
+    r = _mm512_insertf32x4(r, lane(8), 2);
+    return _mm512_insertf32x4(r, lane(12), 3);
+}
+// Transposes 4 x 4 within each quarter: t[c] holds element c of lanes 0..15.
+PLUMB_INLINE void transpose(Real* t) {
+    const Real a = _mm512_unpacklo_ps(t[0], t[1]), b = _mm512_unpackhi_ps(t[0], t[1]);
+    const Real c = _mm512_unpacklo_ps(t[2], t[3]), d = _mm512_unpackhi_ps(t[2], t[3]);
+    t[0] = (Real)_mm512_unpacklo_pd((__m512d)a, (__m512d)c);
+    t[1] = (Real)_mm512_unpackhi_pd((__m512d)a, (__m512d)c);
+    t[2] = (Real)_mm512_unpacklo_pd((__m512d)b, (__m512d)d);
+    t[3] = (Real)_mm512_unpackhi_pd((__m512d)b, (__m512d)d);
+}
+// Sixteen 32-bit lanes of two halves each: the lower halves as floats, the upper halves as floats.
+PLUMB_INLINE void widen_pairs(Real pairs, Real* lower, Real* upper) {
+    const __m512i words = (__m512i)pairs;
+    *lower = _mm512_cvtph_ps(_mm512_cvtepi32_epi16(words));
+    *upper = _mm512_cvtph_ps(_mm512_cvtepi32_epi16(_mm512_srli_epi32(words, 16)));
+}
+
+// Loads the texel at p + stride i of every lane whole, and transposes: t[c] is component c of all lanes.
+PLUMB_INLINE void load_texels(const float* p, int stride, Int i, Real* t) {
+    alignas(64) std::int32_t k[16];
+    std::memcpy(k, &i, 64);
+    for (int j = 0; j < 4; ++j) t[j] = load_quad(p, 0, 4 * stride, k + j);
+    transpose(t);
+}
+// A texel of four halves is 8 bytes: two gathers fetch its two pairs.
+PLUMB_INLINE void load_texels(const Half* p, int stride, Int i, Real* t) {
+    const __m512i at = (__m512i)(i * (stride / 2));
+    widen_pairs((Real)_mm512_i32gather_epi32(at, (const int*)p, 4), t, t + 1);
+    widen_pairs((Real)_mm512_i32gather_epi32(at, (const int*)p + 1, 4), t + 2, t + 3);
+}
+PLUMB_INLINE void load_records(const float* p, Int i, Real* t) {
+    alignas(64) std::int32_t k[16];
+    std::memcpy(k, &i, 64);
+    for (int part = 0; part < 3; ++part) {
+        for (int j = 0; j < 4; ++j) t[4 * part + j] = load_quad(p, 16 * part, 64, k + j);
+        transpose(t + 4 * part);
+    }
+}
+PLUMB_INLINE void load_records(const Half* p, Int i, Real* t) {
+    alignas(64) std::int32_t k[16];
+    std::memcpy(k, &i, 64);
+    for (int part = 0; part < 2; ++part) {
+        Real pairs[4];
+        for (int j = 0; j < 4; ++j) pairs[j] = load_quad(p, 16 * part, 32, k + j);
+        transpose(pairs);
+        for (int c = 0; c < (part == 0 ? 4 : 2); ++c)
+            widen_pairs(pairs[c], t + 8 * part + 2 * c, t + 8 * part + 2 * c + 1);
+    }
+}
+
+}  // namespace plumb::PLUMB_ISA::native

@@ -1,0 +1,107 @@
+// The scene: plain data, in metres, right-handed, +Y up, counter-clockwise front faces, radiometric SI units.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <string>
+#include <vector>
+
+#include "core/camera.h"
+#include "core/convention.h"
+#include "core/fields.h"
+#include "core/image.h"
+
+namespace plumb {
+
+// 32 bytes: two texels of four floats, fetched whole by kernels.
+struct Vertex {
+    glm::vec3 position;  // m
+    float u = 0;         // texture coordinates: (0, 0) is the top left of the image
+    glm::vec3 normal;    // unit
+    float v = 0;
+};
+static_assert(sizeof(Vertex) == 32);
+
+struct Material {
+    std::string name;
+    glm::vec3 reflectance{0.5f};  // rho, diffuse, 0..1; multiplied by the texture where there is one
+    glm::vec3 emission{0};        // radiant exitance, W/m2
+    int texture = -1;             // index into Scene::textures
+};
+
+enum class Filter : int { bilinear, nearest };
+
+struct Texture {
+    std::string name;
+    Image<std::uint32_t> texels;  // RGBA8, red in the lowest byte, first row on top
+    bool srgb = true;             // decode red, green and blue by the exact table
+    Filter filter = Filter::bilinear;
+};
+
+struct Mesh {
+    std::string name;
+    std::vector<Vertex> vertices;  // in the mesh's own space
+    std::vector<glm::uvec3> triangles;
+    std::vector<std::int32_t> material;  // of each triangle: index into Scene::materials
+    glm::dmat4 transform{1};             // to world space
+    bool dynamic = false;
+    double share = 1;                    // part of the triangles that is drawn: the first share * n
+};
+
+enum class LightType : int { spot, point, directional };
+
+struct Light {
+    std::string name;
+    LightType type = LightType::spot;
+    glm::vec3 position{0};            // m; not used by a directional light
+    glm::vec3 direction{0, -1, 0};    // unit: the way the light travels
+    float cone_inner_deg = 40, cone_outer_deg = 45;  // half angles of a spot; full intensity within the inner one
+    glm::vec3 intensity{1};           // spot, point: W/sr; directional: irradiance on a plane across the light, W/m2
+    bool on = true;
+    int rsm_size = 512;               // texels a side
+};
+
+struct Environment {
+    glm::vec3 radiance{0};  // W/(m2 sr), from everywhere
+};
+
+// A value that the scene file gives for a stage's parameter: [rsm] samples = 400.
+struct Setting {
+    std::string table, key;
+    FieldValue value;
+    std::string place;  // for messages: "cornell.toml: line 31"
+};
+
+struct Scene {
+    std::string name;
+    std::vector<Mesh> meshes;
+    std::vector<Material> materials;
+    std::vector<Texture> textures;
+    std::vector<Light> lights;
+    Environment environment;
+    Camera camera;
+    Convention convention = Convention::vulkan;
+    std::uint32_t seed = 1;
+    glm::ivec2 frame_size{1024, 1024};
+    std::string method = "rsm";   // [render] method
+    std::string layout = "fp32";  // [render] layout
+    std::vector<Setting> settings;
+    std::vector<std::string> notes;  // what was chosen for the user: "no camera in the file: one that sees everything"
+};
+
+// All meshes in world space, as the rasterizer reads them: one list of vertices, one list of triangles, in the order of
+// the meshes.
+struct Geometry {
+    Buffer<Vertex> vertices;
+    std::vector<glm::uvec3> triangles;
+    std::vector<std::int32_t> material;  // of each triangle
+    std::vector<std::int32_t> object;    // of each triangle: index into Scene::meshes
+};
+
+// Transforms positions by the meshes' matrices and normals by their inverse transposes, in double, rounded once.
+Geometry flatten(const Scene& scene);
+
+// Axis-aligned bounds of the world-space geometry; false where there is none.
+bool bounds(const Geometry& geometry, glm::vec3& low, glm::vec3& high);
+
+}  // namespace plumb
