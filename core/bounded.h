@@ -10,7 +10,8 @@
 namespace plumb {
 
 struct BoundedMask {
-    bool value = false, ambiguous = false;
+    bool value, ambiguous;
+    BoundedMask(bool v = false, bool a = false) : value(v), ambiguous(a) {}
     friend BoundedMask operator&(BoundedMask a, BoundedMask b) {
         return {a.value && b.value, (a.ambiguous && (b.value || b.ambiguous)) || (b.ambiguous && a.value)};
     }

@@ -1,6 +1,7 @@
 // Instruction sets that kernels are compiled for, and the choice among them at run time.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -21,7 +22,8 @@ Isa parse_isa(const std::string& name);
 // How a stage is run; never changes a bit of its result.
 struct RunOptions {
     Isa isa = best_isa();
-    int threads = 0;  // 0: all
+    int threads = 0;                       // 0: all
+    std::function<void(double)> progress;  // called with the share that is done, by any thread; may be empty
 };
 
 // Calls f(std::integral_constant<Isa, isa>{}), so that f can name the kernel compiled for that set.

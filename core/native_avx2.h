@@ -40,15 +40,23 @@ PLUMB_INLINE Real from_int(Int a) { return _mm256_cvtepi32_ps((__m256i)a); }
 PLUMB_INLINE Real gather(const float* p, Int i) { return _mm256_i32gather_ps(p, (__m256i)i, 4); }
 PLUMB_INLINE Int gather(const std::int32_t* p, Int i) { return (Int)_mm256_i32gather_epi32(p, (__m256i)i, 4); }
 
-// 16 bytes of lane k in the lower half, of lane k + 4 in the upper half.
-PLUMB_INLINE __m256 load_pair(const void* lower, const void* upper) {
-    return _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps((const float*)lower)),
-                                _mm_loadu_ps((const float*)upper), 1);
+// Where a lane's texel lies, a lane a word: vectors hand out their lanes more slowly than memory does.
+struct Places {
+    alignas(32) std::int32_t lane[8];
+    PLUMB_INLINE explicit Places(Int i) { std::memcpy(lane, &i, 32); }
+};
+// 16 bytes of lanes k and k + 4: byte `at` of the texel of `bytes` bytes that each lane names.
+PLUMB_INLINE Real load_pair(const void* p, std::ptrdiff_t at, std::ptrdiff_t bytes, const Places& i, int k) {
+    const char* base = static_cast<const char*>(p) + at;
+    const Real r = _mm256_castps128_ps256(_mm_loadu_ps((const float*)(base + bytes * i.lane[k])));
+    return _mm256_insertf128_ps(r, _mm_loadu_ps((const float*)(base + bytes * i.lane[k + 4])), 1);
 }
-// Transposes 4 x 4 within each half: t[c] holds element c of lanes 0..7.
-PLUMB_INLINE void transpose(Real* t) {
-    const Real a = _mm256_unpacklo_ps(t[0], t[1]), b = _mm256_unpackhi_ps(t[0], t[1]);
-    const Real c = _mm256_unpacklo_ps(t[2], t[3]), d = _mm256_unpackhi_ps(t[2], t[3]);
+// Loads 16 bytes a lane and transposes 4 x 4 within each half: t[c] holds word c of lanes 0..7.
+PLUMB_INLINE void load_words(const void* p, std::ptrdiff_t at, std::ptrdiff_t bytes, const Places& i, Real* t) {
+    const Real r0 = load_pair(p, at, bytes, i, 0), r1 = load_pair(p, at, bytes, i, 1);
+    const Real r2 = load_pair(p, at, bytes, i, 2), r3 = load_pair(p, at, bytes, i, 3);
+    const Real a = _mm256_unpacklo_ps(r0, r1), b = _mm256_unpackhi_ps(r0, r1);
+    const Real c = _mm256_unpacklo_ps(r2, r3), d = _mm256_unpackhi_ps(r2, r3);
     t[0] = (Real)_mm256_unpacklo_pd((__m256d)a, (__m256d)c);
     t[1] = (Real)_mm256_unpackhi_pd((__m256d)a, (__m256d)c);
     t[2] = (Real)_mm256_unpacklo_pd((__m256d)b, (__m256d)d);
@@ -67,40 +75,31 @@ PLUMB_INLINE void widen_pairs(Real pairs, Real* lower, Real* upper) {
 
 // Loads the texel at p + stride i of every lane whole, and transposes: t[c] is component c of all lanes.
 PLUMB_INLINE void load_texels(const float* p, int stride, Int i, Real* t) {
-    for (int k = 0; k < 4; ++k)
-        t[k] = load_pair(p + stride * std::ptrdiff_t(i[k]), p + stride * std::ptrdiff_t(i[k + 4]));
-    transpose(t);
+    load_words(p, 0, 4 * stride, Places(i), t);
 }
+// A texel of four halves is 8 bytes: two gathers fetch its two pairs.
 PLUMB_INLINE void load_texels(const Half* p, int stride, Int i, Real* t) {
-    __m128 rows[4];
-    for (int k = 0; k < 4; ++k) {
-        const __m128i lower = _mm_loadl_epi64((const __m128i*)(p + stride * std::ptrdiff_t(i[k])));
-        const __m128i upper = _mm_loadl_epi64((const __m128i*)(p + stride * std::ptrdiff_t(i[k + 4])));
-        rows[k] = (__m128)_mm_unpacklo_epi64(lower, upper);
-    }
-    // rows[k]: pairs 0 and 1 of lane k, pairs 0 and 1 of lane k + 4.
-    const __m128 a = _mm_unpacklo_ps(rows[0], rows[1]), b = _mm_unpackhi_ps(rows[0], rows[1]);
-    const __m128 c = _mm_unpacklo_ps(rows[2], rows[3]), d = _mm_unpackhi_ps(rows[2], rows[3]);
-    const __m256 first = _mm256_set_m128(_mm_movelh_ps(b, d), _mm_movelh_ps(a, c));
-    const __m256 second = _mm256_set_m128(_mm_movehl_ps(d, b), _mm_movehl_ps(c, a));
-    widen_pairs(first, t, t + 1);
-    widen_pairs(second, t + 2, t + 3);
+    const __m256i at = (__m256i)(i * (stride / 2));
+    widen_pairs((Real)_mm256_i32gather_epi32((const int*)p, at, 4), t, t + 1);
+    widen_pairs((Real)_mm256_i32gather_epi32((const int*)p + 1, at, 4), t + 2, t + 3);
 }
 PLUMB_INLINE void load_records(const float* p, Int i, Real* t) {
-    load_texels(p, record_stride, i, t);
-    load_texels(p + 4, record_stride, i, t + 4);
-    load_texels(p + 8, record_stride, i, t + 8);
+    const Places places(i);
+    load_words(p, 0, 64, places, t);
+    load_words(p, 16, 64, places, t + 4);
+    load_words(p, 32, 64, places, t + 8);
 }
 PLUMB_INLINE void load_records(const Half* p, Int i, Real* t) {
-    for (int part = 0; part < 2; ++part) {
-        Real pairs[4];
-        for (int k = 0; k < 4; ++k)
-            pairs[k] = load_pair(p + 8 * part + record_stride * std::ptrdiff_t(i[k]),
-                                 p + 8 * part + record_stride * std::ptrdiff_t(i[k + 4]));
-        transpose(pairs);
-        for (int c = 0; c < (part == 0 ? 4 : 2); ++c)
-            widen_pairs(pairs[c], t + 8 * part + 2 * c, t + 8 * part + 2 * c + 1);
-    }
+    const Places places(i);
+    Real pairs[8];
+    load_words(p, 0, 32, places, pairs);
+    load_words(p, 16, 32, places, pairs + 4);
+    widen_pairs(pairs[0], t, t + 1);
+    widen_pairs(pairs[1], t + 2, t + 3);
+    widen_pairs(pairs[2], t + 4, t + 5);
+    widen_pairs(pairs[3], t + 6, t + 7);
+    widen_pairs(pairs[4], t + 8, t + 9);
+    widen_pairs(pairs[5], t + 10, t + 11);
 }
 
 }  // namespace plumb::PLUMB_ISA::native

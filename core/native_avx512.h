@@ -40,36 +40,44 @@ PLUMB_INLINE Real from_int(Int a) { return _mm512_cvtepi32_ps((__m512i)a); }
 PLUMB_INLINE Real gather(const float* p, Int i) { return _mm512_i32gather_ps((__m512i)i, p, 4); }
 PLUMB_INLINE Int gather(const std::int32_t* p, Int i) { return (Int)_mm512_i32gather_epi32((__m512i)i, p, 4); }
 
-// 16 bytes of lanes k, k + 4, k + 8, k + 12, at byte `at` of the texel of `bytes` bytes that a lane's index names.
-PLUMB_INLINE Real load_quad(const void* p, std::ptrdiff_t at, std::ptrdiff_t bytes, const std::int32_t* i) {
-    auto lane = [&](int k) { return _mm_loadu_ps((const float*)((const char*)p + at + bytes * i[k])); };
-    Real r = _mm512_castps128_ps512(lane(0));
-    r = _mm512_insertf32x4(r, lane(4), 1);
-    r = _mm512_insertf32x4(r, lane(8), 2);
-    return _mm512_insertf32x4(r, lane(12), 3);
+// Where a lane's texel lies, a lane a word: vectors hand out their lanes more slowly than memory does.
+struct Places {
+    alignas(64) std::int32_t lane[16];
+    PLUMB_INLINE explicit Places(Int i) { std::memcpy(lane, &i, 64); }
+};
+// 16 bytes of lanes k, k + 4, k + 8, k + 12: byte `at` of the texel of `bytes` bytes that each lane names.
+PLUMB_INLINE Real load_quad(const void* p, std::ptrdiff_t at, std::ptrdiff_t bytes, const Places& i, int k) {
+    const char* base = static_cast<const char*>(p) + at;
+    Real r = _mm512_castps128_ps512(_mm_loadu_ps((const float*)(base + bytes * i.lane[k])));
+    r = _mm512_insertf32x4(r, _mm_loadu_ps((const float*)(base + bytes * i.lane[k + 4])), 1);
+    r = _mm512_insertf32x4(r, _mm_loadu_ps((const float*)(base + bytes * i.lane[k + 8])), 2);
+    return _mm512_insertf32x4(r, _mm_loadu_ps((const float*)(base + bytes * i.lane[k + 12])), 3);
 }
-// Transposes 4 x 4 within each quarter: t[c] holds element c of lanes 0..15.
-PLUMB_INLINE void transpose(Real* t) {
-    const Real a = _mm512_unpacklo_ps(t[0], t[1]), b = _mm512_unpackhi_ps(t[0], t[1]);
-    const Real c = _mm512_unpacklo_ps(t[2], t[3]), d = _mm512_unpackhi_ps(t[2], t[3]);
+// Loads 16 bytes a lane and transposes 4 x 4 within each quarter: t[c] holds word c of lanes 0..15.
+PLUMB_INLINE void load_words(const void* p, std::ptrdiff_t at, std::ptrdiff_t bytes, const Places& i, Real* t) {
+    const Real r0 = load_quad(p, at, bytes, i, 0), r1 = load_quad(p, at, bytes, i, 1);
+    const Real r2 = load_quad(p, at, bytes, i, 2), r3 = load_quad(p, at, bytes, i, 3);
+    const Real a = _mm512_unpacklo_ps(r0, r1), b = _mm512_unpackhi_ps(r0, r1);
+    const Real c = _mm512_unpacklo_ps(r2, r3), d = _mm512_unpackhi_ps(r2, r3);
     t[0] = (Real)_mm512_unpacklo_pd((__m512d)a, (__m512d)c);
     t[1] = (Real)_mm512_unpackhi_pd((__m512d)a, (__m512d)c);
     t[2] = (Real)_mm512_unpacklo_pd((__m512d)b, (__m512d)d);
     t[3] = (Real)_mm512_unpackhi_pd((__m512d)b, (__m512d)d);
 }
-// Sixteen 32-bit lanes of two halves each: the lower halves as floats, the upper halves as floats.
+// Sixteen 32-bit lanes of two halves each: the lower halves as floats, the upper halves as floats. One permutation of
+// words sorts both, where narrowing each would take two more.
 PLUMB_INLINE void widen_pairs(Real pairs, Real* lower, Real* upper) {
-    const __m512i words = (__m512i)pairs;
-    *lower = _mm512_cvtph_ps(_mm512_cvtepi32_epi16(words));
-    *upper = _mm512_cvtph_ps(_mm512_cvtepi32_epi16(_mm512_srli_epi32(words, 16)));
+    typedef std::int16_t Words __attribute__((vector_size(64)));
+    const Words even_then_odd{0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30,
+                              1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23, 25, 27, 29, 31};
+    const __m512i sorted = _mm512_permutexvar_epi16((__m512i)even_then_odd, (__m512i)pairs);
+    *lower = _mm512_cvtph_ps(_mm512_castsi512_si256(sorted));
+    *upper = _mm512_cvtph_ps(_mm512_extracti64x4_epi64(sorted, 1));
 }
 
 // Loads the texel at p + stride i of every lane whole, and transposes: t[c] is component c of all lanes.
 PLUMB_INLINE void load_texels(const float* p, int stride, Int i, Real* t) {
-    alignas(64) std::int32_t k[16];
-    std::memcpy(k, &i, 64);
-    for (int j = 0; j < 4; ++j) t[j] = load_quad(p, 0, 4 * stride, k + j);
-    transpose(t);
+    load_words(p, 0, 4 * stride, Places(i), t);
 }
 // A texel of four halves is 8 bytes: two gathers fetch its two pairs.
 PLUMB_INLINE void load_texels(const Half* p, int stride, Int i, Real* t) {
@@ -78,23 +86,22 @@ PLUMB_INLINE void load_texels(const Half* p, int stride, Int i, Real* t) {
     widen_pairs((Real)_mm512_i32gather_epi32(at, (const int*)p + 1, 4), t + 2, t + 3);
 }
 PLUMB_INLINE void load_records(const float* p, Int i, Real* t) {
-    alignas(64) std::int32_t k[16];
-    std::memcpy(k, &i, 64);
-    for (int part = 0; part < 3; ++part) {
-        for (int j = 0; j < 4; ++j) t[4 * part + j] = load_quad(p, 16 * part, 64, k + j);
-        transpose(t + 4 * part);
-    }
+    const Places places(i);
+    load_words(p, 0, 64, places, t);
+    load_words(p, 16, 64, places, t + 4);
+    load_words(p, 32, 64, places, t + 8);
 }
 PLUMB_INLINE void load_records(const Half* p, Int i, Real* t) {
-    alignas(64) std::int32_t k[16];
-    std::memcpy(k, &i, 64);
-    for (int part = 0; part < 2; ++part) {
-        Real pairs[4];
-        for (int j = 0; j < 4; ++j) pairs[j] = load_quad(p, 16 * part, 32, k + j);
-        transpose(pairs);
-        for (int c = 0; c < (part == 0 ? 4 : 2); ++c)
-            widen_pairs(pairs[c], t + 8 * part + 2 * c, t + 8 * part + 2 * c + 1);
-    }
+    const Places places(i);
+    Real pairs[8];
+    load_words(p, 0, 32, places, pairs);
+    load_words(p, 16, 32, places, pairs + 4);
+    widen_pairs(pairs[0], t, t + 1);
+    widen_pairs(pairs[1], t + 2, t + 3);
+    widen_pairs(pairs[2], t + 4, t + 5);
+    widen_pairs(pairs[3], t + 6, t + 7);
+    widen_pairs(pairs[4], t + 8, t + 9);
+    widen_pairs(pairs[5], t + 10, t + 11);
 }
 
 }  // namespace plumb::PLUMB_ISA::native

@@ -46,16 +46,24 @@ PLUMB_INLINE Real load4(const Half* p) {
     const __m128i h = _mm_cvtepu16_epi32(_mm_loadl_epi64((const __m128i*)p));
     const __m128i magnitude = _mm_and_si128(h, _mm_set1_epi32(0x7fff));
     const __m128i sign = _mm_slli_epi32(_mm_and_si128(h, _mm_set1_epi32(0x8000)), 16);
-    const __m128 scaled = _mm_mul_ps((__m128)_mm_slli_epi32(magnitude, 13), _mm_set1_ps(0x1p112f));
+    const __m128 denormal = _mm_mul_ps(_mm_cvtepi32_ps(magnitude), _mm_set1_ps(0x1p-24f));
+    const __m128i normal = _mm_add_epi32(_mm_slli_epi32(magnitude, 13), _mm_set1_epi32(112 << 23));
     const __m128i special = _mm_cmpgt_epi32(magnitude, _mm_set1_epi32(0x7bff));
     const __m128i exponent = _mm_and_si128(special, _mm_set1_epi32(0x7f800000));
-    return _mm_or_ps(_mm_or_ps(scaled, (__m128)exponent), (__m128)sign);
+    const __m128 is_denormal = (__m128)_mm_cmplt_epi32(magnitude, _mm_set1_epi32(0x0400));
+    const __m128 value = _mm_blendv_ps((__m128)_mm_or_si128(normal, exponent), denormal, is_denormal);
+    return _mm_or_ps(value, (__m128)sign);
 }
 
 // Loads the texel at p + stride i of every lane whole, and transposes: t[c] is component c of all lanes.
 template <class Component>
 PLUMB_INLINE void load_texels(const Component* p, int stride, Int i, Real* t) {
-    for (int k = 0; k < 4; ++k) t[k] = load4(p + stride * std::ptrdiff_t(i[k]));
+    alignas(16) std::int32_t lane[4];
+    std::memcpy(lane, &i, 16);
+    t[0] = load4(p + stride * std::ptrdiff_t(lane[0]));
+    t[1] = load4(p + stride * std::ptrdiff_t(lane[1]));
+    t[2] = load4(p + stride * std::ptrdiff_t(lane[2]));
+    t[3] = load4(p + stride * std::ptrdiff_t(lane[3]));
     _MM_TRANSPOSE4_PS(t[0], t[1], t[2], t[3]);
 }
 template <class Component>

@@ -58,14 +58,13 @@ inline constexpr int record_stride = 16;  // in components, for both kinds
 
 PLUMB_INLINE float half_to_float(Half h) {
     const std::uint32_t sign = std::uint32_t(h.bits & 0x8000) << 16, magnitude = h.bits & 0x7fff;
-    // 2^112 moves the exponent from bias 15 to bias 127 and normalises denormals on the way, exactly.
-    std::uint32_t bits = magnitude << 13;
-    float f;
-    std::memcpy(&f, &bits, 4);
-    f *= 0x1p112f;
-    std::memcpy(&bits, &f, 4);
+    // A denormal half counts steps of 2^-24; any other moves its exponent from bias 15 to bias 127.
+    const float denormal = float(magnitude) * 0x1p-24f;
+    std::uint32_t bits = (magnitude << 13) + (112u << 23);
     if (magnitude >= 0x7c00) bits |= 0x7f800000;  // infinity and NaN
+    if (magnitude < 0x0400) std::memcpy(&bits, &denormal, 4);
     bits |= sign;
+    float f;
     std::memcpy(&f, &bits, 4);
     return f;
 }

@@ -7,6 +7,7 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <atomic>
 
 #include "core/fp_environment.h"
 
@@ -36,6 +37,15 @@ void parallel_bands(int rows, int band, int threads, const std::function<void(in
                 for (int i = range.begin(); i < range.end(); ++i) run(i);
             },
             tbb::simple_partitioner());
+    });
+}
+
+void parallel_bands(int rows, int band, const RunOptions& options, const std::function<void(int, int)>& body) {
+    std::atomic<int> done{0};
+    parallel_bands(rows, band, options.threads, [&](int first, int last) {
+        body(first, last);
+        const int now = done += last - first;
+        if (options.progress) options.progress(double(now) / rows);
     });
 }
 
