@@ -351,6 +351,17 @@ TEST_CASE("compare: FLIP sees encoded values as the light of the display", "[com
     CHECK(compare(flat(12, 12, light), flat(12, 12, 1), options).flip.value() > encoded + 0.1);
 }
 
+TEST_CASE("compare: b is the reference of HDR-FLIP", "[compare]") {
+    // The exposures follow from the reference: 1 stop apart for the ramp, none for the flat picture.
+    const Picture a = flat(16, 16, 0.5f), b = base();
+    Options options;
+    options.threads = 1;
+    const auto rgb_a = *linear_rgb(a, Encoding::hdr), rgb_b = *linear_rgb(b, Encoding::hdr);
+    const double expected = flip_hdr(rgb_b, rgb_a, default_pixels_per_degree, 1).mean;
+    CHECK(compare(a, b, options).flip.value() == expected);
+    CHECK(compare(b, a, options).flip.value() != expected);
+}
+
 TEST_CASE("compare: the same bits for every number of threads", "[compare][bits]") {
     auto value = [](int x, int y, int c) { return float((x * x + 3 * y * y + 50 * c) % 251) / 97; };
     const Picture b = make(41, 53, value);
