@@ -1,0 +1,36 @@
+// The stage gbuffer: what the camera sees, as deferred shading reads it. See raster/README.md.
+#pragma once
+
+#include <vector>
+
+#include "core/image.h"
+#include "core/isa.h"
+#include "core/scene.h"
+#include "core/stage.h"
+#include "core/tap.h"
+#include "core/view.h"
+#include "raster/layout.h"
+#include "raster/surfaces.h"
+
+namespace plumb::raster {
+
+struct GBuffer {
+    Image4 position;       // xyz world, m; w: linear eye depth, m; all 0 where there is nothing
+    Image4 normal;         // xyz unit, on the side of the triangle that the viewer sees; w: 1 covered, 0 nothing
+    Image4 albedo;         // xyz: diffuse reflectance rho, linear
+    Image4 emission;       // xyz: radiant exitance, W/m2
+    Image1 depth;          // z of the depth buffer, never rounded to half; where nothing: 1 (reversed z: 0)
+    Image<glm::ivec2> id;  // object, triangle; -1, -1 where there is nothing
+};
+
+// Allocates `out`. Layout::rgba16f rounds position, normal, albedo and emission to half.
+void draw_gbuffer(const Geometry& geometry, const Surfaces& surfaces, const View& view, glm::ivec2 size, Layout layout,
+                  const RunOptions& options, GBuffer& out);
+
+// Every named value of one pixel, in the order in which the kernel computes them, before rounding to the layout.
+std::vector<TapValue> explain_gbuffer(const Geometry& geometry, const Surfaces& surfaces, const View& view,
+                                      glm::ivec2 size, glm::ivec2 pixel);
+
+StageInfo info_gbuffer();
+
+}  // namespace plumb::raster

@@ -1,0 +1,42 @@
+// The stage rsm: a reflective shadow map, what a light sees and the flux that each texel reflects (VRSM 4.2, LRA 4.2.2).
+// See raster/README.md.
+#pragma once
+
+#include <vector>
+
+#include "core/image.h"
+#include "core/isa.h"
+#include "core/scene.h"
+#include "core/stage.h"
+#include "core/tap.h"
+#include "core/view.h"
+#include "raster/layout.h"
+#include "raster/surfaces.h"
+
+namespace plumb::raster {
+
+struct Rsm {
+    int size = 0;  // texels a side
+    View view;
+    LightType type = LightType::spot;
+    bool half = false;          // which of the records are filled
+    Image4 position;            // xyz world, m; w: linear light-space depth, m; all 0 where there is nothing
+    Image4 normal;              // xyz unit, on the side that the light sees; w: 1 covered, 0 nothing
+    Image4 flux;                // xyz W, reflected; w 0
+    Buffer<float> records;      // !half: [size][size] records of 64 bytes (core/number.h): position, normal, flux
+    Buffer<Half> half_records;  // half: records of 32 bytes
+    double texel_scale = 0;     // side of a texel: spot: at depth 1 m, m/m; directional: m
+};
+
+// light.rsm_size texels a side, through light_view() of raster/light_view.h. Allocates `out`. Layout::rgba16f rounds the
+// three images to half. Throws InputError for a point light, which needs six maps.
+void draw_rsm(const Geometry& geometry, const Surfaces& surfaces, const Light& light, const View& light_view,
+              Layout layout, const RunOptions& options, Rsm& out);
+
+// Every named value of one texel, in the order in which the kernel computes them, before rounding to the layout.
+std::vector<TapValue> explain_rsm(const Geometry& geometry, const Surfaces& surfaces, const Light& light,
+                                  const View& light_view, glm::ivec2 texel);
+
+StageInfo info_rsm();
+
+}  // namespace plumb::raster

@@ -1,0 +1,26 @@
+// Materials and textures laid out for the kernels: records of floats and one buffer of texels. Built once a scene.
+#pragma once
+
+#include <cstdint>
+
+#include "core/image.h"
+#include "core/scene.h"
+
+namespace plumb::raster {
+
+struct Surfaces {
+    Buffer<float> materials;               // [material][16]: reflectance rgb 0, emission rgb 0 (W/m2), padding
+    Buffer<std::int32_t> material_texture; // [material]: row of `textures`
+    Buffer<std::int32_t> textures;         // [texture][4]: first texel, width, height, 1 nearest | 2 sRGB
+    Buffer<std::int32_t> texels;           // RGBA8, red in the lowest byte
+    Buffer<float> decode;                  // [2][256]: byte / 255, and the exact sRGB curve, each rounded once
+};
+
+// Row 0 of `textures` is one white texel, for materials that have none; texture i of the scene is row i + 1. Throws
+// InputError for indices out of range and for textures without texels.
+Surfaces prepare(const Scene& scene, const Geometry& geometry);
+
+// [2][256], as above.
+Buffer<float> decode_table();
+
+}  // namespace plumb::raster

@@ -1,0 +1,33 @@
+// Which triangle each pixel sees: clipping, exact coverage, depth test. The other passes resolve attributes from it.
+//
+// Coverage is exact: vertices are snapped to 1/256 pixel (nearest even), edge functions are integers, and a pixel centre
+// on an edge belongs to the triangle whose top or left edge it is. Triangles are two-sided. Depth passes when it is less
+// (reversed z: greater) than what is there, so that of equal depths the earlier triangle stays. See raster/README.md.
+#pragma once
+
+#include <cstdint>
+
+#include "core/image.h"
+#include "core/isa.h"
+#include "core/scene.h"
+#include "core/view.h"
+
+namespace plumb::raster {
+
+inline constexpr int max_frame_side = 32767;  // pixels
+
+struct VisibilityBuffer {
+    Image<std::int32_t> triangle;   // index into Geometry::triangles; -1: nothing
+    Image1 depth;                   // z of the depth buffer; where nothing: 1 (reversed z: 0)
+    Image<glm::vec2> barycentrics;  // l1, l2 of the whole, unclipped triangle, perspective-correct; l0 = 1 - l1 - l2
+};
+
+// Throws InputError for a size outside 1..max_frame_side and for vertices that are not finite.
+VisibilityBuffer draw_visibility(const Geometry& geometry, const View& view, glm::ivec2 size,
+                                 const RunOptions& options);
+
+// The same for rows [first, last) alone; the other rows see nothing.
+VisibilityBuffer draw_visibility_rows(const Geometry& geometry, const View& view, glm::ivec2 size, int first, int last,
+                                      const RunOptions& options);
+
+}  // namespace plumb::raster
