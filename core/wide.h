@@ -55,6 +55,10 @@ struct WideIndex {
     friend PLUMB_INLINE WideIndex operator<<(WideIndex a, int n) { return native::UInt(a.v) << unsigned(n); }
     friend PLUMB_INLINE WideIndex operator>>(WideIndex a, int n) { return a.v >> n; }
     friend PLUMB_INLINE WideIndex shift_right(WideIndex a, int n) { return native::UInt(a.v) >> unsigned(n); }
+    friend PLUMB_INLINE WideIndex operator<<(WideIndex a, WideIndex n) { return native::UInt(a.v) << native::UInt(n.v); }
+    friend PLUMB_INLINE WideIndex shift_right(WideIndex a, WideIndex n) {
+        return native::UInt(a.v) >> native::UInt(n.v);
+    }
     friend PLUMB_INLINE WideMask operator<(WideIndex a, WideIndex b) { return {native::less(a.v, b.v)}; }
     friend PLUMB_INLINE WideMask operator>(WideIndex a, WideIndex b) { return b < a; }
     friend PLUMB_INLINE WideMask operator<=(WideIndex a, WideIndex b) { return !(b < a); }
