@@ -48,9 +48,9 @@ std::string describe_nonfinite(const Picture& a, const Picture& b, std::int64_t 
         const bool in_a = !std::isfinite(a.data[i]);
         if (!in_a && std::isfinite(b.data[i])) continue;
         const std::size_t pixel = i / channels;
-        return fmt::format("{} {} NaN or Inf; first: {}({}, {}).{} = {}", count, count == 1 ? "pixel holds" : "pixels hold",
-                           in_a ? "A" : "B", pixel % a.width, pixel / a.width, a.channels[i % channels],
-                           in_a ? a.data[i] : b.data[i]);
+        return fmt::format("{} {} NaN or Inf; first: {}({}, {}).{} = {}", count,
+                           count == 1 ? "pixel holds" : "pixels hold", in_a ? "A" : "B", pixel % a.width,
+                           pixel / a.width, a.channels[i % channels], in_a ? a.data[i] : b.data[i]);
     }
     return {};
 }

@@ -1,7 +1,7 @@
 // The comparator: how two pictures differ, in numbers and as pictures, and whether the difference is within bounds.
 //
-// Everything fails closed: a picture that is empty, of another size, with other channels or with a NaN or an infinity on
-// either side disagrees, whatever the bounds. By convention a is the picture under test and b the reference.
+// Everything fails closed: a picture that is empty, of another size, with other channels or with a NaN or an infinity
+// on either side disagrees, whatever the bounds. By convention a is the picture under test and b the reference.
 #pragma once
 
 #include <cstdint>
@@ -49,8 +49,8 @@ struct Worst {
     float a = 0, b = 0;
 };
 
-// A metric is none where it is undefined; it is never NaN. All of them are none for pictures that cannot be compared, and
-// only pixels, nonfinite, differing and max_ulp have a meaning for pictures with a NaN or an infinity.
+// A metric is none where it is undefined; it is never NaN. All of them are none for pictures that cannot be compared,
+// and only pixels, nonfinite, differing and max_ulp have a meaning for pictures with a NaN or an infinity.
 struct Report {
     std::optional<double> mean_error;  // ISR (19): mean of |a - b| over all pixels and channels
     std::optional<double> rmse;        // root of the mean of (a - b)^2
@@ -72,8 +72,9 @@ struct Report {
     std::string reason;  // why it disagrees, one line; empty if it agrees
 };
 
-// Agrees if the pictures can be compared, every value is finite and every bound that is set holds (at most). Options out
-// of range are an InputError that names the option. The same bits for every number of threads.
+// Agrees if the pictures can be compared, every value is finite and every bound that is set holds (at most): without a
+// bound, pictures that differ agree. Options out of range are an InputError that names the option. The same bits for
+// every number of threads.
 Report compare(const Picture& a, const Picture& b, const Options& options = {});
 
 // Why the two cannot be compared, in one line; empty if they can.

@@ -13,15 +13,16 @@ enum class Difference {
     signed_,   // a - b
 };
 
-// The difference of each value, |a - b| or a - b multiplied by the amplification (finite, above 0; else an InputError).
-// Pictures that cannot be compared are an InputError as well. A NaN stays one, and so does an infinity (Inf - Inf is NaN).
-Picture difference(const Picture& a, const Picture& b, Difference kind = Difference::absolute, double amplification = 1);
+// The difference of each value, multiplied by the amplification (finite and above 0, else an InputError) before it is
+// taken from 1. Pictures that cannot be compared are an InputError as well. A NaN stays one; Inf - Inf is NaN.
+Picture difference(const Picture& a, const Picture& b, Difference kind = Difference::absolute,
+                   double amplification = 1);
 
 // ISR (17) of linear RGB.
 double luminance(const glm::dvec3& rgb);
 
-// ISR (21), from the mean errors of two pictures against one model: 1 if the first is closer to it, -1 if the second is,
-// 0 if neither. A NaN is an InputError.
+// ISR (21), from the mean errors of two pictures against one model: 1 if the first is closer to it, -1 if the second
+// is, 0 if neither. A NaN is an InputError.
 int quality(double mean_error_1, double mean_error_2);
 
 // (e_before - e_after) / e_before, ISR 5.3.2: what share of the error the stage took away. None where there was none.

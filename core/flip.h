@@ -1,7 +1,8 @@
 // FLIP: how different two pictures look to a person who alternates between them.
-//   Andersson, Nilsson, Akenine-Moller, Oskarsson, Astrom, Fairchild 2020, "FLIP: A Difference Evaluator for Alternating
-//   Images"
-//   Andersson, Nilsson, Shirley, Akenine-Moller 2021, "Visualizing Errors in Rendered High Dynamic Range Images"
+//   Andersson, Nilsson, Akenine-Moller, Oskarsson, Astrom, Fairchild 2020,
+//   "FLIP: A Difference Evaluator for Alternating Images"
+//   Andersson, Nilsson, Shirley, Akenine-Moller 2021,
+//   "Visualizing Errors in Rendered High Dynamic Range Images"
 // Computed in double. Exact where that matters: equal pictures give 0, and LDR-FLIP of swapped pictures the same bits.
 #pragma once
 
@@ -26,7 +27,7 @@ struct FlipResult {
 FlipResult flip_ldr(const Image<glm::dvec3>& reference, const Image<glm::dvec3>& test, double pixels_per_degree,
                     int threads);
 
-// HDR-FLIP: the largest LDR-FLIP of each pixel over exposures one stop apart (at most), after the tone curve "ACES fit".
+// HDR-FLIP: the largest LDR-FLIP of each pixel over exposures about a stop apart, after the tone curve "ACES fit".
 // The exposures follow from the reference, so HDR-FLIP is not symmetric; negative radiance is clamped to 0.
 // differs: where the median luminance of the reference is 0, and the published stop exposure infinite, the median of
 // the positive luminances takes its place; for a black reference the one exposure is 0.

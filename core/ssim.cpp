@@ -31,8 +31,8 @@ std::optional<double> ssim(const Image<double>& a, const Image<double>& b, doubl
     if (width <= 2 * radius || height <= 2 * radius || !(dynamic_range > 0)) return std::nullopt;
     const double c1 = 0.01 * dynamic_range * (0.01 * dynamic_range), c2 = 0.03 * dynamic_range * (0.03 * dynamic_range);
 
-    // Filter a, b, a^2 + b^2 and a b: (13) needs the two variances only as their sum. For a = b the numerator and the
-    // denominator become the same bits.
+    // Filter a, b, a^2 + b^2 and a b: the index needs the two variances only as their sum. For a = b the numerator and
+    // the denominator become the same bits.
     Image<Lanes> moments(width, height);
     for (std::size_t i = 0; i < moments.size(); ++i) {
         const double p = a.texels[i], q = b.texels[i];

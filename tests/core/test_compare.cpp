@@ -207,7 +207,7 @@ TEST_CASE("compare: a gradient of error", "[compare][planted]") {
 }
 
 TEST_CASE("compare: one large error in a large picture", "[compare][planted]") {
-    // 1024 x 512 values of 1, one of 1048577: 2^20 too much. Mean 2^20/2^19 = 2, mean square 2^40/2^19 = 2^21, share 2^-19.
+    // 1024 x 512 values of 1, one of 1048577: 2^20 too much. Mean 2^20/2^19, mean square 2^40/2^19, share 2^-19.
     const Picture b = make(1024, 512, [](int, int, int) { return 1.0f; }, {"Y"});
     Picture a = b;
     at(a, 1000, 500, 0) = 1048577.0f;
@@ -352,7 +352,7 @@ TEST_CASE("compare: FLIP sees encoded values as the light of the display", "[com
 }
 
 TEST_CASE("compare: b is the reference of HDR-FLIP", "[compare]") {
-    // The exposures follow from the reference: 1 stop apart for the ramp, none for the flat picture.
+    // The exposures follow from the reference, and the two pictures give different ones.
     const Picture a = flat(16, 16, 0.5f), b = base();
     Options options;
     options.threads = 1;

@@ -16,7 +16,7 @@ double flip_of_flat(dvec3 reference, dvec3 test) {
     return flip_ldr(Image<dvec3>(3, 2, reference), Image<dvec3>(3, 2, test), density, 1).mean;
 }
 
-// 48 x 40 in steps of 1/256; hdr: the column's exposure rises from 0 to 5 stops. The test picture is off by -16..15 steps.
+// 48 x 40 in steps of 1/256; hdr: the column's exposure rises from 0 to 5 stops. The test is off by -16..15 steps.
 Image<dvec3> picture(bool hdr, bool test) {
     Image<dvec3> out(48, 40);
     for (int y = 0; y < 40; ++y) {
@@ -34,7 +34,7 @@ Image<dvec3> picture(bool hdr, bool test) {
 // The distance of green and blue, 203.3016546108775, to the power 0.7: evaluated from the formulas by a script.
 constexpr double c_max = 41.276098414595445;
 
-// FLIP 2020 (5.3): errors e (to the power q_c) of flat pictures, which have no features.
+// The redistribution of FLIP 2020: errors e (to the power q_c) of flat pictures, which have no features.
 double redistributed(double e) {
     const double knee = 0.4 * c_max;
     return e < knee ? 0.95 / knee * e : 0.95 + 0.05 * (e - knee) / (c_max - knee);
@@ -55,14 +55,14 @@ TEST_CASE("flip: equal pictures give exactly 0 everywhere", "[compare][flip]") {
 }
 
 TEST_CASE("flip: flat pictures have the distance of their colours", "[compare][flip][analytic]") {
-    // Greys have no chroma, so HyAB is the difference of L*: 100 from black to white. The tolerance is the root (q_f = 0.5)
-    // of what rounding leaves of the features, 1e-16.
+    // Greys have no chroma, so HyAB is the difference of L*: 100 from black to white. The tolerance is the root
+    // (q_f = 0.5) of what rounding leaves of the features, 1e-16.
     CHECK(flip_of_flat(dvec3(0), dvec3(1)) == Approx(redistributed(std::pow(100, 0.7))).epsilon(1e-7));
     CHECK(flip_of_flat(dvec3(0), dvec3(1)) == Approx(0.9673797614921327).epsilon(1e-7));
     CHECK(flip_of_flat(dvec3(0), dvec3(0.25)) == Approx(redistributed(std::pow(lightness(0.25), 0.7))).epsilon(1e-7));
     const double step = lightness(0.5) - lightness(0.25);
     CHECK(flip_of_flat(dvec3(0.25), dvec3(0.5)) == Approx(redistributed(std::pow(step, 0.7))).epsilon(1e-7));
-    // Below (6/29)^3 = 0.00886 L* is linear in the grey: 903.296... = 116 (29/6)^2/3.
+    // Below (6/29)^3 = 0.00886 L* is linear in the grey, with the slope 116 (29/6)^2/3 = 903.3.
     const double dark = 116 * 841 / 108.0 * 0.004;
     CHECK(flip_of_flat(dvec3(0), dvec3(0.004)) == Approx(redistributed(std::pow(dark, 0.7))).epsilon(1e-7));
     // By definition of the scale.

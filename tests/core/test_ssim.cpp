@@ -1,4 +1,4 @@
-// SSIM against closed forms and against (13) of Wang et al. 2004 written out as double sums over the window.
+// SSIM against closed forms and against the index of Wang et al. 2004 written out as double sums over the window.
 #include "core/ssim.h"
 
 #include <catch2/catch.hpp>
@@ -35,15 +35,15 @@ TEST_CASE("ssim: equal pictures give 1 to the bit", "[compare][ssim]") {
 }
 
 TEST_CASE("ssim: flat pictures leave the luminance term", "[compare][ssim]") {
-    // No variance: (13) is (2 p q + c1)/(p^2 + q^2 + c1).
+    // No variance: the index is (2 p q + c1)/(p^2 + q^2 + c1).
     const double p = 0.25, q = 0.75;
     const auto value = ssim(Image<double>(13, 12, p), Image<double>(13, 12, q), 1, 1);
     CHECK(value.value() == Approx((2 * p * q + c1) / (p * p + q * q + c1)).epsilon(1e-12));
 }
 
 TEST_CASE("ssim: opposed checkerboards have opposed structure", "[compare][ssim]") {
-    // c + s and c - s with s = +-d. The window turns s into +-d g^2, g the alternating sum of its weights; the variance of
-    // each is d^2 (1 - g^4), the covariance its negative, and the luminance term has c -+ d g^2.
+    // c + s and c - s with s = +-d. The window turns s into +-d g^2, g the alternating sum of its weights; the variance
+    // of each is d^2 (1 - g^4), the covariance its negative, and the luminance term has c -+ d g^2.
     const double c = 0.5, d = 0.25;
     Image<double> a(12, 12), b(12, 12);
     for (int y = 0; y < 12; ++y) {
