@@ -18,7 +18,7 @@ has() { grep -qwE "$1" /proc/cpuinfo; }
 ! has avx512bw || sets+=(avx512)
 
 # The scene is small, and its width no multiple of anything.
-"$1" make-scene cornell -o "$folder/scene" > "$folder/log"
+"$1" make-scene cornell -o "$folder/scene" > "$folder/log" 2>&1 || { cat "$folder/log"; exit 1; }
 scene=$folder/scene/cornell.toml
 sed -i "s/^size *=.*/size = [$((size * 3 / 2)), $size]/" "$scene"
 grep -q "^size = \[$((size * 3 / 2)), $size\]" "$scene" || { echo "same_bits: $scene has no frame.size" >&2; exit 1; }
