@@ -1,0 +1,34 @@
+#version 450
+// Twin of compose_kernel.h: what leaves a diffuse surface towards the viewer.
+layout(local_size_x = 8, local_size_y = 8) in;
+
+layout(std140, binding = 0) uniform ComposeUniforms {
+    vec4 environment;
+    float inv_pi;
+    int width;
+    int height;
+    int padding;
+} u;
+layout(binding = 1) uniform sampler2D normal_image;    // w: 1 on a surface, 0 where nothing is
+layout(binding = 2) uniform sampler2D albedo_image;    // rho
+layout(binding = 3) uniform sampler2D emission_image;  // radiant exitance M, W/m2
+layout(binding = 4) uniform sampler2D direct_image;    // irradiance, W/m2
+layout(binding = 5) uniform sampler2D indirect_image;  // irradiance, W/m2
+layout(binding = 6, rgba32f) uniform writeonly image2D radiance_image;
+
+vec3 compose(ivec2 pixel) {
+    bool covered = texelFetch(normal_image, pixel, 0).w > 0.0;
+    vec3 rho = texelFetch(albedo_image, pixel, 0).xyz;
+    vec3 exitance = texelFetch(emission_image, pixel, 0).xyz;
+    vec3 direct = texelFetch(direct_image, pixel, 0).xyz;
+    vec3 indirect = texelFetch(indirect_image, pixel, 0).xyz;
+
+    precise vec3 radiance = (rho * (direct + indirect) + exitance) * u.inv_pi;
+    return covered ? radiance : u.environment.xyz;
+}
+
+void main() {
+    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    if (pixel.x >= u.width || pixel.y >= u.height) return;
+    imageStore(radiance_image, pixel, vec4(compose(pixel), 0.0));
+}

@@ -1,0 +1,51 @@
+#version 450
+// Twin of tonemap_kernel.h: radiance to the values of a display.
+#extension GL_GOOGLE_include_directive : require
+#include "core/detmath.glsl"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+
+layout(std140, binding = 0) uniform TonemapUniforms {
+    int op;  // 0 clamp, 1 exposure, 2 reinhard, 3 filmic
+    float exposure;
+    int width;
+    int height;
+} u;
+layout(binding = 1) uniform sampler2D radiance_image;  // W/(m2 sr)
+layout(binding = 2, rgba32f) uniform writeonly image2D display_image;
+
+// Hable 2010.
+float filmic_curve(float x) {
+    precise float y =
+        (x * (0.15 * x + 0.05) + 0.004) / (x * (0.15 * x + 0.5) + 0.06) - 0.0666666701;
+    return y;
+}
+
+float tone_curve(int op, float value) {
+    precise float x = min(max(value, 0.0), 1e10);
+    precise float y = min(x, 1.0);
+    if (op == 1) y = 1.0 - det_exp(-x);
+    if (op == 2) y = x / (1.0 + x);
+    if (op == 3) y = filmic_curve(x + x) / filmic_curve(11.2);
+    return y;
+}
+
+float srgb_encode(float value) {
+    precise float c = min(max(value, 0.0), 1.0);
+    precise float curve = 1.055 * det_pow(c, 0.416666657) - 0.055;
+    precise float line = 12.92 * c;
+    return c <= 0.0031308 ? line : min(curve, 1.0);
+}
+
+vec3 tonemap(ivec2 pixel) {
+    vec3 radiance = texelFetch(radiance_image, pixel, 0).xyz;
+    precise vec3 x = u.exposure * radiance;
+    vec3 mapped = vec3(tone_curve(u.op, x.x), tone_curve(u.op, x.y), tone_curve(u.op, x.z));
+    return vec3(srgb_encode(mapped.x), srgb_encode(mapped.y), srgb_encode(mapped.z));
+}
+
+void main() {
+    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    if (pixel.x >= u.width || pixel.y >= u.height) return;
+    imageStore(display_image, pixel, vec4(tonemap(pixel), 1.0));
+}

@@ -1,0 +1,52 @@
+#version 450
+// Twin of direct_kernel.h: direct irradiance from point-like and directional lights.
+#extension GL_GOOGLE_include_directive : require
+#include "raster/light.glsl"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+
+layout(std140, binding = 0) uniform DirectUniforms {
+    int lights;
+    int width;
+    int height;
+} u;
+layout(binding = 1) uniform sampler2D position_image;         // xyz world, m
+layout(binding = 2) uniform sampler2D normal_image;           // xyz unit; all 0 where nothing is
+layout(std430, binding = 3) readonly buffer Lights { LightArgs lights[]; };
+layout(binding = 4) uniform sampler2DArray visibility_image;  // a layer a light: 1 lit, 0 shadowed
+layout(binding = 5, rgba32f) uniform writeonly image2D irradiance_image;
+
+vec3 direct(ivec2 pixel) {
+    vec3 x = texelFetch(position_image, pixel, 0).xyz;
+    vec3 n = texelFetch(normal_image, pixel, 0).xyz;
+
+    precise vec3 irradiance = vec3(0.0);
+    for (int k = 0; k < u.lights; ++k) {
+        LightArgs light = lights[k];
+        vec3 axis = light.direction;
+        precise vec3 e;
+        if (light.directional > 0.0) {
+            precise float cos_theta = max(0.0, -(n.x * axis.x + n.y * axis.y + n.z * axis.z));
+            e = light.intensity * cos_theta;
+        } else {
+            precise vec3 v = light.position - x;
+            precise float d2 = v.x * v.x + v.y * v.y + v.z * v.z;
+            precise float inverse = 1.0 / sqrt(max(d2, 1e-37));
+            precise vec3 w = v * inverse;
+            precise float cos_theta = max(0.0, n.x * w.x + n.y * w.y + n.z * w.z);
+            precise float cos_axis = -(w.x * axis.x + w.y * axis.y + w.z * axis.z);
+            precise vec3 intensity = light_intensity(light, cos_axis);
+            precise float factor = cos_theta * inverse * inverse;
+            e = intensity * factor;
+        }
+        e = e * texelFetch(visibility_image, ivec3(pixel, k), 0).x;
+        irradiance += e;
+    }
+    return irradiance;
+}
+
+void main() {
+    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    if (pixel.x >= u.width || pixel.y >= u.height) return;
+    imageStore(irradiance_image, pixel, vec4(direct(pixel), 0.0));
+}

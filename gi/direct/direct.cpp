@@ -1,0 +1,149 @@
+#include "gi/direct/direct.h"
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "core/fp_environment.h"
+#include "core/parallel.h"
+#include "gi/direct/direct_rows.h"
+#include "raster/light_view.h"
+
+namespace plumb::direct {
+
+namespace {
+
+constexpr int band = 16;
+
+void require_equal_sizes(const char* stage, const Image4* position, const Image4* normal) {
+    if (!position || !normal) throw InputError(fmt::format("{}: position and normal must be bound", stage));
+    if (position->width != normal->width || position->height != normal->height)
+        throw InputError(fmt::format("{}: normal is {} x {}, position is {} x {}: expected equal sizes", stage,
+                                     normal->width, normal->height, position->width, position->height));
+}
+
+ShadowInputsView view_of(const ShadowParams& params, const ShadowInputs& in) {
+    require_equal_sizes("shadow", in.position, in.normal);
+    if (!in.rsm) throw InputError("shadow: rsm must be bound");
+    ShadowInputsView v{};
+    ShadowUniforms& u = v.u;
+    const raster::Rsm& rsm = *in.rsm;
+    const glm::dmat4 clip = rsm.view.world_to_clip();
+    for (int c = 0; c < 4; ++c) {
+        u.to_texel_x[c] = float((clip[c][0] + clip[c][3]) * (0.5 * rsm.size));
+        u.to_texel_y[c] = float((clip[c][1] + clip[c][3]) * (0.5 * rsm.size));
+        u.to_texel_w[c] = float(clip[c][3]);
+    }
+    for (int c = 0; c < 3; ++c) u.eye[c] = float(rsm.view.eye[c]), u.forward[c] = float(rsm.view.forward[c]);
+    u.least_w = 1e-6f;
+    u.footprint_scale = rsm.view.orthographic ? 0 : float(rsm.texel_scale);
+    u.footprint_base = rsm.view.orthographic ? float(rsm.texel_scale) : 0;
+    u.bias = params.bias;
+    u.slope_bias = params.slope_bias;
+    u.max_slope = params.max_slope;
+    u.perspective = rsm.view.orthographic ? 0 : 1;
+    u.size = rsm.size;
+    u.width = in.position->width;
+    u.height = in.position->height;
+    v.position = &in.position->data()->x;
+    v.normal = &in.normal->data()->x;
+    v.map_position = &rsm.position.data()->x;
+    return v;
+}
+
+DirectInputsView view_of(const DirectInputs& in, const std::vector<raster::LightArgs>& lights) {
+    require_equal_sizes("direct", in.position, in.normal);
+    if (!in.visibility || in.visibility->size() != lights.size() * in.position->size())
+        throw InputError(fmt::format("direct: visibility has {} values: expected {} lights of {} pixels",
+                                     in.visibility ? in.visibility->size() : 0, lights.size(), in.position->size()));
+    DirectInputsView v{};
+    v.u = {int(lights.size()), in.position->width, in.position->height, 0};
+    v.position = &in.position->data()->x;
+    v.normal = &in.normal->data()->x;
+    v.lights = lights.data();
+    v.visibility = in.visibility->data();
+    return v;
+}
+
+std::vector<raster::LightArgs> args_of(const DirectInputs& in) {
+    std::vector<raster::LightArgs> args;
+    for (const Light& light : *in.lights) args.push_back(raster::light_args(light));
+    return args;
+}
+
+}  // namespace
+
+std::vector<Field> fields(ShadowParams& p) {
+    return {
+        {"bias", &p.bias, "m", "constant part of the depth bias; ours", 0, unbounded, {}, true},
+        {"slope_bias", &p.slope_bias, "texels", "part that follows the surface's slope; 0.71 is exact, 1 is ours", 0, 64,
+         {}, true},
+        {"max_slope", &p.max_slope, "", "limit of that slope: 16 is a surface at 86 degrees to the light", 0, 1e6, {},
+         true},
+    };
+}
+
+void run(const ShadowParams& params, const ShadowInputs& in, const RunOptions& options, float* visibility) {
+    ShadowParams copy = params;
+    validate_fields("shadow", fields(copy));
+    ShadowInputsView view = view_of(params, in);
+    view.visibility = visibility;
+    dispatch(options.isa, [&](auto isa) {
+        parallel_bands(in.position->height, band, options,
+                       [&](int first, int last) { Rows<isa()>::shadow(view, first, last); });
+    });
+}
+
+std::vector<TapValue> explain(const ShadowParams& params, const ShadowInputs& in, glm::ivec2 pixel) {
+    FpEnvironment environment;
+    Recorder recorder;
+    shadow<float>(view_of(params, in), pixel.x, pixel.y, recorder);
+    return recorder.values;
+}
+
+StageInfo shadow_info() {
+    ShadowParams defaults;
+    StageInfo s;
+    s.name = "shadow";
+    s.source = "VRSM Algorithm 4, one texel";
+    s.inputs = {{"position", "image rgba32f", "m", "world-space position of the shading points"},
+                {"normal", "image rgba32f", "", "unit normal of the shading points"},
+                {"rsm.position", "image rgba32f", "m", "w: linear light-space depth; 0 where nothing is"}};
+    s.outputs = {{"visibility", "image r32f", "", "1 lit, 0 shadowed"}};
+    s.params = describe(fields(defaults));
+    s.twin = "gi/direct/shadow.comp";
+    return s;
+}
+
+void run(const DirectInputs& in, const RunOptions& options, Image4& irradiance) {
+    const std::vector<raster::LightArgs> lights = args_of(in);
+    DirectInputsView view = view_of(in, lights);
+    irradiance = Image4(in.position->width, in.position->height);
+    view.irradiance = &irradiance.data()->x;
+    dispatch(options.isa, [&](auto isa) {
+        parallel_bands(irradiance.height, band, options,
+                       [&](int first, int last) { Rows<isa()>::direct(view, first, last); });
+    });
+}
+
+std::vector<TapValue> explain(const DirectInputs& in, glm::ivec2 pixel) {
+    const std::vector<raster::LightArgs> lights = args_of(in);
+    FpEnvironment environment;
+    Recorder recorder;
+    direct<float>(view_of(in, lights), pixel.x, pixel.y, recorder);
+    return recorder.values;
+}
+
+StageInfo direct_info() {
+    StageInfo s;
+    s.name = "direct";
+    s.source = "the rendering equation for point-like lights; LRA 4.4";
+    s.inputs = {{"position", "image rgba32f", "m", "world-space position of the shading points"},
+                {"normal", "image rgba32f", "", "unit normal of the shading points"},
+                {"lights", "buffer LightArgs", "W/sr, W/m2", "the lights that are on"},
+                {"visibility", "image array r32f", "", "a layer a light: 1 lit, 0 shadowed"}};
+    s.outputs = {{"irradiance", "image rgba32f", "W/m2", "direct irradiance"}};
+    s.twin = "gi/direct/direct.comp";
+    return s;
+}
+
+}  // namespace plumb::direct

@@ -1,0 +1,43 @@
+// The stages shadow and direct: which lights a point sees, and the irradiance they send. See gi/direct/README.md.
+#pragma once
+
+#include <vector>
+
+#include "core/image.h"
+#include "core/isa.h"
+#include "core/scene.h"
+#include "core/stage.h"
+#include "core/tap.h"
+#include "raster/rsm.h"
+
+namespace plumb::direct {
+
+struct ShadowParams {
+    float bias = 0.001f;
+    float slope_bias = 1;
+    float max_slope = 16;
+};
+std::vector<Field> fields(ShadowParams& params);
+
+struct ShadowInputs {
+    const Image4* position = nullptr;  // xyz world, m
+    const Image4* normal = nullptr;    // xyz unit; all 0 where nothing is
+    const raster::Rsm* rsm = nullptr;  // its position.w is the depth map
+};
+// visibility: [height][width] floats, 1 lit, 0 shadowed.
+void run(const ShadowParams& params, const ShadowInputs& inputs, const RunOptions& options, float* visibility);
+std::vector<TapValue> explain(const ShadowParams& params, const ShadowInputs& inputs, glm::ivec2 pixel);
+StageInfo shadow_info();
+
+struct DirectInputs {
+    const Image4* position = nullptr;
+    const Image4* normal = nullptr;
+    const std::vector<Light>* lights = nullptr;
+    const Buffer<float>* visibility = nullptr;  // [lights][height][width]
+};
+// irradiance: W/m2 in xyz.
+void run(const DirectInputs& inputs, const RunOptions& options, Image4& irradiance);
+std::vector<TapValue> explain(const DirectInputs& inputs, glm::ivec2 pixel);
+StageInfo direct_info();
+
+}  // namespace plumb::direct

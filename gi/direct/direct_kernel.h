@@ -1,0 +1,67 @@
+// Direct irradiance from point-like and directional lights: the algorithm that direct.comp mirrors line by line.
+//
+//     E = sum over lights  V  I(w) max(0, n . w) / |y - x|^2          spot, point: y the light, w the direction to it
+//     E = sum over lights  V  E_perp max(0, -n . direction)           directional
+#pragma once
+
+#include "core/number.h"
+#include "raster/light_kernel.h"
+
+namespace plumb::direct {
+
+// The twin's uniform block (std140).
+struct DirectUniforms {
+    std::int32_t lights;
+    std::int32_t width, height;
+    std::int32_t padding;
+};
+static_assert(sizeof(DirectUniforms) == 16);
+
+struct DirectInputsView {
+    DirectUniforms u;
+    const float* position;            // [height][width] rgba32f: xyz world, m
+    const float* normal;              // [height][width] rgba32f: xyz unit; all 0 where nothing is
+    const raster::LightArgs* lights;  // [lights]
+    const float* visibility;          // [lights][height][width]: 1 lit, 0 shadowed
+    float* irradiance;                // [height][width] rgba32f, out: W/m2
+};
+
+template <class F, class Tap>
+PLUMB_INLINE vec3<F> direct(const DirectInputsView& in, index_t<F> px, index_t<F> py, Tap& tap) {
+    using N = number<F>;
+    using I = index_t<F>;
+    const I pixel = py * I(in.u.width) + px;
+    const vec3<F> x = xyz<F>(N::fetch4(in.position, pixel));        tap("x", x, "world, m");
+    const vec3<F> n = xyz<F>(N::fetch4(in.normal, pixel));          tap("n", n);
+
+    vec3<F> irradiance{F(0.0f), F(0.0f), F(0.0f)};
+    for (int k = 0; k < in.u.lights; ++k) {
+        tap.sample(k);
+        const raster::LightArgs& light = in.lights[k];
+        const vec3<F> axis{F(light.direction[0]), F(light.direction[1]), F(light.direction[2])};
+        vec3<F> e;
+        if (light.directional > 0.0f) {
+            const F cos_theta = max(F(0.0f), -dot3(n, axis));       tap("cos_theta", cos_theta, "-n . direction");
+            e = vec3<F>{F(light.intensity[0]), F(light.intensity[1]), F(light.intensity[2])} * cos_theta;
+        } else {
+            const vec3<F> v{F(light.position[0]) - x.x, F(light.position[1]) - x.y, F(light.position[2]) - x.z};
+            const F inverse = F(1.0f) / sqrt(max(dot3(v, v), F(1e-37f)));
+            const vec3<F> w = v * inverse;                          tap("w", w, "direction to the light");
+            const F cos_theta = max(F(0.0f), dot3(n, w));           tap("cos_theta", cos_theta, "n . w");
+            const vec3<F> intensity = raster::light_intensity(light, -dot3(w, axis));
+            tap("intensity", intensity, "I(w), W/sr");
+            e = intensity * (cos_theta * inverse * inverse);
+        }
+        const F visibility = N::fetch(in.visibility, I(k * in.u.width * in.u.height) + pixel);
+        tap("visibility", visibility, "VRSM Algorithm 4");
+        e = e * visibility;                                         tap("E", e, "V I(w) max(0, n.w) / d^2, W/m2");
+        irradiance.x += e.x;
+        irradiance.y += e.y;
+        irradiance.z += e.z;
+    }
+    tap.sample(-1);
+    tap("irradiance", irradiance, "sum over lights, W/m2");
+    return irradiance;
+}
+
+}  // namespace plumb::direct

@@ -1,0 +1,92 @@
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "gi/frame/frame.h"
+#include "raster/light_view.h"
+
+namespace plumb::frame {
+
+namespace {
+
+void require_inside(const std::string& label, glm::ivec2 pixel, glm::ivec2 size) {
+    if (pixel.x < 0 || pixel.y < 0 || pixel.x >= size.x || pixel.y >= size.y)
+        throw InputError(fmt::format("explain: pixel {},{} is outside of {}, which is {} x {}", pixel.x, pixel.y, label,
+                                     size.x, size.y));
+}
+
+struct Explainer {
+    const Scene& scene;
+    const Settings& settings;
+    const Frame& frame;
+    Geometry geometry;
+    raster::Surfaces surfaces;
+    std::vector<Light> lights;
+    glm::vec3 low{0}, high{0};
+
+    std::vector<TapValue> values(const PlannedStage& stage, glm::ivec2 pixel) const {
+        const raster::GBuffer& g = frame.gbuffer;
+        const int l = stage.light;
+        if (stage.name == "gbuffer") {
+            const View view = make_view(scene.camera, double(scene.frame_size.x) / scene.frame_size.y);
+            return raster::explain_gbuffer(geometry, surfaces, view, scene.frame_size, pixel);
+        }
+        if (stage.name == "rsm")
+            return raster::explain_rsm(geometry, surfaces, lights[l], raster::light_view(lights[l], low, high), pixel);
+        if (stage.name == "shadow")
+            return direct::explain(settings.shadow, {&g.position, &g.normal, &frame.rsms[l]}, pixel);
+        if (stage.name == "direct")
+            return direct::explain({&g.position, &g.normal, &lights, &frame.visibility}, pixel);
+        if (stage.name == "rsm.disc" || stage.name == "rsm.all") {
+            const rsm::Pattern pattern = rsm::disc_pattern(settings.rsm, frame.rsms[l].size, settings.seed);
+            return rsm::explain(settings.rsm, {&g.position, &g.normal, &frame.rsms[l], &pattern, settings.seed}, pixel);
+        }
+        if (stage.name == "compose")
+            return compose::explain(
+                {&g.normal, &g.albedo, &g.emission, &frame.direct, &frame.indirect, scene.environment.radiance}, pixel);
+        return compose::explain(settings.tonemap, frame.radiance, pixel);
+    }
+};
+
+}  // namespace
+
+std::vector<Explanation> explain(const Scene& scene, const Settings& settings, const Plan& plan, const Frame& frame,
+                                 const std::string& stage, int light, glm::ivec2 pixel) {
+    // Find the stages that are asked for.
+    std::vector<std::string> names;
+    for (const StageInfo& info : all_stages()) names.push_back(info.name);
+    if (!stage.empty() && std::find(names.begin(), names.end(), stage) == names.end())
+        throw InputError(fmt::format("explain: unknown stage '{}'; the nearest known one is '{}'", stage,
+                                     nearest_name(stage, names)));
+    std::vector<const PlannedStage*> chosen;
+    std::string left_out;
+    for (const PlannedStage& s : plan.stages) {
+        if (stage.empty() ? s.name == "rsm" : s.name != stage) continue;
+        if (light >= 0 && s.light >= 0 && s.light != light) continue;
+        if (!s.needed) {
+            left_out = s.reason;
+            continue;
+        }
+        chosen.push_back(&s);
+        if (!stage.empty()) break;
+    }
+    if (chosen.empty())
+        throw InputError(fmt::format("explain: {} does not run for this scene{}", stage.empty() ? "any stage" : stage,
+                                     left_out.empty() ? ": its method does not use it" : ": " + left_out));
+
+    Explainer explainer{scene, settings, frame, flatten(scene), {}, {}};
+    explainer.surfaces = raster::prepare(scene, explainer.geometry);
+    bounds(explainer.geometry, explainer.low, explainer.high);
+    for (Light l : scene.lights) {
+        if (!l.on) l.intensity = glm::vec3(0);
+        explainer.lights.push_back(l);
+    }
+    std::vector<Explanation> explanations;
+    for (const PlannedStage* s : chosen) {
+        const int side = s->name == "rsm" ? frame.rsms[s->light].size : 0;
+        require_inside(s->label, pixel, side ? glm::ivec2(side) : scene.frame_size);
+        explanations.push_back({s->label, pixel, explainer.values(*s, pixel)});
+    }
+    return explanations;
+}
+
+}  // namespace plumb::frame

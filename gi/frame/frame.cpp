@@ -1,0 +1,123 @@
+#include "gi/frame/frame.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+
+#include "core/error.h"
+#include "core/fp_environment.h"
+#include "raster/light_view.h"
+
+namespace plumb::frame {
+
+namespace {
+
+template <class T>
+std::size_t bytes_of(const Image<T>& image) {
+    return image.size() * sizeof(T);
+}
+std::size_t bytes_of(const raster::GBuffer& g) {
+    return bytes_of(g.position) + bytes_of(g.normal) + bytes_of(g.albedo) + bytes_of(g.emission) + bytes_of(g.depth) +
+           bytes_of(g.id);
+}
+std::size_t bytes_of(const raster::Rsm& r) {
+    return bytes_of(r.position) + bytes_of(r.normal) + bytes_of(r.flux) + r.records.size() * sizeof(float) +
+           r.half_records.size() * sizeof(Half);
+}
+
+// A G-buffer that sees nothing: what the pass would write for an empty scene.
+raster::GBuffer nothing_seen(glm::ivec2 size, bool reversed_z) {
+    raster::GBuffer g;
+    g.position = g.normal = g.albedo = g.emission = Image4(size.x, size.y);
+    g.depth = Image1(size.x, size.y, reversed_z ? 0.0f : 1.0f);
+    g.id = Image<glm::ivec2>(size.x, size.y, glm::ivec2(-1));
+    return g;
+}
+
+// A light that does not shine has no intensity: running its stages adds zeros.
+Light shining(Light light) {
+    if (!light.on) light.intensity = glm::vec3(0);
+    return light;
+}
+
+void add(Image4& sum, const Image4& term) {
+    for (std::size_t i = 0; i < sum.size(); ++i) sum.texels[i] += term.texels[i];
+}
+
+}  // namespace
+
+Frame execute(const Scene& scene, const Settings& settings, const Plan& plan, const RunOptions& given,
+              const Progress& progress) {
+    FpEnvironment environment;
+    const Geometry geometry = flatten(scene);
+    const raster::Surfaces surfaces = raster::prepare(scene, geometry);
+    const glm::ivec2 size = scene.frame_size;
+    const std::size_t pixels = std::size_t(size.x) * size.y;
+    glm::vec3 low(0), high(0);
+    bounds(geometry, low, high);
+
+    Frame f;
+    f.gbuffer = nothing_seen(size, scene.camera.reversed_z);
+    f.rsms.resize(scene.lights.size());
+    f.visibility.assign(scene.lights.size() * pixels, 1.0f);
+    f.direct = f.indirect = Image4(size.x, size.y);
+    std::vector<Light> lights;
+    for (const Light& light : scene.lights) lights.push_back(shining(light));
+
+    for (const PlannedStage& stage : plan.stages) {
+        StageRun run{stage.label, stage.needed, stage.reason};
+        if (!stage.needed) {
+            f.stages.push_back(run);
+            continue;
+        }
+        RunOptions options = given;
+        if (progress) {
+            progress(stage.label, 0);
+            options.progress = [&](double done) { progress(stage.label, done); };
+        }
+        const auto start = std::chrono::steady_clock::now();
+        const int l = stage.light;
+        if (stage.name == "gbuffer") {
+            const View view = make_view(scene.camera, double(size.x) / size.y);
+            raster::draw_gbuffer(geometry, surfaces, view, size, settings.layout, options, f.gbuffer);
+            run.bytes = bytes_of(f.gbuffer);
+        } else if (stage.name == "rsm") {
+            raster::draw_rsm(geometry, surfaces, lights[l], raster::light_view(lights[l], low, high), settings.layout,
+                             options, f.rsms[l]);
+            run.bytes = bytes_of(f.rsms[l]);
+        } else if (stage.name == "shadow") {
+            direct::run(settings.shadow, {&f.gbuffer.position, &f.gbuffer.normal, &f.rsms[l]}, options,
+                        f.visibility.data() + l * pixels);
+            run.bytes = pixels * sizeof(float);
+        } else if (stage.name == "direct") {
+            direct::run({&f.gbuffer.position, &f.gbuffer.normal, &lights, &f.visibility}, options, f.direct);
+            run.bytes = bytes_of(f.direct);
+        } else if (stage.name == "rsm.disc" || stage.name == "rsm.all") {
+            const rsm::Pattern pattern = rsm::disc_pattern(settings.rsm, f.rsms[l].size, settings.seed);
+            Image4 irradiance;
+            rsm::run(settings.rsm, {&f.gbuffer.position, &f.gbuffer.normal, &f.rsms[l], &pattern, settings.seed},
+                     options, irradiance);
+            add(f.indirect, irradiance);
+            run.bytes = bytes_of(irradiance);
+        } else if (stage.name == "compose") {
+            compose::run({&f.gbuffer.normal, &f.gbuffer.albedo, &f.gbuffer.emission, &f.direct, &f.indirect,
+                          scene.environment.radiance},
+                         options, f.radiance);
+            run.bytes = bytes_of(f.radiance);
+        } else {
+            compose::run(settings.tonemap, f.radiance, options, f.display);
+            run.bytes = bytes_of(f.display);
+        }
+        run.ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+        f.stages.push_back(run);
+    }
+    return f;
+}
+
+std::vector<StageInfo> all_stages() {
+    return {raster::info_gbuffer(), raster::info_rsm(), direct::shadow_info(),   rsm::info_disc(),
+            rsm::info_all(),        direct::direct_info(), compose::compose_info(), compose::tonemap_info()};
+}
+
+}  // namespace plumb::frame

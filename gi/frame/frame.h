@@ -1,0 +1,80 @@
+// The frame: which stages a scene needs, their order, and their buffers.
+//
+//     Scene + Settings --plan--> Plan --execute--> Frame
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "core/scene.h"
+#include "core/stage.h"
+#include "core/tap.h"
+#include "gi/frame/settings.h"
+#include "raster/gbuffer.h"
+#include "raster/rsm.h"
+
+namespace plumb::frame {
+
+struct PlannedStage {
+    std::string name;      // of the kind of stage: "gbuffer", "rsm", "shadow", "direct", "rsm.disc", "rsm.all", ...
+    int light = -1;        // index into Scene::lights, for a stage that runs once a light
+    std::string label;     // as people read it: "rsm.disc (key)"
+    bool needed = true;
+    std::string reason;    // why it is needed, or why it is left out
+    double work = 0;       // how often its inner loop runs: pixels, triangles, samples
+    std::string work_unit;
+    double expected_ms = 0;  // on one core with AVX-512, from the benchmark's figures; an order of magnitude
+};
+
+struct Plan {
+    std::vector<PlannedStage> stages;  // in the order in which they run
+};
+
+// A pure function of what it is given. Leaves out what cannot change the picture: a light that is off, black or shines
+// away from everything, gathers where nothing reflects, everything where the scene is empty. Throws InputError for what
+// this version cannot render.
+Plan plan(const Scene& scene, const Settings& settings);
+
+struct StageRun {
+    std::string label;
+    bool needed = true;
+    std::string reason;
+    double ms = 0;
+    std::size_t bytes = 0;  // of its output
+};
+
+struct Frame {
+    raster::GBuffer gbuffer;
+    std::vector<raster::Rsm> rsms;  // a light each; size 0 where none was needed
+    Buffer<float> visibility;       // [lights][height][width]
+    Image4 direct, indirect;        // irradiance, W/m2
+    Image4 radiance;                // outgoing, W/(m2 sr)
+    Image4 display;                 // sRGB-encoded, 0..1
+    std::vector<StageRun> stages;
+};
+
+// Called before each stage and while it runs: its label and the share that is done.
+using Progress = std::function<void(const std::string& label, double done)>;
+
+// The picture does not depend on the options.
+Frame execute(const Scene& scene, const Settings& settings, const Plan& plan, const RunOptions& options,
+              const Progress& progress = {});
+
+// One stage's values at one pixel (for stage "rsm": a texel of the light's map).
+struct Explanation {
+    std::string stage;  // label
+    glm::ivec2 pixel{0};
+    std::vector<TapValue> values;
+};
+
+// Every named value of `stage` at `pixel`, from a frame that was executed. light: index into Scene::lights, or -1 for
+// the first that the plan needs. An empty stage: all stages of the frame at that pixel, in order. Throws InputError for
+// an unknown stage (naming the nearest), a stage that the plan leaves out, or a pixel outside the image.
+std::vector<Explanation> explain(const Scene& scene, const Settings& settings, const Plan& plan, const Frame& frame,
+                                 const std::string& stage, int light, glm::ivec2 pixel);
+
+// Every stage that exists, in the order of a frame: the rows of `plumb stages`.
+std::vector<StageInfo> all_stages();
+
+}  // namespace plumb::frame

@@ -1,0 +1,96 @@
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "gi/frame/frame.h"
+#include "raster/light_view.h"
+
+namespace plumb::frame {
+
+namespace {
+
+// Milliseconds for a million turns of a stage's inner loop on one core with AVX-512, measured by `tools/bench`
+// on a 2.x GHz server core. They order stages by cost; they promise nothing.
+constexpr double ms_pixels = 60, ms_shadow = 8, ms_direct = 6, ms_disc = 4.2, ms_all = 0.55,
+                 ms_compose = 5, ms_tonemap = 25;
+
+bool black(const glm::vec3& v) { return !(v.x > 0 || v.y > 0 || v.z > 0); }
+
+// Why a light cannot change the picture; empty if it may.
+std::string why_dark(const Light& light, const glm::vec3& low, const glm::vec3& high) {
+    if (!light.on) return "the light is off";
+    if (black(light.intensity)) return "the light is black";
+    if (light.type != LightType::spot) return "";
+    // A spot of half angle below 90 degrees lights nothing when every corner of the scene's bounds lies behind it.
+    for (int corner = 0; corner < 8; ++corner) {
+        const glm::vec3 p(corner & 1 ? high.x : low.x, corner & 2 ? high.y : low.y, corner & 4 ? high.z : low.z);
+        if (dot3(p - light.position, light.direction) > 0) return "";
+    }
+    return "everything lies behind the light";
+}
+
+// Why no surface can pass light on; empty if one may.
+std::string why_nothing_reflects(const Scene& scene, const Geometry& geometry) {
+    for (std::int32_t m : geometry.material)
+        if (!black(scene.materials[m].reflectance)) return "";
+    return "nothing reflects";
+}
+
+struct Planner {
+    const Scene& scene;
+    const Settings& settings;
+    Plan plan;
+
+    void add(const char* name, int light, double work, const char* unit, double ms_per_million, const std::string& why,
+             const std::string& why_not) {
+        PlannedStage s;
+        s.name = name;
+        s.light = light;
+        s.label = light < 0 ? name : fmt::format("{} ({})", name, scene.lights[light].name);
+        s.needed = why_not.empty() || !settings.pruning;
+        s.reason = why_not.empty() ? why : settings.pruning ? why_not : "pruning is off: " + why_not;
+        s.work = work;
+        s.work_unit = unit;
+        s.expected_ms = s.needed ? work * 1e-6 * ms_per_million : 0;
+        plan.stages.push_back(std::move(s));
+    }
+};
+
+}  // namespace
+
+Plan plan(const Scene& scene, const Settings& settings) {
+    for (const Light& light : scene.lights)
+        if (light.type == LightType::point)
+            throw InputError(fmt::format("{}: light '{}' is a point light: expected spot or directional; point lights "
+                                         "need six shadow maps, which come with a later version",
+                                         scene.name, light.name));
+    const Geometry geometry = flatten(scene);
+    glm::vec3 low(0), high(0);
+    const bool empty = !bounds(geometry, low, high);
+    const std::string nothing = empty ? "the scene is empty" : "";
+    const double pixels = double(scene.frame_size.x) * scene.frame_size.y;
+    const double triangles = double(geometry.triangles.size());
+    const std::string no_bounce = empty ? nothing : why_nothing_reflects(scene, geometry);
+
+    Planner planner{scene, settings, {}};
+    planner.add("gbuffer", -1, triangles + pixels, "triangles + pixels", ms_pixels,
+                "every later stage reads it", nothing);
+    for (int l = 0; l < int(scene.lights.size()); ++l) {
+        const Light& light = scene.lights[l];
+        const std::string dark = empty ? nothing : why_dark(light, low, high);
+        const double texels = double(light.rsm_size) * light.rsm_size;
+        planner.add("rsm", l, triangles + texels, "triangles + texels", ms_pixels, "shadow and gather read it", dark);
+        planner.add("shadow", l, pixels, "pixels", ms_shadow, "direct light reads it", dark);
+        if (settings.method != Method::rsm) continue;
+        const bool disc = settings.rsm.gather == rsm::Gather::disc;
+        planner.add(disc ? "rsm.disc" : "rsm.all", l, pixels * (disc ? settings.rsm.samples : texels),
+                    disc ? "samples" : "texel pairs", disc ? ms_disc : ms_all, "indirect light of this light",
+                    dark.empty() ? no_bounce : dark);
+    }
+    planner.add("direct", -1, pixels * double(scene.lights.size()), "pixels x lights", ms_direct, "direct light",
+                !empty && scene.lights.empty() ? "there is no light" : nothing);
+    planner.add("compose", -1, pixels, "pixels", ms_compose, "the picture", "");
+    planner.add("tonemap", -1, pixels, "pixels", ms_tonemap, "the picture", "");
+    return std::move(planner.plan);
+}
+
+}  // namespace plumb::frame

@@ -1,0 +1,53 @@
+#include "gi/frame/settings.h"
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+
+namespace plumb::frame {
+
+namespace {
+
+// One word out of a list, as an enumeration counts it.
+template <class E>
+E parse_choice(const char* key, const std::vector<std::string>& choices, const std::string& name,
+               const std::string& place) {
+    E value{};
+    Field field{key, as_int(value), "", "", 0, 0, choices};
+    set_field(field, name, place);
+    return value;
+}
+
+}  // namespace
+
+std::vector<std::string> method_tables() { return {"rsm", "shadow", "tonemap"}; }
+
+std::vector<Field> table_fields(Settings& s, const std::string& table, const std::string& place) {
+    if (table == "rsm") return rsm::fields(s.rsm);
+    if (table == "shadow") return direct::fields(s.shadow);
+    if (table == "tonemap") return compose::fields(s.tonemap);
+    throw InputError(fmt::format("{}: unknown table [{}]; the nearest known one is [{}]", place, table,
+                                 nearest_name(table, method_tables())));
+}
+
+Method parse_method(const std::string& name, const std::string& place) {
+    return parse_choice<Method>("method", {"direct", "rsm"}, name, place);
+}
+
+raster::Layout parse_layout(const std::string& name, const std::string& place) {
+    return parse_choice<raster::Layout>("layout", {"fp32", "rgba16f"}, name, place);
+}
+
+Settings settings_of(const Scene& scene) {
+    Settings s;
+    s.seed = scene.seed;
+    s.method = parse_method(scene.method, scene.name + ": [render]");
+    s.layout = parse_layout(scene.layout, scene.name + ": [render]");
+    for (const Setting& setting : scene.settings) {
+        std::vector<Field> fields = table_fields(s, setting.table, setting.place);
+        set_field(find_field(fields, setting.key, setting.place), setting.value, setting.place);
+    }
+    return s;
+}
+
+}  // namespace plumb::frame

@@ -1,0 +1,40 @@
+// What a frame is rendered with: the parameters of every stage, by the names of scene files and `plumb stages`.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/scene.h"
+#include "gi/compose/compose.h"
+#include "gi/direct/direct.h"
+#include "gi/rsm/gather.h"
+#include "raster/layout.h"
+
+namespace plumb::frame {
+
+enum class Method : int { direct, rsm };
+
+struct Settings {
+    Method method = Method::rsm;
+    raster::Layout layout = raster::Layout::fp32;
+    rsm::GatherParams rsm;
+    direct::ShadowParams shadow;
+    compose::TonemapParams tonemap;
+    std::uint32_t seed = 1;
+    bool pruning = true;  // false: every stage runs, needed or not; the picture is the same
+};
+
+// The tables of a scene file that hold parameters: "rsm", "shadow", "tonemap".
+std::vector<std::string> method_tables();
+
+// The parameters of one table; throws InputError at `place` for a table that does not exist.
+std::vector<Field> table_fields(Settings& settings, const std::string& table, const std::string& place);
+
+// [render] method, layout; throws InputError at `place`.
+Method parse_method(const std::string& name, const std::string& place);
+raster::Layout parse_layout(const std::string& name, const std::string& place);
+
+// Defaults, then what the scene file sets, in its order.
+Settings settings_of(const Scene& scene);
+
+}  // namespace plumb::frame

@@ -1,0 +1,190 @@
+#include "gi/rsm/gather.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <type_traits>
+
+#include "core/error.h"
+#include "core/host_math.h"
+#include "core/fp_environment.h"
+#include "core/parallel.h"
+#include "gi/rsm/gather_rows.h"
+
+namespace plumb::rsm {
+
+std::vector<Field> fields(GatherParams& p) {
+    return {
+        {"gather", as_int(p.gather), "", "which texels of the map are gathered", 0, 1, {"disc", "all"}, false},
+        {"variant", as_int(p.variant), "",
+         "corrected, or the weights and constants as printed: xi1^2 and no 1/pi (LRA 4.3.3, VRSM (3.2))", 0, 1,
+         {"corrected", "published"}, false},
+        {"samples", &p.samples, "", "samples of the disc: VRSM names 400, LRA 200", 1, 65536, {}, true},
+        {"radius", &p.radius, "map sides", "radius of the disc; 0.3 is ours", 1e-6, 16, {}, false},
+        {"rotations", &p.rotations, "", "rotations of the pattern, chosen per pixel by hash; a power of two, 1 = none", 1,
+         4096, {}, true},
+        {"sequence", as_int(p.sequence), "", "where xi1 and xi2 come from", 0, 2, {"hammersley", "r2", "random"}, false},
+        {"projection", as_int(p.projection), "",
+         "plain, or clamped to the map, so that points outside it gather from its border (ours)", 0, 1,
+         {"plain", "clamped"}, false},
+        {"min_distance", &p.min_distance, "m", "floor of |x - x_p|; 0 is off", 0, unbounded, {}, true},
+    };
+}
+
+void validate(const GatherParams& params, const GatherInputs& in) {
+    GatherParams copy = params;
+    const std::string stage = params.gather == Gather::disc ? "rsm.disc" : "rsm.all";
+    validate_fields(stage, fields(copy));
+    auto require = [&](bool good, const std::string& cause) {
+        if (!good) throw InputError(stage + ": " + cause);
+    };
+    require((params.rotations & (params.rotations - 1)) == 0,
+            fmt::format("rotations = {}: expected a power of two", params.rotations));
+    require(in.position && in.normal && in.rsm, "position, normal and rsm must be bound");
+    require(in.position->width == in.normal->width && in.position->height == in.normal->height,
+            fmt::format("normal is {} x {}, position is {} x {}: expected equal sizes", in.normal->width,
+                        in.normal->height, in.position->width, in.position->height));
+    require(in.rsm->size >= 1 && in.rsm->size <= 32767,
+            fmt::format("the map's side is {} texels: expected 1 to 32767", in.rsm->size));
+    if (params.gather == Gather::all) return;
+    require(in.pattern != nullptr, "pattern must be bound");
+    require(in.pattern->samples == params.samples && in.pattern->rotations == params.rotations,
+            fmt::format("pattern has {} samples by {} rotations: expected {} by {}", in.pattern->samples,
+                        in.pattern->rotations, params.samples, params.rotations));
+    require(double(params.radius) * in.rsm->size < 32767,
+            fmt::format("radius = {} of {} texels: whole-texel offsets end at 32767", params.radius, in.rsm->size));
+}
+
+namespace {
+
+// Fills the kernel's view of the inputs. The projection is composed in double and rounded once.
+template <class Component>
+GatherInputsView<Component> view_of(const GatherParams& params, const GatherInputs& in, const Component* records) {
+    GatherInputsView<Component> v{};
+    GatherUniforms& u = v.u;
+    const int size = in.rsm->size;
+    const glm::dmat4 clip = in.rsm->view.world_to_clip();
+    for (int c = 0; c < 4; ++c) {
+        // texel = (clip / w * 1/2 + 1/2) * size, so its row is (clip row + w row) * size / 2
+        u.to_texel_x[c] = float((clip[c][0] + clip[c][3]) * (0.5 * size));
+        u.to_texel_y[c] = float((clip[c][1] + clip[c][3]) * (0.5 * size));
+        u.to_texel_w[c] = float(clip[c][3]);
+    }
+    const bool clamped = params.projection == Projection::clamped;
+    u.least_w = 1e-6f;
+    u.projection_low = clamped ? 0.0f : -1048576.0f;
+    u.projection_high = clamped ? float(size) - 0.5f : 1048576.0f;
+    // Below 1e-37 m2 the inverse would overflow.
+    u.least_distance2 = std::max(params.min_distance * params.min_distance, 1e-37f);
+    u.scale = params.variant == Variant::published ? 1.0f : float(1 / host::pi);
+    u.size = size;
+    u.samples = params.samples;
+    u.rotations = params.rotations;
+    u.width = in.position->width;
+    u.height = in.position->height;
+    u.seed = in.seed;
+    v.position = &in.position->data()->x;
+    v.normal = &in.normal->data()->x;
+    v.records = records;
+    if (in.pattern) v.offsets = in.pattern->offsets.data(), v.weights = in.pattern->weights.data();
+    return v;
+}
+
+// The map's records as floats: widening a half is exact.
+Buffer<float> widened(const Buffer<Half>& halves) {
+    Buffer<float> floats(halves.size());
+    for (std::size_t i = 0; i < halves.size(); ++i) floats[i] = half_to_float(halves[i]);
+    return floats;
+}
+
+// One lane over the whole image: F is double (the truth of a stability report).
+template <class F, class Component>
+vec3<F> one_pixel(const GatherParams& params, const GatherInputsView<Component>& in, int x, int y) {
+    NoTap tap;
+    if constexpr (std::is_same_v<Component, float>)
+        if (params.gather == Gather::all) return gather_all<F>(in, x, y, tap);
+    return gather_disc<F>(in, x, y, tap);
+}
+
+}  // namespace
+
+void run(const GatherParams& params, const GatherInputs& in, const RunOptions& options, Image4& irradiance) {
+    validate(params, in);
+    irradiance = Image4(in.position->width, in.position->height);
+    const int band = params.gather == Gather::all ? 1 : 16;
+    auto shade = [&](auto view, auto rows) {
+        view.irradiance = &irradiance.data()->x;
+        parallel_bands(irradiance.height, band, options, [&](int first, int last) { rows(view, first, last); });
+    };
+    dispatch(options.isa, [&](auto isa) {
+        if (params.gather == Gather::all) {
+            const Buffer<float> floats = in.rsm->half ? widened(in.rsm->half_records) : Buffer<float>();
+            const float* records = in.rsm->half ? floats.data() : in.rsm->records.data();
+            shade(view_of(params, in, records), GatherRows<isa(), float>::all);
+        } else if (in.rsm->half) {
+            shade(view_of(params, in, in.rsm->half_records.data()), GatherRows<isa(), Half>::disc);
+        } else {
+            shade(view_of(params, in, in.rsm->records.data()), GatherRows<isa(), float>::disc);
+        }
+    });
+}
+
+void run_double(const GatherParams& params, const GatherInputs& in, const RunOptions& options,
+                Image<glm::dvec4>& irradiance) {
+    validate(params, in);
+    irradiance = Image<glm::dvec4>(in.position->width, in.position->height);
+    const Buffer<float> floats = in.rsm->half ? widened(in.rsm->half_records) : in.rsm->records;
+    const auto view = view_of(params, in, floats.data());
+    parallel_bands(irradiance.height, 1, options, [&](int first, int last) {
+        for (int y = first; y < last; ++y)
+            for (int x = 0; x < irradiance.width; ++x)
+                irradiance(x, y) = glm::dvec4(one_pixel<double>(params, view, x, y), 0);
+    });
+}
+
+std::vector<TapValue> explain(const GatherParams& params, const GatherInputs& in, glm::ivec2 pixel) {
+    validate(params, in);
+    const Buffer<float> floats = in.rsm->half ? widened(in.rsm->half_records) : in.rsm->records;
+    const auto view = view_of(params, in, floats.data());
+    FpEnvironment environment;
+    Recorder recorder;
+    if (params.gather == Gather::all)
+        gather_all<float>(view, pixel.x, pixel.y, recorder);
+    else
+        gather_disc<float>(view, pixel.x, pixel.y, recorder);
+    return recorder.values;
+}
+
+namespace {
+
+StageInfo info(Gather gather) {
+    GatherParams defaults;
+    defaults.gather = gather;
+    StageInfo s;
+    s.inputs = {
+        {"position", "image rgba32f", "m", "world-space position of the shading points"},
+        {"normal", "image rgba32f", "", "unit normal of the shading points"},
+        {"rsm", "records rsm", "", "reflective shadow map: position m, normal, flux W"},
+    };
+    s.outputs = {{"irradiance", "image rgba32f", "W/m2", "indirect irradiance, one bounce"}};
+    s.params = describe(fields(defaults));
+    if (gather == Gather::all) {
+        s.name = "rsm.all";
+        s.source = "VRSM (3.2), summed over every texel";
+        s.twin = "gi/rsm/gather_all.comp";
+        return s;
+    }
+    s.name = "rsm.disc";
+    s.source = "Dachsbacher and Stamminger 2005; LRA 4.3.3; VRSM (3.2)";
+    s.inputs.push_back({"offsets", "buffer i32", "texels", "[samples][rotations] whole-texel offsets, 16 bits each"});
+    s.inputs.push_back({"weights", "buffer f32", "texels", "[samples] texels that a sample stands for"});
+    s.twin = "gi/rsm/gather.comp";
+    return s;
+}
+
+}  // namespace
+
+StageInfo info_disc() { return info(Gather::disc); }
+StageInfo info_all() { return info(Gather::all); }
+
+}  // namespace plumb::rsm

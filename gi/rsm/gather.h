@@ -1,0 +1,69 @@
+// The stages rsm.disc and rsm.all: indirect irradiance from one light's reflective shadow map. See gi/rsm/README.md.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/image.h"
+#include "core/isa.h"
+#include "core/stage.h"
+#include "core/tap.h"
+#include "raster/rsm.h"
+
+namespace plumb::rsm {
+
+enum class Gather : int { disc, all };
+enum class Variant : int { corrected, published };
+enum class Sequence : int { hammersley, r2, random };
+enum class Projection : int { plain, clamped };
+
+struct GatherParams {
+    Gather gather = Gather::disc;
+    Variant variant = Variant::corrected;
+    int samples = 400;
+    float radius = 0.3f;
+    int rotations = 64;
+    Sequence sequence = Sequence::hammersley;
+    Projection projection = Projection::plain;
+    float min_distance = 0;
+};
+std::vector<Field> fields(GatherParams& params);
+
+// A sample pattern around the projection of the shading point, as the kernel binds it.
+struct Pattern {
+    int samples = 0, rotations = 0;
+    Buffer<std::int32_t> offsets;  // [samples][rotations]: whole texels, dx in the lower 16 bits, dy in the upper 16
+    Buffer<float> weights;         // [samples]: texels that a sample stands for
+};
+
+// The disc pattern of `params` for a map of map_size texels a side, made in double precision: xi1, xi2 from the sequence,
+// offset = round(r (xi1 sin 2 pi (xi2 + i / rotations), xi1 cos ...)). Weight 2 pi r^2 xi1 / N; published: xi1^2, scaled
+// so that a constant is integrated exactly.
+Pattern disc_pattern(const GatherParams& params, int map_size, std::uint32_t seed);
+
+struct GatherInputs {
+    const Image4* position = nullptr;  // xyz world, m
+    const Image4* normal = nullptr;    // xyz unit; all 0 where there is no surface
+    const raster::Rsm* rsm = nullptr;
+    const Pattern* pattern = nullptr;  // disc only
+    std::uint32_t seed = 1;            // of the choice of rotation
+};
+
+// Throws InputError that names the input or parameter at fault.
+void validate(const GatherParams& params, const GatherInputs& inputs);
+
+// irradiance: W/m2 in xyz, w = 0; the size of `position`. Allocates the result, nothing else per pixel.
+void run(const GatherParams& params, const GatherInputs& inputs, const RunOptions& options, Image4& irradiance);
+
+// The same in double precision from the same inputs, on one lane: the truth that float is held against.
+void run_double(const GatherParams& params, const GatherInputs& inputs, const RunOptions& options,
+                Image<glm::dvec4>& irradiance);
+
+// Every named value of one invocation, in the order in which the kernel computes them.
+std::vector<TapValue> explain(const GatherParams& params, const GatherInputs& inputs, glm::ivec2 pixel);
+
+StageInfo info_disc();
+StageInfo info_all();
+
+}  // namespace plumb::rsm

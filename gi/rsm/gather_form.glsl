@@ -1,0 +1,30 @@
+// What gather.comp and gather_all.comp share: the uniform block and VRSM (3.2), as in gather_kernel.h.
+
+struct GatherUniforms {
+    vec4 to_texel_x;
+    vec4 to_texel_y;
+    vec4 to_texel_w;
+    float least_w;
+    float projection_low;
+    float projection_high;
+    float least_distance2;
+    float scale;
+    int size;
+    int samples;
+    int rotations;
+    int width;
+    int height;
+    uint seed;
+    int padding;
+};
+
+// The geometry of VRSM (3.2), everything but the flux: 1/m2.
+float form(vec3 x, vec3 n, vec3 x_p, vec3 n_p, float least_distance2) {
+    precise vec3 d = x_p - x;
+    precise float d2 = d.x * d.x + d.y * d.y + d.z * d.z;
+    precise float cos_p = max(0.0, -(n_p.x * d.x + n_p.y * d.y + n_p.z * d.z));
+    precise float cos_x = max(0.0, n.x * d.x + n.y * d.y + n.z * d.z);
+    precise float inverse = 1.0 / max(d2, least_distance2);
+    precise float form = (cos_p * inverse) * (cos_x * inverse);
+    return form;
+}

@@ -1,0 +1,154 @@
+// One-bounce indirect irradiance from a reflective shadow map: the algorithm that gather.comp and gather_all.comp mirror
+// line by line.
+//
+// Every texel p of the map is a small diffuse light at x_p with normal n_p that reflects the flux Phi_p. It sends to the
+// shading point x with normal n the irradiance
+//
+//     E_p = Phi_p / pi  max(0, n_p . (x - x_p)) max(0, n . (x_p - x)) / |x - x_p|^4                       VRSM (3.2)
+//
+// differs: the printed equation has no 1/pi (variant `published`).
+#pragma once
+
+#include "core/hash.h"
+#include "core/number.h"
+
+namespace plumb::rsm {
+
+// The twins' uniform block, member by member (std140). The host fills it in gather.cpp.
+struct GatherUniforms {
+    float to_texel_x[4];    // rows of world -> texel: x_texel = (to_texel_x . (x, 1)) / (to_texel_w . (x, 1))
+    float to_texel_y[4];
+    float to_texel_w[4];
+    float least_w;          // m, > 0: points behind the light project far outside the map, on their own side
+    float projection_low;   // the projection is held within [low, high] texels: the map's own range when `clamped`,
+    float projection_high;  //   far outside of it when `plain`
+    float least_distance2;  // m2: the floor of |x - x_p|^2
+    float scale;            // 1/pi; published: 1
+    std::int32_t size;      // texels a side of the map
+    std::int32_t samples;
+    std::int32_t rotations; // a power of two
+    std::int32_t width;     // of the image of shading points
+    std::int32_t height;
+    std::uint32_t seed;
+    std::int32_t padding;
+};
+static_assert(sizeof(GatherUniforms) == 96);
+
+// One invocation's inputs. Component is float or Half: the storage of the map's records.
+template <class Component>
+struct GatherInputsView {
+    GatherUniforms u;
+    const float* position;        // [height][width] rgba32f: xyz world, m
+    const float* normal;          // [height][width] rgba32f: xyz unit
+    const Component* records;     // [size][size] records: position, normal, flux W
+    const std::int32_t* offsets;  // [samples][rotations]: whole texels, dx in the lower 16 bits, dy in the upper 16
+    const float* weights;         // [samples]: texels that a sample stands for
+    float* irradiance;            // [height][width] rgba32f, out: W/m2
+};
+
+// The geometry of VRSM (3.2), everything but the flux: 1/m2. Dividing twice by d^2 keeps the range of a float, where d^4
+// would overflow from 4e9 m and vanish below 1e-10 m.
+template <class F, class Tap>
+PLUMB_INLINE F form(const vec3<F>& x, const vec3<F>& n, const vec3<F>& x_p, const vec3<F>& n_p, F least_distance2,
+                    Tap& tap) {
+    const vec3<F> d = x_p - x;
+    const F d2 = dot3(d, d);                                      tap("d2", d2);
+    const F cos_p = max(F(0.0f), -dot3(n_p, d));                  tap("cos_p", cos_p, "VRSM (3.2): max(0, n_p.(x - x_p)), m");
+    const F cos_x = max(F(0.0f), dot3(n, d));                     tap("cos_x", cos_x, "VRSM (3.2): max(0, n.(x_p - x)), m");
+    const F inverse = F(1.0f) / max(d2, least_distance2);
+    const F form = (cos_p * inverse) * (cos_x * inverse);         tap("form", form, "VRSM (3.2): cos_p cos_x / d^4, 1/m2");
+    return form;
+}
+
+// The texel that x projects to: the one rounding that decides which samples are read.
+template <class F, class Tap>
+PLUMB_INLINE ivec2<index_t<F>> project(const GatherUniforms& u, const vec3<F>& x, Tap& tap) {
+    auto row = [&](const float* m) { return F(m[0]) * x.x + F(m[1]) * x.y + F(m[2]) * x.z + F(m[3]); };
+    const F w = max(F(u.least_w), row(u.to_texel_w));
+    const F low(u.projection_low), high(u.projection_high);
+    const vec2<F> texel{clamp(row(u.to_texel_x) / w, low, high), clamp(row(u.to_texel_y) / w, low, high)};
+    tap("projection", texel, "x projected to the map, texels");
+    return {number<F>::truncate_to_index(floor(texel.x)), number<F>::truncate_to_index(floor(texel.y))};
+}
+
+// The disc gather (Dachsbacher and Stamminger 2005; LRA 4.3.3): N samples around the projection of x, each with the
+// number of texels that it stands for.
+//
+// differs: samples are whole texels away from the one rounded projection, from a table of rotations; LRA computes each
+// sample's position and rounds it. LRA's listing also takes the receiver's normal in both cosines.
+template <class F, class Component, class Tap>
+PLUMB_INLINE vec3<F> gather_disc(const GatherInputsView<Component>& in, index_t<F> px, index_t<F> py, Tap& tap) {
+    using N = number<F>;
+    using I = index_t<F>;
+    const GatherUniforms& u = in.u;
+    const I pixel = py * I(u.width) + px;
+    const vec3<F> x = xyz<F>(N::fetch4(in.position, pixel));      tap("x", x, "world, m");
+    const vec3<F> n = xyz<F>(N::fetch4(in.normal, pixel));        tap("n", n);
+    const ivec2<I> centre = project<F>(u, x, tap);                tap("centre", centre, "texel of the projection");
+    const I hash = pixel_hash(px, py, I(0), I(std::int32_t(u.seed))).x;
+    const I rotation = shift_right(hash, 16) & I(u.rotations - 1);
+    tap("rotation", rotation, "row of the table of offsets");
+
+    vec3<F> sum{F(0.0f), F(0.0f), F(0.0f)};
+    for (int k = 0; k < u.samples; ++k) {
+        tap.sample(k);
+        const I offset = N::fetch(in.offsets, rotation + I(k * u.rotations));
+        const ivec2<I> texel{centre.x + ((offset << 16) >> 16), centre.y + (offset >> 16)};
+        tap("texel", texel, "LRA 4.3.3: p + r (xi1 sin 2 pi xi2, xi1 cos 2 pi xi2)");
+
+        // A sample outside the map contributes nothing, and the divisor stays.
+        const mask_t<F> inside = (texel.x >= I(0)) & (texel.x < I(u.size)) & (texel.y >= I(0)) & (texel.y < I(u.size));
+        const Record<F> p = N::fetch_record(in.records, select(inside, texel.y * I(u.size) + texel.x, I(0)));
+        const vec3<F> x_p = xyz<F>(p.a), n_p = xyz<F>(p.b), flux = xyz<F>(p.c);
+        const F weight = select(inside, F(in.weights[k]), F(0.0f));
+        tap("x_p", x_p, "world, m");
+        tap("n_p", n_p);
+        tap("flux", flux, "Phi_p, W");
+        tap("weight", weight, "texels: 2 pi r^2 xi1 / N; published: xi1^2, normalised");
+
+        const F g = form(x, n, x_p, n_p, F(u.least_distance2), tap) * weight;
+        sum.x += flux.x * g;
+        sum.y += flux.y * g;
+        sum.z += flux.z * g;                                      tap("sum", sum, "sum so far of weight Phi_p form, W/m2");
+    }
+    tap.sample(-1);
+    const vec3<F> irradiance = sum * F(u.scale);                  tap("irradiance", irradiance, "E = sum / pi, W/m2");
+    return irradiance;
+}
+
+// Every texel of the map, without visibility: what the disc gather estimates. Rows are summed one by one and then added,
+// so that the error grows with the map's side, not with its area.
+template <class F, class Tap>
+PLUMB_INLINE vec3<F> gather_all(const GatherInputsView<float>& in, index_t<F> px, index_t<F> py, Tap& tap) {
+    using N = number<F>;
+    using I = index_t<F>;
+    const GatherUniforms& u = in.u;
+    const I pixel = py * I(u.width) + px;
+    const vec3<F> x = xyz<F>(N::fetch4(in.position, pixel));      tap("x", x, "world, m");
+    const vec3<F> n = xyz<F>(N::fetch4(in.normal, pixel));        tap("n", n);
+
+    vec3<F> sum{F(0.0f), F(0.0f), F(0.0f)};
+    for (int row = 0; row < u.size; ++row) {
+        vec3<F> row_sum{F(0.0f), F(0.0f), F(0.0f)};
+        for (int column = 0; column < u.size; ++column) {
+            const int texel = row * u.size + column;              tap.sample(texel);
+            const float* p = in.records + record_stride * std::ptrdiff_t(texel);
+            const vec3<F> x_p{F(p[0]), F(p[1]), F(p[2])}, n_p{F(p[4]), F(p[5]), F(p[6])}, flux{F(p[8]), F(p[9]), F(p[10])};
+            tap("x_p", x_p, "world, m");
+            tap("n_p", n_p);
+            tap("flux", flux, "Phi_p, W");
+            const F g = form(x, n, x_p, n_p, F(u.least_distance2), tap);
+            row_sum.x += flux.x * g;
+            row_sum.y += flux.y * g;
+            row_sum.z += flux.z * g;                              tap("row_sum", row_sum, "sum over this row of Phi_p form, W/m2");
+        }
+        sum.x += row_sum.x;
+        sum.y += row_sum.y;
+        sum.z += row_sum.z;                                       tap("sum", sum, "sum over the rows so far, W/m2");
+    }
+    tap.sample(-1);
+    const vec3<F> irradiance = sum * F(u.scale);                  tap("irradiance", irradiance, "E = sum / pi, W/m2");
+    return irradiance;
+}
+
+}  // namespace plumb::rsm

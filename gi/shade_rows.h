@@ -1,0 +1,42 @@
+// The loop that every image kernel shares: rows of pixels, a packet of lanes at a time. Only kernel files include it.
+#pragma once
+
+#include "core/tap.h"
+#include "core/wide.h"
+
+namespace plumb {
+
+// Calls kernel(px, py, tap) for the pixels of rows [first, last) of an image `width` pixels wide and stores its vec3 in
+// `out` (rgba32f, w = `w`). Lanes beyond the row repeat its last pixel and are not stored. Packets go down the columns of
+// the band, so that a tile about as high as it is wide shares what it reads.
+template <class Kernel>
+PLUMB_INLINE void shade_rows(int width, int first, int last, float* out, float w, Kernel kernel) {
+    using F = PLUMB_ISA::Real;
+    using N = number<F>;
+    using I = index_t<F>;
+    for (int x = 0; x < width; x += N::width) {
+        const I px = min(N::iota(x), I(width - 1));
+        for (int y = first; y < last; ++y) {
+            NoTap tap;
+            const vec3<F> value = kernel(px, I(y), tap);
+            N::store4(out, I(y * width) + px, vec4<F>(value, F(w)), N::iota(x) < I(width));
+        }
+    }
+}
+
+// The same for a kernel whose value is one number, stored in an r32f image.
+template <class Kernel>
+PLUMB_INLINE void shade_rows_scalar(int width, int first, int last, float* out, Kernel kernel) {
+    using F = PLUMB_ISA::Real;
+    using N = number<F>;
+    using I = index_t<F>;
+    for (int x = 0; x < width; x += N::width) {
+        const I px = min(N::iota(x), I(width - 1));
+        for (int y = first; y < last; ++y) {
+            NoTap tap;
+            N::store(out, I(y * width) + px, kernel(px, I(y), tap), N::iota(x) < I(width));
+        }
+    }
+}
+
+}  // namespace plumb

@@ -1,0 +1,151 @@
+// Direct light and hard shadows against closed forms.
+#include <catch2/catch.hpp>
+
+#include "core/host_math.h"
+#include "gi/direct/direct.h"
+#include "rsm_scenes.h"
+
+using namespace plumb;
+using namespace plumb::test;
+
+namespace {
+
+glm::vec4 irradiance_at(const Light& light, glm::vec3 x, glm::vec3 n, float visibility = 1) {
+    const Points point(x, n);
+    const std::vector<Light> lights{light};
+    const Buffer<float> visible{visibility};
+    Image4 e;
+    direct::run({&point.position, &point.normal, &lights, &visible}, {}, e);
+    return e(0, 0);
+}
+
+Light isotropic(glm::vec3 position, float intensity) {
+    Light light;
+    light.type = LightType::point;
+    light.position = position;
+    light.intensity = glm::vec3(intensity);
+    return light;
+}
+
+// A spot at the origin that looks along -z at an occluder of depth 1 covering x < 0, before a wall at depth 2.
+raster::Rsm half_occluded(int size) {
+    raster::Rsm map = empty_map(size);
+    map.view.forward = {0, 0, -1};
+    map.view.view_to_clip = glm::dmat4(0);
+    map.view.view_to_clip[0][0] = 1;
+    map.view.view_to_clip[1][1] = -1;
+    map.view.view_to_clip[3][2] = 1;
+    map.view.view_to_clip[2][3] = -1;
+    map.texel_scale = 2.0 / size;
+    map.position = Image4(size, size, glm::vec4(0, 0, 0, 2));
+    for (int y = 0; y < size; ++y)
+        for (int x = 0; x < size / 2; ++x) map.position(x, y).w = 1;
+    return map;
+}
+
+float visibility_at(const raster::Rsm& map, glm::vec3 x, glm::vec3 n, direct::ShadowParams params = {}) {
+    const Points point(x, n);
+    float visibility = -1;
+    direct::run(params, {&point.position, &point.normal, &map}, {}, &visibility);
+    return visibility;
+}
+
+}  // namespace
+
+TEST_CASE("direct: isotropic lamp over a floor, E = P / (4 pi) h / (h^2 + r^2)^(3/2)", "[direct][analytic]") {
+    const double power = 10, h = 1.5;
+    const Light lamp = isotropic({0, float(h), 0}, float(power / (4 * host::pi)));
+    for (double r : {0.0, 0.5, 1.0, 3.0, 20.0}) {
+        const double d2 = h * h + r * r;
+        const double exact = power / (4 * host::pi) * h / (d2 * std::sqrt(d2));
+        CHECK(irradiance_at(lamp, {float(r), 0, 0}, {0, 1, 0}).x == Approx(exact).epsilon(1e-6).margin(0));
+    }
+}
+
+TEST_CASE("direct: a spot is full inside its inner cone, nothing outside the outer, half in between", "[direct][analytic]") {
+    Light spot;
+    spot.position = {0, 1, 0};
+    spot.cone_inner_deg = 30, spot.cone_outer_deg = 50;
+    spot.intensity = {4, 2, 1};
+    // smoothstep is 1/2 where the cosine is half way between the two.
+    const double cosine = (host::cos(30 * host::pi / 180) + host::cos(50 * host::pi / 180)) / 2;
+    const double r = std::sqrt(1 / (cosine * cosine) - 1);
+    const glm::vec4 half = irradiance_at(spot, {float(r), 0, 0}, {0, 1, 0});
+    CHECK(half.x == Approx(4 * 0.5 * cosine * cosine * cosine).epsilon(1e-5));
+    CHECK(half.y == Approx(half.x / 2).epsilon(1e-6));
+    CHECK(irradiance_at(spot, {0, 0, 0}, {0, 1, 0}).x == Approx(4).epsilon(1e-6));
+    CHECK(irradiance_at(spot, {2, 0, 0}, {0, 1, 0}).x == 0);
+    CHECK(irradiance_at(spot, {0, 2, 0}, {0, -1, 0}).x == 0);
+}
+
+TEST_CASE("direct: a directional light gives E_perp cos theta; shadow and horizon give nothing", "[direct][analytic]") {
+    Light sun;
+    sun.type = LightType::directional;
+    sun.direction = {0.6f, -0.8f, 0};
+    sun.intensity = {100, 50, 25};
+    CHECK(irradiance_at(sun, {5, 5, 5}, {0, 1, 0}).x == Approx(80).epsilon(1e-6));
+    CHECK(irradiance_at(sun, {5, 5, 5}, {0, 1, 0}, 0).x == 0);
+    CHECK(irradiance_at(sun, {5, 5, 5}, {0, -1, 0}).x == 0);
+}
+
+TEST_CASE("direct: a point on the lamp stays finite", "[direct][extreme]") {
+    for (float d : {0.0f, 1e-30f, 1e-20f, 1e20f}) {
+        const glm::vec4 e = irradiance_at(isotropic({0, d, 0}, 1), {0, 0, 0}, {0, 1, 0});
+        CAPTURE(d, e.x);
+        CHECK(std::isfinite(e.x));
+    }
+}
+
+TEST_CASE("shadow: lit before the occluder, shadowed behind it, lit beside it", "[shadow][VRSM Algorithm 4]") {
+    const raster::Rsm map = half_occluded(64);
+    CHECK(visibility_at(map, {-0.5f, 0.1f, -1}, {0, 0, 1}) == 1);
+    CHECK(visibility_at(map, {-0.5f, 0.1f, -0.5f}, {0, 0, 1}) == 1);
+    CHECK(visibility_at(map, {-0.5f, 0.1f, -1.5f}, {0, 0, 1}) == 0);
+    CHECK(visibility_at(map, {0.5f, 0.1f, -1.5f}, {0, 0, 1}) == 1);
+    CHECK(visibility_at(map, {0.5f, 0.1f, -2}, {0, 0, 1}) == 1);
+    CHECK(visibility_at(map, {-9, 0.1f, -1.5f}, {0, 0, 1}) == 1);   // outside the map
+    CHECK(visibility_at(map, {-0.5f, 0.1f, 1.5f}, {0, 0, 1}) == 1);  // behind the light
+}
+
+TEST_CASE("shadow: bias decides at its value", "[shadow][VRSM Algorithm 4]") {
+    const raster::Rsm map = half_occluded(64);
+    direct::ShadowParams params;
+    params.slope_bias = 0;
+    params.bias = 0.1f;
+    CHECK(visibility_at(map, {-0.5f, 0.1f, -1.09f}, {0, 0, 1}, params) == 1);
+    CHECK(visibility_at(map, {-0.5f, 0.1f, -1.11f}, {0, 0, 1}, params) == 0);
+}
+
+TEST_CASE("shadow: a plane does not shadow itself, whatever its slope", "[shadow][acne]") {
+    // A plane through (0, 0, -2) whose depth changes by `slope` a metre sideways, seen by a map of 64 texels a side.
+    const int size = 64;
+    for (double slope : {0.0, 0.5, 1.0, 4.0}) {
+        raster::Rsm map = half_occluded(size);
+        auto depth = [&](double u, double v) { return 2 / (1 + slope * u + 0.3 * v); };  // along the ray (u, v, -1)
+        for (int y = 0; y < size; ++y)
+            for (int x = 0; x < size; ++x) {
+                const double u = (2 * x + 1.0) / size - 1, v = 1 - (2 * y + 1.0) / size;
+                const double d = depth(u, v);
+                map.position(x, y).w = d > 0 ? float(d) : 0;
+            }
+        // Its normal, in the space where the light looks along -z: 2 = -z + slope x + 0.3 y.
+        const glm::vec3 n = normalize3<float>(glm::vec3(float(-slope), -0.3f, 1));
+        int shadowed_with = 0, shadowed_without = 0, points = 0;
+        for (double v = -0.9; v < 0.9; v += 0.0137)
+            for (double u = -0.9; u < 0.9; u += 0.0131) {
+                const double d = depth(u, v);
+                if (d <= 0 || d > 20) continue;
+                const glm::vec3 x(float(u * d), float(v * d), float(-d));
+                direct::ShadowParams exact, none;
+                exact.bias = none.bias = 1e-6f;
+                none.slope_bias = 0;
+                exact.max_slope = 1e6f;
+                shadowed_with += visibility_at(map, x, n, exact) == 0;
+                shadowed_without += visibility_at(map, x, n, none) == 0;
+                ++points;
+            }
+        CAPTURE(slope, points);
+        CHECK(shadowed_with == 0);
+        CHECK(shadowed_without > points / 10);  // the bias is what prevents it
+    }
+}
