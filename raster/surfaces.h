@@ -2,18 +2,22 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "core/image.h"
 #include "core/scene.h"
+#include "core/stage.h"
+#include "core/view.h"
+#include "raster/surface_kernel.h"
 
 namespace plumb::raster {
 
 struct Surfaces {
-    Buffer<float> materials;               // [material][16]: reflectance rgb 0, emission rgb 0 (W/m2), padding
-    Buffer<std::int32_t> material_texture; // [material]: row of `textures`
-    Buffer<std::int32_t> textures;         // [texture][4]: first texel, width, height, 1 nearest | 2 sRGB
-    Buffer<std::int32_t> texels;           // RGBA8, red in the lowest byte
-    Buffer<float> decode;                  // [2][256]: byte / 255, and the exact sRGB curve, each rounded once
+    Buffer<float> materials;                // [material][16]: reflectance rgb 0, emission rgb 0 (W/m2), padding
+    Buffer<std::int32_t> material_texture;  // [material]: row of `textures`
+    Buffer<std::int32_t> textures;          // [texture][4]: first texel, width, height, 1 nearest | 2 sRGB
+    Buffer<std::int32_t> texels;            // RGBA8, red in the lowest byte
+    Buffer<float> decode;                   // [2][256]: byte / 255, and the exact sRGB curve, each rounded once
 };
 
 // Row 0 of `textures` is one white texel, for materials that have none; texture i of the scene is row i + 1. Throws
@@ -22,5 +26,11 @@ Surfaces prepare(const Scene& scene, const Geometry& geometry);
 
 // [2][256], as above.
 Buffer<float> decode_table();
+
+// What the kernels read. The arguments must outlive the result.
+SurfaceArgs surface_args(const Geometry& geometry, const Surfaces& surfaces, const View& view);
+
+// The same as a stage's inputs.
+std::vector<Port> surface_ports();
 
 }  // namespace plumb::raster

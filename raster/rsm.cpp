@@ -1,0 +1,135 @@
+#include "raster/rsm.h"
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "core/formats.h"
+#include "core/fp_environment.h"
+#include "core/parallel.h"
+#include "raster/light_view.h"
+#include "raster/resolve_rows.h"
+#include "raster/visibility.h"
+
+namespace plumb::raster {
+namespace {
+
+constexpr int band_rows = 16;
+
+void validate(const Light& light) {
+    if (light.type == LightType::point)
+        throw InputError(fmt::format("rsm: light \"{}\" is a point light: expected a spot or directional light",
+                                     light.name));
+    if (light.rsm_size < 1 || light.rsm_size > max_frame_side)
+        throw InputError(fmt::format("rsm: light \"{}\": rsm_size = {}: expected 1 to {} texels", light.name,
+                                     light.rsm_size, max_frame_side));
+}
+
+// The map's half side, at depth 1 m or in metres: what the projection divides by.
+double half_width(const View& view) { return 1 / view.view_to_clip[0][0]; }
+
+RsmArgs args_of(const Geometry& geometry, const Surfaces& surfaces, const Light& light, const View& view,
+                const VisibilityBuffer& visible) {
+    RsmArgs a{};
+    a.surfaces = surface_args(geometry, surfaces, view);
+    for (int c = 0; c < 3; ++c) a.eye[c] = float(view.eye[c]), a.forward[c] = float(view.forward[c]);
+    a.light = light_args(light);
+    a.texel_scale = float(2 * half_width(view) / light.rsm_size);
+    a.half_width = float(half_width(view));
+    a.size = light.rsm_size;
+    a.triangle = visible.triangle.data();
+    a.barycentrics = &visible.barycentrics.data()->x;
+    return a;
+}
+
+// Copies texels [first, last) into the records that a gather reads.
+void pack(Rsm& rsm, std::size_t first, std::size_t last) {
+    const Image4* images[3] = {&rsm.position, &rsm.normal, &rsm.flux};
+    for (std::size_t i = first; i < last; ++i)
+        for (int part = 0; part < 3; ++part)
+            for (int c = 0; c < 4; ++c) {
+                const std::size_t at = record_stride * i + std::size_t(4 * part + c);
+                const float value = images[part]->texels[i][c];
+                if (rsm.half)
+                    rsm.half_records[at] = float_to_half(value);
+                else
+                    rsm.records[at] = value;
+            }
+}
+
+}  // namespace
+
+void draw_rsm(const Geometry& geometry, const Surfaces& surfaces, const Light& light, const View& light_view,
+              Layout layout, const RunOptions& options, Rsm& out) {
+    validate(light);
+    RunOptions half = options;
+    if (options.progress) half.progress = [&](double share) { options.progress(0.5 * share); };
+    const int size = light.rsm_size;
+    const VisibilityBuffer visible = draw_visibility(geometry, light_view, {size, size}, half);
+    if (options.progress) half.progress = [&](double share) { options.progress(0.5 + 0.5 * share); };
+
+    out = Rsm{};
+    out.size = size;
+    out.view = light_view;
+    out.type = light.type;
+    out.half = layout == Layout::rgba16f;
+    out.texel_scale = 2 * half_width(light_view) / size;
+    for (Image4* image : {&out.position, &out.normal, &out.flux}) *image = Image4(size, size, glm::vec4(0));
+    const std::size_t components = std::size_t(size) * std::size_t(size) * record_stride;
+    if (out.half)
+        out.half_records.assign(components, Half{0});
+    else
+        out.records.assign(components, 0.0f);
+
+    RsmArgs args = args_of(geometry, surfaces, light, light_view, visible);
+    args.position = &out.position.data()->x;
+    args.normal = &out.normal.data()->x;
+    args.flux = &out.flux.data()->x;
+    dispatch(options.isa, [&](auto isa) {
+        parallel_bands(size, band_rows, half, [&](int first, int last) {
+            ResolveRows<isa()>::rsm(args, first, last);
+            const std::size_t begin = std::size_t(first) * std::size_t(size), end = std::size_t(last) * std::size_t(size);
+            if (out.half)
+                for (Image4* image : {&out.position, &out.normal, &out.flux})
+                    for (std::size_t i = begin; i < end; ++i) quantise(Format::rgba16f, image->texels[i]);
+            pack(out, begin, end);
+        });
+    });
+}
+
+std::vector<TapValue> explain_rsm(const Geometry& geometry, const Surfaces& surfaces, const Light& light,
+                                  const View& light_view, glm::ivec2 texel) {
+    validate(light);
+    RunOptions one;
+    one.threads = 1;
+    const VisibilityBuffer visible =
+        draw_visibility_rows(geometry, light_view, {light.rsm_size, light.rsm_size}, texel.y, texel.y + 1, one);
+    const std::int32_t triangle = visible.triangle(texel.x, texel.y);
+    FpEnvironment environment;
+    Recorder recorder;
+    if (triangle < 0) {
+        recorder("triangle", triangle, "nothing is seen");
+        return recorder.values;
+    }
+    recorder("object", geometry.object[std::size_t(triangle)]);
+    recorder("z", visible.depth(texel.x, texel.y), "of the depth buffer");
+    rsm<float>(args_of(geometry, surfaces, light, light_view, visible), texel.x, texel.y, triangle,
+               visible.barycentrics(texel.x, texel.y), recorder);
+    return recorder.values;
+}
+
+StageInfo info_rsm() {
+    StageInfo s;
+    s.name = "rsm";
+    s.source = "VRSM 4.2, LRA 4.2.2";
+    s.inputs = surface_ports();
+    s.outputs = {
+        {"position", "image rgba32f", "m", "world-space position; w: linear depth from the light"},
+        {"normal", "image rgba32f", "", "unit normal on the side that the light sees; w: 1 covered"},
+        {"flux", "image rgba32f", "W", "reflected flux of the texel"},
+        {"records", "records rsm", "", "the three of them, a texel a record"},
+    };
+    s.twin = "raster/rsm.frag";
+    return s;
+}
+
+}  // namespace plumb::raster
