@@ -10,7 +10,7 @@ namespace {
 // Sample k of N in the unit square.
 glm::dvec2 xi(Sequence sequence, int k, int n, std::uint32_t seed) {
     switch (sequence) {
-        case Sequence::hammersley: return {(k + 0.5) / n, van_der_corput(2, std::uint64_t(k))};
+        case Sequence::hammersley: return {(k + 0.5) / n, van_der_corput(std::uint64_t(k))};
         case Sequence::r2: return r2(std::uint64_t(k));
         case Sequence::random: break;
     }
