@@ -16,6 +16,8 @@ set(CMAKE_CXX_FLAGS_RELWITHDEBINFO "-O2 -g")
 
 option(PLUMB_SANITIZE "Build with the address and undefined-behaviour sanitizers" OFF)
 if(PLUMB_SANITIZE)
+  # Half the time to compile; traces keep their lines.
+  set(CMAKE_CXX_FLAGS_RELWITHDEBINFO "-O1 -g1")
   add_compile_options(-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer)
   add_link_options(-fsanitize=address,undefined)
 endif()
