@@ -106,8 +106,8 @@ PLUMB_INLINE FloatFloat<F> log2_of(F x) {
     // Sums the series, its first two coefficients to twice the precision.
     const FloatFloat<F> s2 = product(s, s);
     const F t = s2.hi;
-    const FloatFloat<F> inner =
-        sum_ordered(F(0.961796701f), t * (0.577077925f + t * (0.412210763f + t * (0.319850296f + t * 0.283621222f))));
+    const F tail = t * (0.577077925f + t * (0.412210763f + t * (0.319850296f + t * 0.283621222f)));
+    const FloatFloat<F> inner = sum_ordered(F(0.961796701f), tail);
     const FloatFloat<F> outer = product(s2, {inner.hi, inner.lo - 6.77034251e-09f});
     const FloatFloat<F> factor = sum_ordered(F(2.88539004f), outer.hi);
     const FloatFloat<F> log2_m = product(s, {factor.hi, factor.lo + (outer.lo + 3.85191328e-08f)});
@@ -255,8 +255,8 @@ PLUMB_INLINE Reduced<F> reduce(F magnitude) {
 template <class F>
 PLUMB_INLINE F sin_of(FloatFloat<F> r, FloatFloat<F> r2) {
     const F u = r2.hi;
-    const FloatFloat<F> inner =
-        sum_ordered(F(-0.166666672f), u * (0.00833333191f + u * (-0.000198400987f + u * 2.72511397e-06f)));
+    const F tail = u * (0.00833333191f + u * (-0.000198400987f + u * 2.72511397e-06f));
+    const FloatFloat<F> inner = sum_ordered(F(-0.166666672f), tail);
     const FloatFloat<F> bend = product(r, product(r2, {inner.hi, inner.lo + 4.99386843e-09f}));
     const FloatFloat<F> s = sum_ordered(r.hi, bend.hi);
     return s.hi + (s.lo + (bend.lo + r.lo));
