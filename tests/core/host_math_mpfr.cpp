@@ -156,6 +156,26 @@ TEST_CASE("host_math: pow errs by at most 0.51 ulp", "[host_math][mpfr]") {
     });
 }
 
+TEST_CASE("host_math: the table of 2/pi has the digits of 2/pi", "[host_math][mpfr]") {
+    mpfr_t digits;
+    mpfr_init2(digits, 2000);
+    mpfr_const_pi(digits, MPFR_RNDN);
+    mpfr_ui_div(digits, 2, digits, MPFR_RNDN);
+    CHECK(host::two_over_pi[0] == 0);
+    for (int word = 1; word < 20; ++word) {
+        std::uint64_t expected = 0;
+        for (int bit = 0; bit < 64; ++bit) {
+            mpfr_mul_2ui(digits, digits, 1, MPFR_RNDN);
+            const unsigned long digit = mpfr_get_ui(digits, MPFR_RNDZ);
+            mpfr_sub_ui(digits, digits, digit, MPFR_RNDN);
+            expected = expected << 1 | digit;
+        }
+        CAPTURE(word);
+        CHECK(host::two_over_pi[word] == expected);
+    }
+    mpfr_clear(digits);
+}
+
 TEST_CASE("host_math: the reduction by pi/2 uses the right digits at every exponent", "[host_math][mpfr]") {
     // The doubles nearest to multiples of pi/2 need the most digits: the closest of all is 6381956970095103 * 2^797.
     Errors errors;
