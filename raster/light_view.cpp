@@ -46,7 +46,7 @@ View spot_view(const Light& light, const glm::dvec3& low, const glm::dvec3& high
     camera.up = up_for(forward);
     camera.fov_y_deg = 2.0 * light.cone_outer_deg;
     camera.far = farthest > 0 ? farthest * 1.001 : 1;
-    camera.near = std::min(std::max(nearest * 0.999, camera.far * 1e-5), camera.far * 0.5);
+    camera.near = std::min(std::max(nearest * 0.999, camera.far * 1e-6), camera.far * 0.5);
     camera.reversed_z = true;
     View view = make_view(camera, 1);
     // The axes come from the direction itself: eye + forward has lost digits where the light is far from the origin.

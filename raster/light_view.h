@@ -11,7 +11,7 @@ namespace plumb::raster {
 
 // A spot sees through a square pyramid around its outer cone; a directional light through a box around the bounding
 // sphere of [low, high], so that every vertex is inside. Depth is reversed: a float then resolves the same share of the
-// distance everywhere. What is nearer to a spot than 1e-5 of its farthest point is cut off. Up is +Y, or +Z where the
+// distance everywhere. What is nearer to a spot than 1e-6 of its farthest point is cut off. Up is +Y, or +Z where the
 // light points within 2.6 degrees (cosine 0.999) of the vertical. Throws InputError for a point light (it needs six
 // views) and for a light whose cone or direction is unusable.
 View light_view(const Light& light, const glm::vec3& low, const glm::vec3& high);
