@@ -1,0 +1,48 @@
+#version 450
+// Twin of rsm_kernel.h: one texel of a reflective shadow map (VRSM 4.2, LRA 4.2.2).
+#extension GL_GOOGLE_include_directive : require
+#include "raster/light.glsl"
+#include "raster/surface.glsl"
+
+layout(std140, binding = 0) uniform RsmUniforms {
+    vec4 viewer;
+    vec3 eye;
+    vec3 forward;
+    LightArgs light;
+    float texel_scale;  // side of a texel: spot: at depth 1 m, m/m; directional: m
+    float half_width;   // half the map's side, in the same unit
+} u;
+
+layout(location = 0) flat in int triangle;
+layout(location = 1) in vec2 barycentrics;
+
+layout(location = 0) out vec4 position;  // w: linear depth from the light, m
+layout(location = 1) out vec4 normal;    // w: 1
+layout(location = 2) out vec4 flux;      // W
+
+// Power that the light sends through texel (px, py), W.
+vec3 texel_power(int px, int py) {
+    if (u.light.directional > 0.0) {
+        precise float area = u.texel_scale * u.texel_scale;
+        precise vec3 power = u.light.intensity * area;
+        return power;
+    }
+    precise float x = (float(px) + 0.5) * u.texel_scale - u.half_width;
+    precise float y = (float(py) + 0.5) * u.texel_scale - u.half_width;
+    precise float cos2 = 1.0 / (1.0 + (x * x + y * y));
+    precise float cosine = sqrt(cos2);
+    precise float dw = (u.texel_scale * u.texel_scale) * (cosine * cos2);
+    vec3 intensity = light_intensity(u.light, cosine);
+    precise vec3 power = intensity * dw;
+    return power;
+}
+
+void main() {
+    Surface s = surface(triangle, barycentrics, u.viewer);
+    float depth = linear_depth(u.eye, u.forward, s.position);
+    vec3 power = texel_power(int(gl_FragCoord.x), int(gl_FragCoord.y));
+    precise vec3 reflected = s.albedo * power;
+    position = vec4(s.position, depth);
+    normal = vec4(s.normal, 1.0);
+    flux = vec4(reflected, 0.0);
+}
