@@ -1,0 +1,195 @@
+// The plan leaves out what cannot change the picture, and nothing else.
+#include <catch2/catch.hpp>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+
+#include "core/error.h"
+#include "gi/frame/frame.h"
+
+using namespace plumb;
+
+namespace {
+
+// A quad from three corners; counter-clockwise seen from its front.
+void add_quad(Mesh& mesh, glm::vec3 a, glm::vec3 b, glm::vec3 d, int material) {
+    const glm::vec3 u = b - a, v = d - a;
+    const glm::vec3 n(u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x);
+    const unsigned first = unsigned(mesh.vertices.size());
+    for (glm::vec3 p : {a, b, b + v, d}) mesh.vertices.push_back({p, 0, normalize3<float>(n), 0});
+    mesh.triangles.push_back(glm::uvec3(first, first + 1, first + 2));
+    mesh.triangles.push_back(glm::uvec3(first, first + 2, first + 3));
+    mesh.material.insert(mesh.material.end(), 2, material);
+}
+
+// A floor, a red wall, a small block, a spot above and a sun.
+Scene small_scene() {
+    Scene s;
+    s.name = "small";
+    s.materials.resize(2);
+    s.materials[0].reflectance = {0.7f, 0.7f, 0.7f};
+    s.materials[1].reflectance = {0.6f, 0.1f, 0.1f};
+    s.materials[1].emission = {0.1f, 0, 0};
+    Mesh room;
+    add_quad(room, {-1, 0, 1}, {1, 0, 1}, {-1, 0, -1}, 0);
+    add_quad(room, {-1, 0, -1}, {1, 0, -1}, {-1, 2, -1}, 1);
+    add_quad(room, {-0.3f, 0.5f, 0.3f}, {0.3f, 0.5f, 0.3f}, {-0.3f, 0.5f, -0.3f}, 0);
+    s.meshes.push_back(room);
+    Light spot;
+    spot.name = "key";
+    spot.position = {0, 1.9f, 0.2f};
+    spot.intensity = glm::vec3(10);
+    spot.rsm_size = 32;
+    Light sun = spot;
+    sun.name = "sun";
+    sun.type = LightType::directional;
+    sun.direction = normalize3<float>(glm::vec3(0.3f, -1, -0.4f));
+    sun.intensity = glm::vec3(2);
+    s.lights = {spot, sun};
+    s.camera.position = {0, 1, 3.4};
+    s.camera.look_at = {0, 0.8, 0};
+    s.frame_size = {24, 18};
+    return s;
+}
+
+frame::Frame render(const Scene& scene, frame::Settings settings) {
+    return frame::execute(scene, settings, frame::plan(scene, settings), {});
+}
+
+void require_equal(const Image4& a, const Image4& b) {
+    REQUIRE(a.size() == b.size());
+    CHECK(std::memcmp(a.data(), b.data(), a.size() * sizeof(glm::vec4)) == 0);
+}
+
+// Renders with and without pruning, requires the same picture, and returns how many stages were left out.
+int left_out(const Scene& scene) {
+    frame::Settings settings = frame::settings_of(scene);
+    settings.rsm.samples = 16;
+    const frame::Frame pruned = render(scene, settings);
+    settings.pruning = false;
+    const frame::Frame whole = render(scene, settings);
+    require_equal(pruned.radiance, whole.radiance);
+    require_equal(pruned.display, whole.display);
+    int n = 0;
+    for (const frame::StageRun& s : pruned.stages) n += !s.needed;
+    for (const frame::StageRun& s : whole.stages) CHECK(s.needed);
+    return n;
+}
+
+}  // namespace
+
+TEST_CASE("frame: leaving out changes no bit, and each rule fires", "[frame][pruning]") {
+    Scene scene = small_scene();
+    SECTION("everything is needed") { CHECK(left_out(scene) == 0); }
+    SECTION("a light is off") {
+        scene.lights[0].on = false;
+        CHECK(left_out(scene) == 3);
+    }
+    SECTION("a light is black") {
+        scene.lights[1].intensity = glm::vec3(0);
+        CHECK(left_out(scene) == 3);
+    }
+    SECTION("everything lies behind the light") {
+        scene.lights[0].position = {0, 5, 0};
+        scene.lights[0].direction = {0, 1, 0};
+        CHECK(left_out(scene) == 3);
+    }
+    SECTION("nothing reflects") {
+        for (Material& m : scene.materials) m.reflectance = glm::vec3(0);
+        CHECK(left_out(scene) == 2);
+    }
+    SECTION("there is no light") {
+        scene.lights.clear();
+        CHECK(left_out(scene) == 1);
+    }
+    SECTION("the scene is empty") {
+        scene.meshes.clear();
+        scene.environment.radiance = {1, 2, 3};
+        CHECK(left_out(scene) == 8);
+    }
+}
+
+TEST_CASE("frame: a spot that just grazes the scene's bounds is not left out", "[frame][pruning]") {
+    Scene scene = small_scene();
+    scene.lights.resize(1);
+    scene.lights[0].position = {0, 1.99f, 0};
+    scene.lights[0].direction = {0, 1, 0};
+    CHECK(left_out(scene) == 0);
+    scene.lights[0].position = {0, 2, 0};
+    CHECK(left_out(scene) == 3);
+}
+
+TEST_CASE("frame: the picture is rho / pi (direct + indirect) + M / pi", "[frame]") {
+    const Scene scene = small_scene();
+    frame::Settings settings = frame::settings_of(scene);
+    settings.rsm.gather = rsm::Gather::all;
+    const frame::Frame f = render(scene, settings);
+    int lit = 0;
+    for (std::size_t i = 0; i < f.radiance.size(); ++i) {
+        const glm::vec4 rho = f.gbuffer.albedo.texels[i], m = f.gbuffer.emission.texels[i];
+        const double e = double(f.direct.texels[i].x) + f.indirect.texels[i].x;
+        CHECK(f.radiance.texels[i].x == Approx((rho.x * e + m.x) / 3.141592653589793).epsilon(1e-6).margin(1e-9));
+        lit += f.indirect.texels[i].x > 0;
+    }
+    CHECK(lit > int(f.radiance.size()) / 4);
+}
+
+TEST_CASE("frame: every stage of the plan can be explained, and its last values are the picture's", "[frame][explain]") {
+    const Scene scene = small_scene();
+    frame::Settings settings = frame::settings_of(scene);
+    settings.rsm.samples = 16;
+    const frame::Plan plan = frame::plan(scene, settings);
+    const frame::Frame f = frame::execute(scene, settings, plan, {});
+    const glm::ivec2 pixel(12, 14);
+    const std::vector<frame::Explanation> all = frame::explain(scene, settings, plan, f, "", -1, pixel);
+    REQUIRE(all.size() == 8);  // gbuffer; shadow and gather of two lights; direct, compose, tonemap
+    auto last = [&](const char* label) {
+        for (const frame::Explanation& e : all)
+            if (e.stage == label) return e.values.back().value;
+        return std::vector<double>{};
+    };
+    for (int c = 0; c < 3; ++c) {
+        CHECK(float(last("direct")[c]) == f.direct(12, 14)[c]);
+        CHECK(float(last("compose")[c]) == f.radiance(12, 14)[c]);
+        CHECK(float(last("tonemap")[c]) == f.display(12, 14)[c]);
+        CHECK(float(last("rsm.disc (key)")[c]) + float(last("rsm.disc (sun)")[c]) == f.indirect(12, 14)[c]);
+    }
+    CHECK(float(last("shadow (key)")[0]) == f.visibility[14 * 24 + 12]);
+
+    CHECK_THROWS_WITH(frame::explain(scene, settings, plan, f, "rsm.dsic", -1, pixel),
+                      "explain: unknown stage 'rsm.dsic'; the nearest known one is 'rsm.disc'");
+    CHECK_THROWS_WITH(frame::explain(scene, settings, plan, f, "compose", -1, {24, 0}),
+                      "explain: pixel 24,0 is outside of compose, which is 24 x 18");
+    CHECK_THROWS_AS(frame::explain(scene, settings, plan, f, "rsm.all", -1, pixel), InputError);
+}
+
+TEST_CASE("frame: every stage has a twin, a source, inputs, outputs and a method's README", "[frame][stages]") {
+    for (const StageInfo& stage : frame::all_stages()) {
+        CAPTURE(stage.name);
+        CHECK_FALSE(stage.source.empty());
+        CHECK_FALSE(stage.inputs.empty());
+        CHECK_FALSE(stage.outputs.empty());
+        CHECK(stage.budget.c <= 16);
+        const std::string twin = std::string(PLUMB_SOURCE_DIR) + "/" + stage.twin;
+        CHECK(std::ifstream(twin).good());
+        CHECK(std::ifstream(twin.substr(0, twin.rfind('/')) + "/README.md").good());
+        for (const ParamInfo& p : stage.params) CHECK_FALSE(p.meaning.empty());
+    }
+}
+
+TEST_CASE("frame: settings come from the scene file, and errors name the place", "[frame][settings]") {
+    Scene scene = small_scene();
+    scene.settings = {{"rsm", "samples", 25.0, "small.toml: line 3"}, {"tonemap", "exposure", 4.0, "small.toml: line 5"}};
+    const frame::Settings settings = frame::settings_of(scene);
+    CHECK(settings.rsm.samples == 25);
+    CHECK(settings.tonemap.exposure == 4);
+    scene.settings.push_back({"rsm", "sampels", 25.0, "small.toml: line 9"});
+    CHECK_THROWS_WITH(frame::settings_of(scene),
+                      "small.toml: line 9: unknown key 'sampels'; the nearest known one is 'samples'");
+    scene.settings.clear();
+    scene.method = "isr";
+    CHECK_THROWS_WITH(frame::settings_of(scene), "small: [render]: method = \"isr\": expected one of direct, rsm");
+    scene.method = "rsm";
+    scene.lights[0].type = LightType::point;
+    CHECK_THROWS_AS(frame::plan(scene, frame::settings_of(scene)), InputError);
+}
