@@ -8,7 +8,7 @@ target_compile_definitions(plumb_flags INTERFACE GLM_FORCE_INLINE GLM_FORCE_XYZW
 
 add_library(plumb_warnings INTERFACE)
 target_compile_options(plumb_warnings INTERFACE -Wall -Wextra -Wno-unknown-pragmas -Wno-ignored-attributes
-  $<$<CXX_COMPILER_ID:GNU>:-Wno-psabi>)
+  -Wno-psabi)
 
 # -O2 also where CMake's default would be -O3: one optimisation level, in every configuration that optimises.
 set(CMAKE_CXX_FLAGS_RELEASE "-O2 -DNDEBUG")
