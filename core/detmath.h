@@ -8,8 +8,8 @@
 // polynomials are minimax approximations with float coefficients, computed with Sollya's fpminimax; "to 2^-n" is their
 // error relative to the function. tests/core/detmath_mpfr.cpp measures the errors, against MPFR, over all floats:
 //
-//     worst error in units in the last place
-//     @TABLE@
+//     worst error in units in the last place     exp, exp2 0.64, pow 0.65 (0.79 for denormal results: they round twice)
+//                                                log, log2 0.501, sin, cos 0.56, acos 0.64
 //
 // Special values are those of C Annex F; sin and cos hold for arguments of any size. Which NaN comes out is not told.
 // Overloads: double goes to core/host_math.h, Bounded (core/detmath_bounded.h) computes its value as float does.

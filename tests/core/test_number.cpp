@@ -245,6 +245,10 @@ TEST_CASE("number: fused() is fma, also on ties, beside them, and for denormals"
                 a = float(h >> 40 & 4095), b = float(h & 4095), c = float(0x1000000 + 2 * (g & 0xfffff));
                 if (g >> 63) b += 0x1p-10f;
                 if (g >> 62 & 1) a = -a;
+                if (g >> 61 & 1) {  // less than a unit of double below a tie of odd c: 1 - x^2, x just below 2^-14
+                    const float x = float(512 - int(h % 100 + 1)) * 0x1p-23f;
+                    a = 1 + x, b = 1 - x;
+                }
                 break;
             case 2:  // near cancellation, and addends of any smaller size
                 a = 1 + float(h >> 40) * 0x1p-24f, b = 1 + float(h & 0xffffff) * 0x1p-24f, c = -a * b;
@@ -260,6 +264,6 @@ TEST_CASE("number: fused() is fma, also on ties, beside them, and for denormals"
         wrong += canonical(fused(a, b, c)) != canonical(expected);
     }
     CHECK(wrong == 0);
-    CHECK(ties > 50000);
+    CHECK(ties > 30000);
     CHECK(denormals > 100000);
 }
