@@ -17,9 +17,9 @@ double distance(const ClipVolume& volume, const glm::dvec4& p, int plane) {
     }
 }
 
-// Where the edge meets the plane, always seen from its inner end, so that both triangles of an edge find the same point.
-// The weighted sum keeps each component's relative error near 2^-53 where a + t (b - a) would cancel: products of two
-// floats are exact in double.
+// Where the edge meets the plane, always seen from its inner end, so that both triangles of an edge find the same
+// point. The weighted sum keeps each component's relative error near 2^-53 where a + t (b - a) would cancel: products
+// of two floats are exact in double.
 ClipVertex meet(const ClipVertex& inner, double inner_distance, const ClipVertex& outer, double outer_distance) {
     const double range = inner_distance - outer_distance;
     ClipVertex v;
@@ -72,7 +72,8 @@ bool inside(const ClipVolume& volume, const glm::vec4& corner) {
 ClipPolygon clip(const ClipVolume& volume, const glm::vec4 corners[3]) {
     ClipPolygon polygon;
     polygon.count = 3;
-    for (int i = 0; i < 3; ++i) polygon.vertices[i] = {glm::dvec4(corners[i]), {i == 1 ? 1.0 : 0.0, i == 2 ? 1.0 : 0.0}};
+    for (int i = 0; i < 3; ++i)
+        polygon.vertices[i] = {glm::dvec4(corners[i]), {i == 1 ? 1.0 : 0.0, i == 2 ? 1.0 : 0.0}};
     for (int plane = 0; plane < planes && polygon.count > 0; ++plane) polygon = clip_by(volume, polygon, plane);
 
     // Within 0 <= z <= w, w is zero at the viewer itself only: nothing can be seen of what touches it there.

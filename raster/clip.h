@@ -23,8 +23,8 @@ struct ClipVolume {
     glm::dvec2 guard{1};
 };
 
-// The guard band ends 65,536 pixels away from the frame's top left corner on the far side, so that window coordinates in
-// 1/256 pixel stay within 2^24 and edge functions (raster/screen_triangle.h) are exact.
+// The guard band ends 65,536 pixels away from the frame's top left corner on the far side, so that window coordinates
+// in 1/256 pixel stay within 2^24 and edge functions (raster/screen_triangle.h) are exact.
 ClipVolume clip_volume(glm::ivec2 size);
 
 // True where the triangle lies wholly beyond one plane of the frame's own volume, |x| <= w, |y| <= w, 0 <= z <= w.

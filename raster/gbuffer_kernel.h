@@ -25,7 +25,7 @@ struct GBufferPixel {
 template <class F, class Tap>
 PLUMB_INLINE GBufferPixel<F> gbuffer(const GBufferArgs& in, index_t<F> triangle, const vec2<F>& l, Tap& tap) {
     const Surface<F> s = surface<F>(in.surfaces, triangle, l, tap);
-    const F depth = linear_depth(in.eye, in.forward, s.position);    tap("depth", depth, "ISR 4.2: linear eye depth, m");
+    const F depth = linear_depth(in.eye, in.forward, s.position);    tap("depth", depth, "ISR 4.2: eye depth, m");
     return {vec4<F>(s.position, depth), vec4<F>(s.normal, F(1.0f)), vec4<F>(s.albedo, F(0.0f)),
             vec4<F>(s.emission, F(0.0f))};
 }

@@ -18,7 +18,7 @@ glm::dvec3 unit_direction(const Light& light) {
     const glm::dvec3 d(light.direction);
     const double length = std::sqrt(dot(d, d));
     if (!(length > 1e-30 && length < 1e30))
-        throw InputError(fmt::format("light \"{}\": direction = [{}, {}, {}]: expected a finite vector that is not zero",
+        throw InputError(fmt::format("light \"{}\": direction = [{}, {}, {}]: expected a finite vector, not zero",
                                      light.name, light.direction.x, light.direction.y, light.direction.z));
     return d / length;
 }

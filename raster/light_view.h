@@ -16,8 +16,8 @@ namespace plumb::raster {
 // views) and for a light whose cone or direction is unusable.
 View light_view(const Light& light, const glm::vec3& low, const glm::vec3& high);
 
-// Where x falls on a map of size x size texels: (0, 0) is the top left corner of the first texel, its centre (0.5, 0.5).
-// Meaningful in front of the light only.
+// Where x falls on a map of size x size texels: (0, 0) is the top left corner of the first texel, its centre (0.5,
+// 0.5). Meaningful in front of the light only.
 glm::dvec2 project_to_texels(const View& view, int size, const glm::dvec3& x);
 
 // Cosines are computed in double and rounded once.

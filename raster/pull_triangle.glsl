@@ -1,5 +1,6 @@
 // The vertex stage of every pass: three vertices a triangle, without an index buffer. Clip positions are the host's
-// (clip_positions() in screen_triangle.h: double, rounded once), so that a device and this project snap the same numbers.
+// (clip_positions() in screen_triangle.h: double, rounded once), so that a device and this project snap the same
+// numbers.
 
 layout(std430, binding = 2) readonly buffer Triangles { int triangles[]; };             // [triangle][3]
 layout(std430, binding = 9) readonly buffer ClipPositions { vec4 clip_positions[]; };  // [vertex]

@@ -1,5 +1,5 @@
-// The kernels over rows of pixels, one specialisation per instruction set (resolve_isa.cpp). Pixels that see nothing are
-// left as they are.
+// The kernels over rows of pixels, one specialisation per instruction set (resolve_isa.cpp). Pixels that see nothing
+// are left as they are.
 #pragma once
 
 #include "core/isa.h"

@@ -87,7 +87,8 @@ void draw_rsm(const Geometry& geometry, const Surfaces& surfaces, const Light& l
     dispatch(options.isa, [&](auto isa) {
         parallel_bands(size, band_rows, half, [&](int first, int last) {
             ResolveRows<isa()>::rsm(args, first, last);
-            const std::size_t begin = std::size_t(first) * std::size_t(size), end = std::size_t(last) * std::size_t(size);
+            const std::size_t side = std::size_t(size);
+            const std::size_t begin = std::size_t(first) * side, end = std::size_t(last) * side;
             if (out.half)
                 for (Image4* image : {&out.position, &out.normal, &out.flux})
                     for (std::size_t i = begin; i < end; ++i) quantise(Format::rgba16f, image->texels[i]);

@@ -1,5 +1,5 @@
-// The stage rsm: a reflective shadow map, what a light sees and the flux that each texel reflects (VRSM 4.2, LRA 4.2.2).
-// See raster/README.md.
+// The stage rsm: a reflective shadow map, what a light sees and the flux that each texel reflects (VRSM 4.2, LRA
+// 4.2.2). See raster/README.md.
 #pragma once
 
 #include <vector>
@@ -28,8 +28,8 @@ struct Rsm {
     double texel_scale = 0;     // side of a texel: spot: at depth 1 m, m/m; directional: m
 };
 
-// light.rsm_size texels a side, through light_view() of raster/light_view.h. Allocates `out`. Layout::rgba16f rounds the
-// three images to half. Throws InputError for a point light, which needs six maps.
+// light.rsm_size texels a side, through light_view() of raster/light_view.h. Allocates `out`. Layout::rgba16f rounds
+// the three images to half. Throws InputError for a point light, which needs six maps.
 void draw_rsm(const Geometry& geometry, const Surfaces& surfaces, const Light& light, const View& light_view,
               Layout layout, const RunOptions& options, Rsm& out);
 

@@ -33,8 +33,8 @@ ScreenTriangle screen_triangle(const glm::dvec4 corners[3], std::int32_t triangl
     return t;
 }
 
-// Cuts the polygon into a fan. Snapping may bend it: pieces that turn against the whole are left out. A bend is narrower
-// than 1/256 pixel; at worst a centre within it belongs to a neighbour too, never to nobody.
+// Cuts the polygon into a fan. Snapping may bend it: pieces that turn against the whole are left out. A bend is
+// narrower than 1/256 pixel; at worst a centre within it belongs to a neighbour too, never to nobody.
 void append_polygon(ScreenTriangles& out, const ClipPolygon& polygon, std::int32_t triangle, glm::ivec2 size) {
     ScreenTriangle pieces[ClipPolygon::capacity - 2];
     std::int64_t whole = 0;

@@ -1,8 +1,9 @@
 // A triangle in window space: snapped corners, exact edge functions, interpolation.
 //
-// Window coordinates are integers in 1/256 pixel, y down; the centre of pixel (i, j) is (256 i, 256 j). Every coordinate
-// is within 2^24 (raster/clip.h), pixel centres are within 2^23, so differences are below 2^25, their products below
-// 2^50, and an edge function, the difference of two products, below 2^51: exact in 64-bit integers and in double.
+// Window coordinates are integers in 1/256 pixel, y down; the centre of pixel (i, j) is (256 i, 256 j). Every
+// coordinate is within 2^24 (raster/clip.h), pixel centres are within 2^23, so differences are below 2^25, their
+// products below 2^50, and an edge function, the difference of two products, below 2^51: exact in 64-bit integers and
+// in double.
 #pragma once
 
 #include <cstdint>
@@ -47,9 +48,9 @@ ScreenTriangles screen_triangles(const Geometry& geometry, const View& view, glm
 
 // Round to nearest even of (X - 0.5) 256 for the window coordinate X = (clip / w + 1) side / 2.
 //
-// clip side 128 / w is rounded before 128 (side - 1), a whole and even number, is added, so that ties stay ties. clip and
-// w are floats: the product is exact, and the quotient's distance from any tie that it does not hit exceeds the rounding
-// of a double, so the result is that of exact arithmetic (raster/README.md).
+// clip side 128 / w is rounded before 128 (side - 1), a whole and even number, is added, so that ties stay ties. clip
+// and w are floats: the product is exact, and the quotient's distance from any tie that it does not hit exceeds the
+// rounding of a double, so the result is that of exact arithmetic (raster/README.md).
 std::int32_t snap(double clip, double w, int side);
 
 // Twice the signed area, in (1/256 pixel)^2; positive where the corners turn clockwise as seen on the screen.

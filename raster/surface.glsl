@@ -57,7 +57,8 @@ int repeat(int i, int size) {
 
 vec3 fetch_texel(int at, int curve) {
     int texel = texels[at];
-    return vec3(decode[curve + (texel & 255)], decode[curve + ((texel >> 8) & 255)], decode[curve + ((texel >> 16) & 255)]);
+    return vec3(decode[curve + (texel & 255)], decode[curve + ((texel >> 8) & 255)],
+                decode[curve + ((texel >> 16) & 255)]);
 }
 
 float texture_coordinate(float u, int size, bool nearest) {
@@ -97,7 +98,8 @@ vec3 sample_texture(int row, vec2 uv) {
     vec3 b = fetch_texel(first + y0 * width + x1, curve);
     vec3 c = fetch_texel(first + y1 * width + x0, curve);
     vec3 d = fetch_texel(first + y1 * width + x1, curve);
-    return vec3(filter_texels(a.x, b.x, c.x, d.x, along_u, along_v), filter_texels(a.y, b.y, c.y, d.y, along_u, along_v),
+    return vec3(filter_texels(a.x, b.x, c.x, d.x, along_u, along_v),
+                filter_texels(a.y, b.y, c.y, d.y, along_u, along_v),
                 filter_texels(a.z, b.z, c.z, d.z, along_u, along_v));
 }
 

@@ -157,7 +157,8 @@ PLUMB_INLINE Surface<F> surface(const SurfaceArgs& in, index_t<F> triangle, cons
     s.albedo = reflectance;
     const I texture = N::fetch(in.material_texture, material);
     if (any(texture > I(0))) {
-        const vec2<F> uv{interpolate(p0.w, p1.w - p0.w, p2.w - p0.w, l), interpolate(n0.w, n1.w - n0.w, n2.w - n0.w, l)};
+        const vec2<F> uv{interpolate(p0.w, p1.w - p0.w, p2.w - p0.w, l),
+                         interpolate(n0.w, n1.w - n0.w, n2.w - n0.w, l)};
         tap("uv", uv, "(0, 0) is the top left of the image");
         const vec3<F> colour = sample_texture(in, texture, uv, tap); tap("texture", colour, "linear");
         s.albedo = {reflectance.x * colour.x, reflectance.y * colour.y, reflectance.z * colour.z};
@@ -167,7 +168,8 @@ PLUMB_INLINE Surface<F> surface(const SurfaceArgs& in, index_t<F> triangle, cons
     return s;
 }
 
-// Distance of x from the viewer's plane along the view direction, m. ISR 4.2: linear eye z, not divided by the far plane.
+// Distance of x from the viewer's plane along the view direction, m. ISR 4.2: linear eye z, not divided by the far
+// plane.
 template <class F>
 PLUMB_INLINE F linear_depth(const float* eye, const float* forward, const vec3<F>& x) {
     const vec3<F> d{x.x - F(eye[0]), x.y - F(eye[1]), x.z - F(eye[2])};

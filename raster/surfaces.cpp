@@ -21,7 +21,7 @@ void check(const Texture& texture, std::size_t texels_so_far) {
         throw InputError(fmt::format("texture \"{}\": {} x {} texels: expected at least one", texture.name, image.width,
                                      image.height));
     if (image.width > (1 << 22) || image.height > (1 << 22) || texels_so_far + image.size() >= (std::size_t(1) << 31))
-        throw InputError(fmt::format("texture \"{}\": {} x {} texels, after {} of other textures: at most 2^31 fit in all",
+        throw InputError(fmt::format("texture \"{}\": {} x {} texels, after {} of others: at most 2^31 fit in all",
                                      texture.name, image.width, image.height, texels_so_far));
 }
 

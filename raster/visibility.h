@@ -1,8 +1,9 @@
 // Which triangle each pixel sees: clipping, exact coverage, depth test. The other passes resolve attributes from it.
 //
-// Coverage is exact: vertices are snapped to 1/256 pixel (nearest even), edge functions are integers, and a pixel centre
-// on an edge belongs to the triangle whose top or left edge it is. Triangles are two-sided. Depth passes when it is less
-// (reversed z: greater) than what is there, so that of equal depths the earlier triangle stays. See raster/README.md.
+// Coverage is exact: vertices are snapped to 1/256 pixel (nearest even), edge functions are integers, and a pixel
+// centre on an edge belongs to the triangle whose top or left edge it is. Triangles are two-sided. Depth passes when it
+// is less (reversed z: greater) than what is there, so that of equal depths the earlier triangle stays. See
+// raster/README.md.
 #pragma once
 
 #include <cstdint>

@@ -31,6 +31,10 @@ struct Random {
     int below(int n) { return int(next() % std::uint32_t(n)); }
     double uniform() { return next() * 0x1p-32; }
     double between(double low, double high) { return low + (high - low) * uniform(); }
+    glm::vec3 vector(double low, double high) {
+        const double x = between(low, high), y = between(low, high), z = between(low, high);
+        return {x, y, z};
+    }
 };
 
 inline void add_triangle(Geometry& g, const Vertex& a, const Vertex& b, const Vertex& c, int material = 0,

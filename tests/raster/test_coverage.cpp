@@ -172,7 +172,8 @@ TEST_CASE("coverage: snapping is that of exact arithmetic", "[raster][coverage]"
     for (int i = 0; i < 200000; ++i) {
         const int side = 1 + random.below(4096), f = 8 + random.below(24);
         __extension__ typedef __int128 Wide128;
-        const std::int64_t m = i % 4 == 0 ? (1 + random.below(255)) * std::int64_t(1 << 15) : (1 << 23) + random.below(1 << 23);
+        const std::int64_t few_bits = (1 + random.below(255)) * std::int64_t(1 << 15);
+        const std::int64_t m = i % 4 == 0 ? few_bits : (1 << 23) + random.below(1 << 23);
         const std::int64_t k = random.below(1 << (1 + random.below(24))) - (1 << 10);
         const Wide128 numerator = Wide128(k) * 128 * side * (std::int64_t(1) << 23), denominator = Wide128(m) << f;
         Wide128 quotient = numerator / denominator, rest = numerator % denominator;
@@ -227,8 +228,8 @@ TEST_CASE("coverage: a ground that passes below and behind the viewer is covered
     for (bool reversed : {false, true})
         for (int seed = 0; seed < 20; ++seed) {
             camera.reversed_z = reversed;
-            // Cut a square of +-10^6 m at random points near the viewer, of which many lie at w <= 0. They keep 0.5 m from
-            // the edges: clip positions of the far corners are rounded to 0.06 m.
+            // Cut a square of +-10^6 m at random points near the viewer, of which many lie at w <= 0. They keep 0.5 m
+            // from the edges: clip positions of the far corners are rounded to 0.06 m.
             Random random(std::uint64_t(100 + seed));
             Triangulation t{{{-1000000, -1000000}, {1000000, -1000000}, {1000000, 1000000}, {-1000000, 1000000}},
                             {{0, 1, 2}, {0, 2, 3}}};

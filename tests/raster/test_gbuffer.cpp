@@ -56,12 +56,12 @@ Geometry soup(int n, std::uint64_t seed) {
     Random random(seed);
     Geometry g;
     for (int i = 0; i < n; ++i) {
-        const glm::vec3 centre(random.between(-6, 6), random.between(-6, 6), random.between(-12, 2));
+        const glm::vec3 centre = random.vector(-6, 6) - glm::vec3(0, 0, 5);
         const double r = i % 50 == 0 ? 20 : random.between(0.01, 1.5);
         Vertex v[3];
         for (Vertex& x : v) {
-            x.position = centre + glm::vec3(random.between(-r, r), random.between(-r, r), random.between(-r, r));
-            x.normal = glm::vec3(random.between(-1, 1), random.between(-1, 1), random.between(-1, 1));
+            x.position = centre + random.vector(-r, r);
+            x.normal = random.vector(-1, 1);
             x.u = float(random.between(-3, 3)), x.v = float(random.between(-3, 3));
         }
         add_triangle(g, v[0], v[1], v[2], i % 3, i % 7);
@@ -155,9 +155,9 @@ TEST_CASE("gbuffer: barycentrics of small triangles are exact where the frame is
     for (int y = 0; y < 4; ++y)
         for (int x = 0; x < 4; ++x) {
             const float s = (float(x) + 0.5f) / 4, t = (float(y) + 0.5f) / 4;
-            // On the diagonal, which is a right edge of the lower triangle, the upper one wins... by the left-edge rule.
+            // The diagonal is a left edge of the upper triangle, whose inside lies to its right.
             const bool upper = v.triangle(x, y) == 0;
-            if (x != y) REQUIRE(upper == (x > y));
+            REQUIRE(upper == (x >= y));
             const glm::vec2 l = upper ? glm::vec2(s - t, t) : glm::vec2(s, t - s);
             REQUIRE(v.barycentrics(x, y) == l);
         }
@@ -170,7 +170,8 @@ TEST_CASE("gbuffer: reversed z and an infinite far plane show the same triangles
     for (int i = 0; i < 300; ++i) {
         const float z = -float(0.2 + 0.15 * ((i * 97) % 300));
         auto corner = [&] { return at({float(random.between(-1, 1)) * -z, float(random.between(-1, 1)) * -z, z}); };
-        add_triangle(g, corner(), corner(), corner());
+        const Vertex a = corner(), b = corner(), c = corner();
+        add_triangle(g, a, b, c);
     }
     Camera camera;
     camera.position = {0, 0, 0}, camera.look_at = {0, 0, -1};

@@ -17,8 +17,8 @@ using namespace plumb::raster::test;
 
 namespace {
 
-// Float must lie within the bound that Bounded derives around its double-precision shadow, where no branch was in doubt,
-// and close to double. Returns whether it was in doubt.
+// Float must lie within the bound that Bounded derives around its double-precision shadow, where no branch was in
+// doubt, and close to double. Returns whether it was in doubt.
 bool check(float value, double exact, const Bounded& bounded, double scale) {
     REQUIRE(bounded.value == value);
     if (bounded.ambiguous) return true;
@@ -34,13 +34,13 @@ int check(const vec4<float>& value, const vec4<double>& exact, const vec4<Bounde
     return doubtful;
 }
 
-struct Setting3 {
+struct Soup {
     Scene scene;
     Geometry geometry;
 };
 
-Setting3 textured_soup() {
-    Setting3 s;
+Soup textured_soup() {
+    Soup s;
     Random random(21);
     Image<std::uint32_t> texels(16, 8);
     for (std::uint32_t& x : texels.texels) x = random.next();
@@ -48,13 +48,15 @@ Setting3 textured_soup() {
     s.scene.materials.push_back({"plain", glm::vec3(0.2f, 0.4f, 0.6f), glm::vec3(1), -1});
     s.scene.materials.push_back({"noise", glm::vec3(0.9f), glm::vec3(0), 0});
     for (int i = 0; i < 200; ++i) {
-        const glm::vec3 centre(random.between(-4, 4), random.between(-4, 4), random.between(-9, -2));
+        const glm::vec3 centre = random.vector(-4, 4) - glm::vec3(0, 0, 6);
         auto corner = [&] {
-            return at(centre + glm::vec3(random.between(-1, 1), random.between(-1, 1), random.between(-1, 1)),
-                      {random.between(-0.3, 0.3), random.between(-0.3, 0.3), 1}, float(random.uniform()),
-                      float(random.uniform()));
+            const glm::vec3 position = centre + random.vector(-1, 1);
+            const glm::vec3 normal = random.vector(-0.3, 0.3) + glm::vec3(0, 0, 1);
+            const float u = float(random.uniform()), v = float(random.uniform());
+            return at(position, normal, u, v);
         };
-        add_triangle(s.geometry, corner(), corner(), corner(), i % 2);
+        const Vertex a = corner(), b = corner(), c = corner();
+        add_triangle(s.geometry, a, b, c, i % 2);
     }
     return s;
 }
@@ -62,7 +64,7 @@ Setting3 textured_soup() {
 }  // namespace
 
 TEST_CASE("kernels: the G-buffer in float is within Bounded's bound of double", "[raster][bounded]") {
-    const Setting3 s = textured_soup();
+    const Soup s = textured_soup();
     const Surfaces surfaces = prepare(s.scene, s.geometry);
     Camera camera;
     camera.position = {0, 0, 0}, camera.look_at = {0, 0, -1};
@@ -89,7 +91,7 @@ TEST_CASE("kernels: the G-buffer in float is within Bounded's bound of double", 
 }
 
 TEST_CASE("kernels: the reflective shadow map in float is within Bounded's bound of double", "[raster][bounded]") {
-    const Setting3 s = textured_soup();
+    const Soup s = textured_soup();
     const Surfaces surfaces = prepare(s.scene, s.geometry);
     for (LightType type : {LightType::spot, LightType::directional}) {
         Light light;

@@ -154,7 +154,8 @@ TEST_CASE("rsm: records are the images, side by side", "[raster][rsm]") {
     REQUIRE(exact.records.size() == 20 * 20 * 16);
     REQUIRE(half.half_records.size() == 20 * 20 * 16);
     CHECK((exact.half_records.empty() && half.records.empty() && half.half && !exact.half));
-    const Image4 *e[3] = {&exact.position, &exact.normal, &exact.flux}, *h[3] = {&half.position, &half.normal, &half.flux};
+    const Image4* e[3] = {&exact.position, &exact.normal, &exact.flux};
+    const Image4* h[3] = {&half.position, &half.normal, &half.flux};
     for (int i = 0; i < 400; ++i) {
         const Record<float> r = number<float>::fetch_record(exact.records.data(), i);
         const Record<float> q = number<float>::fetch_record(half.half_records.data(), i);
@@ -176,8 +177,8 @@ TEST_CASE("light view: every vertex of the bounds is inside a directional light'
         light.type = LightType::directional;
         light.direction = {random.between(-1, 1), random.between(-1, 1), i % 5 ? random.between(-1, 1) : 0};
         if (i % 7 == 0) light.direction = {0, i % 2 ? 1 : -1, 0};
-        const glm::vec3 low(random.between(-1e4, 0), random.between(-10, 0), random.between(-3, 0));
-        const glm::vec3 high = low + glm::vec3(random.between(0, 100), random.between(0, 1e4), random.between(0, 1));
+        const glm::vec3 low{random.between(-1e4, 0), random.between(-10, 0), random.between(-3, 0)};
+        const glm::vec3 high = low + glm::vec3{random.between(0, 100), random.between(0, 1e4), random.between(0, 1)};
         const View view = light_view(light, low, high);
         for (int k = 0; k < 8; ++k) {
             const glm::dvec3 x(k & 1 ? high.x : low.x, k & 2 ? high.y : low.y, k & 4 ? high.z : low.z);
@@ -195,7 +196,8 @@ TEST_CASE("light view: a spot's outer cone touches the map's border, and its dep
     const View view = light_view(light, low, high);
     const CameraAxes a = axes(view.forward, {0, 1, 0});
     const glm::dvec3 rim = view.eye + 10.0 * (a.forward + a.right * std::tan(42 * host::pi / 180));
-    const glm::dvec2 on_border = project_to_texels(view, 100, rim), middle = project_to_texels(view, 100, view.eye + a.forward);
+    const glm::dvec2 on_border = project_to_texels(view, 100, rim);
+    const glm::dvec2 middle = project_to_texels(view, 100, view.eye + a.forward);
     CHECK(on_border.x == Approx(100).epsilon(1e-6));
     CHECK(on_border.y == Approx(50).epsilon(1e-6));
     CHECK(middle.x == Approx(50).epsilon(1e-12));
@@ -248,7 +250,8 @@ TEST_CASE("rsm: the same bits for every instruction set and 1, 2, 3 threads", "[
     Random random(4);
     for (int i = 0; i < 400; ++i) {
         auto corner = [&] { return at({random.between(-15, 15), random.between(-20, 2), random.between(-15, 15)}); };
-        add_triangle(g, corner(), corner(), corner());
+        const Vertex a = corner(), b = corner(), c = corner();
+        add_triangle(g, a, b, c);
     }
     for (LightType type : {LightType::spot, LightType::directional}) {
         Light light = spot_light(101);
