@@ -49,8 +49,9 @@ float det_exp2_of(FloatFloat v) {
     float r = rest.hi;
     FloatFloat linear = det_product(r, 0.693147182f);
     precise float quadratic =
-        r * r * (0.240226507f +
-        r * (0.0555041097f + r * (0.00961808953f + r * (0.00133333867f + r * (0.000154508918f + r * 1.53310245e-05f)))));
+        r * r *
+        (0.240226507f + r * (0.0555041097f + r * (0.00961808953f +
+        r * (0.00133333867f + r * (0.000154508918f + r * 1.53310245e-05f)))));
     FloatFloat s = det_sum_ordered(1.0f, linear.hi);
     precise float from_lo = s.hi * (rest.lo * 0.693147182f) + r * -1.90465421e-09f;
     precise float y = s.hi + (s.lo + (linear.lo + (quadratic + from_lo)));

@@ -1,15 +1,16 @@
 // Elementary functions for kernels, with the same bits for every number type, instruction set, compiler and GPU.
 //
-// core/detmath.glsl performs the same operations in the same order. Only + - * on floats, comparisons and 32-bit integers
-// occur: a GPU rounds those correctly, while its division and square root may be off by some units. There is no branch;
-// both sides of a condition are computed and select() takes one.
+// core/detmath.glsl performs the same operations in the same order. Only + - * on floats, comparisons and 32-bit
+// integers occur: a GPU rounds those correctly, while its division and square root may be off by some units. There is no
+// branch; both sides of a condition are computed and select() takes one.
 //
-// Method: every function carries its value as a FloatFloat, good to 30 bits or more, and rounds once at the end. The
+// Method: whatever would spoil the last place is carried as a FloatFloat, an unevaluated sum of two floats. The
 // polynomials are minimax approximations with float coefficients, computed with Sollya's fpminimax; "to 2^-n" is their
-// error relative to the function. tests/core/detmath_mpfr.cpp measures the errors, against MPFR, over all floats:
+// error relative to the function. Worst errors in units in the last place, as tests/core/detmath_mpfr.cpp measures them
+// against MPFR over all floats (pow: 2^30 pairs):
 //
-//     worst error in units in the last place     exp, exp2 0.64, pow 0.65 (0.79 for denormal results: they round twice)
-//                                                log, log2 0.501, sin, cos 0.56, acos 0.64
+//     exp 0.78  exp2 0.78  pow 0.79  (denormal results, which round twice; about 0.65 for normal ones)
+//     log 0.501  log2 0.501  sin 0.56  cos 0.56  acos 0.64
 //
 // Special values are those of C Annex F; sin and cos hold for arguments of any size. Which NaN comes out is not told.
 // Overloads: double goes to core/host_math.h, Bounded (core/detmath_bounded.h) computes its value as float does.
@@ -71,8 +72,9 @@ PLUMB_INLINE F exp2_of(FloatFloat<F> v) {
     const F r = rest.hi;
     const FloatFloat<F> linear = product(r, F(0.693147182f));
     const F quadratic =
-        r * r * (0.240226507f +
-        r * (0.0555041097f + r * (0.00961808953f + r * (0.00133333867f + r * (0.000154508918f + r * 1.53310245e-05f)))));
+        r * r *
+        (0.240226507f + r * (0.0555041097f + r * (0.00961808953f +
+        r * (0.00133333867f + r * (0.000154508918f + r * 1.53310245e-05f)))));
     const FloatFloat<F> s = sum_ordered(F(1.0f), linear.hi);
     const F from_lo = s.hi * (rest.lo * 0.693147182f) + r * -1.90465421e-09f;
     const F y = s.hi + (s.lo + (linear.lo + (quadratic + from_lo)));
@@ -124,7 +126,7 @@ PLUMB_INLINE F nan() {
     return number<F>::from_bits(index_t<F>(0x7fc00000));
 }
 
-// The logarithm of x where it is `finite` for positive x, and what it is for every other x.
+// The logarithm of x, given its value `finite` for finite x > 0.
 template <class F>
 PLUMB_INLINE F logarithm(F x, F finite) {
     const F otherwise = select(x == F(0.0f), -infinity<F>(), select(x < F(0.0f), nan<F>(), x));

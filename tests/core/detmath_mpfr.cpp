@@ -1,9 +1,9 @@
 // Measures core/detmath.h: the distance of a result from the exact value, in units in the last place of the exact value
-// (2^-149 for denormal ones), over 2^24 inputs a function; with PLUMB_FULL=1 in the environment over all 2^32 floats, and
-// over 2^30 pairs for pow.
+// (2^-149 for denormal ones), over 2^24 inputs a function; with PLUMB_FULL=1 in the environment over all 2^32 floats,
+// and over 2^30 pairs for pow.
 //
-// The exact value comes from the C library in double, whose error is less than 2^-28 of a float's unit, and MPFR decides
-// where that could matter: it judges every input that sets a record above half a unit, and 2^20 others, spread over the
+// The exact value comes from the C library in double, whose error is less than 2^-28 of a float's unit, and MPFR
+// decides where that could matter: it judges every input that sets a record above half a unit, and 2^20 others, spread over the
 // rest, on which the two must agree to 2^-20 units. So the worst error is MPFR's, and the filter is itself measured.
 #include <mpfr.h>
 
@@ -192,8 +192,9 @@ Measured measure(Elementary f) {
     const int64_t count = int64_t(1) << (!is_full() ? 24 : f == Elementary::pow ? 30 : 32);
     Measured parts[threads];
     std::vector<std::thread> workers;
+    const int64_t share = count / threads;
     for (int t = 0; t < threads; ++t)
-        workers.emplace_back([&, t] { parts[t] = measure_part(f, count / threads * t, count / threads * (t + 1), count); });
+        workers.emplace_back([&, t] { parts[t] = measure_part(f, share * t, share * (t + 1), count); });
     for (std::thread& worker : workers) worker.join();
 
     Measured all = parts[0];
@@ -202,7 +203,8 @@ Measured measure(Elementary f) {
         all.disagreement = std::max(all.disagreement, part.disagreement);
         all.judged += part.judged, all.above_half += part.above_half;
     }
-    std::printf("%-5s %11ld inputs  worst %.6f ulp at %.9g, %.9g  not nearest %.5f %%  MPFR judged %ld, differs by %.1e\n",
+    std::printf("%-5s %11ld inputs  worst %.6f ulp at %.9g, %.9g  not nearest %.5f %%  "
+                "MPFR judged %ld, differs by %.1e\n",
                 elementary_names[int(f)], long(count), all.worst, double(all.at.x), double(all.at.y),
                 100.0 * double(all.above_half) / double(count), long(all.judged), all.disagreement);
     std::fflush(stdout);

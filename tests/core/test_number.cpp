@@ -52,7 +52,10 @@ struct Inputs {
     Inputs() : texels(1 << 16), halves(1 << 16) {
         const std::vector<float>& special = special_floats();
         for (float x : special)
-            for (float y : special) a.push_back(x), b.push_back(y), c.push_back(special[mixed(a.size()) % special.size()]);
+            for (float y : special) {
+                a.push_back(x), b.push_back(y);
+                c.push_back(special[mixed(a.size()) % special.size()]);
+            }
         for (uint64_t i = 0; i < random_count; ++i)
             a.push_back(from_bits(mixed(3 * i))), b.push_back(from_bits(mixed(3 * i + 1))),
                 c.push_back(from_bits(mixed(3 * i + 2)));
@@ -73,7 +76,10 @@ float half_by_definition(uint16_t h) {
     return sign * float(exponent ? std::ldexp(1024 + fraction, exponent - 25) : std::ldexp(fraction, -24));
 }
 
-int32_t to_index(double rounded) { return rounded >= -0x1p31 && rounded < 0x1p31 ? int32_t(rounded) : int32_t(0x80000000); }
+// What lies outside the integers, NaN too, becomes the smallest one, as the processor has it.
+int32_t to_index(double rounded) {
+    return rounded >= -0x1p31 && rounded < 0x1p31 ? int32_t(rounded) : int32_t(0x80000000);
+}
 
 float plain(int row, const Inputs& in, int i) {
     const float a = in.a[i], b = in.b[i], c = in.c[i];
@@ -202,7 +208,8 @@ TEST_CASE("number: stores write active lanes alone, each at its own place", "[nu
         const int at = in.at[i];
         if (at >= in.probe.active || in.a[i] < in.b[i]) continue;
         expected[at] = in.a[i];
-        expected4[4 * at] = expected4[4 * at + 3] = in.a[i], expected4[4 * at + 1] = in.b[i], expected4[4 * at + 2] = in.c[i];
+        expected4[4 * at] = expected4[4 * at + 3] = in.a[i];
+        expected4[4 * at + 1] = in.b[i], expected4[4 * at + 2] = in.c[i];
     }
     REQUIRE(expected[in.probe.active] == sentinel);
     for (Isa isa : supported_isas()) {
