@@ -5,7 +5,7 @@
 #ifndef PLUMB_CORE_DETMATH_GLSL
 #define PLUMB_CORE_DETMATH_GLSL
 
-// ---- Sums of two floats ---------------------------------------------------------------------------------------------
+// ---- Sums of two floats --------------------------------------------------------------------------------------------
 
 struct FloatFloat {
     float hi, lo;
@@ -38,7 +38,7 @@ float det_clamp(float x, float low, float high) {
 
 int det_shift_right(int a, int n) { return int(uint(a) >> uint(n)); }
 
-// ---- 2^v and log2 x, on which exp, exp2, log, log2 and pow stand ------------------------------------------------------
+// ---- 2^v and log2 x, on which exp, exp2, log, log2 and pow stand ---------------------------------------------------
 
 float det_power_of_two(int k) { return intBitsToFloat((k + 127) << 23); }
 
@@ -137,7 +137,7 @@ float det_pow(float x, float y) {
     return x == 1.0f || y == 0.0f ? 1.0f : x == x ? real : x;
 }
 
-// ---- sin and cos ----------------------------------------------------------------------------------------------------
+// ---- sin and cos ---------------------------------------------------------------------------------------------------
 
 const int det_two_over_pi[8] = int[8](0x00000000, -0x5d067c92, 0x4e441529, -0x03d8a82f,
                                       -0x0acb2240, -0x249d6a67, 0x3c439041, -0x01ae9c55);
@@ -226,7 +226,7 @@ float det_cos(float x) {
     return magnitude < det_infinity() ? det_sin_after(r.quadrant + 1, r.angle, 0) : det_nan();
 }
 
-// ---- acos -----------------------------------------------------------------------------------------------------------
+// ---- acos ----------------------------------------------------------------------------------------------------------
 
 FloatFloat det_sqrt_of(float t) {
     precise float half_t = 0.5f * t;

@@ -1,7 +1,7 @@
 // Elementary functions for kernels, with the same bits for every number type, instruction set, compiler and GPU.
 //
 // core/detmath.glsl performs the same operations in the same order. Only + - * on floats, comparisons and 32-bit
-// integers occur: a GPU rounds those correctly, while its division and square root may be off by some units. There is no
+// integers occur: a GPU rounds those correctly, while its division and square root may be some units off. There is no
 // branch; both sides of a condition are computed and select() takes one.
 //
 // Method: whatever would spoil the last place is carried as a FloatFloat, an unevaluated sum of two floats. The
@@ -21,7 +21,7 @@
 
 namespace plumb::detmath {
 
-// ---- Sums of two floats ---------------------------------------------------------------------------------------------
+// ---- Sums of two floats --------------------------------------------------------------------------------------------
 
 // hi + lo, where hi is the sum rounded to float.
 template <class F>
@@ -56,7 +56,7 @@ PLUMB_INLINE FloatFloat<F> product(FloatFloat<F> a, FloatFloat<F> b) {
     return sum_ordered(p.hi, p.lo + (a.hi * b.lo + a.lo * b.hi));
 }
 
-// ---- 2^v and log2 x, on which exp, exp2, log, log2 and pow stand ------------------------------------------------------
+// ---- 2^v and log2 x, on which exp, exp2, log, log2 and pow stand ---------------------------------------------------
 
 // 2^k for -126 <= k <= 127.
 template <class F>
@@ -184,7 +184,7 @@ PLUMB_INLINE F pow(F x, F y) {
     return select((x == one) | (y == zero), one, select(x == x, real, x));
 }
 
-// ---- sin and cos ----------------------------------------------------------------------------------------------------
+// ---- sin and cos ---------------------------------------------------------------------------------------------------
 
 // The binary digits of 2/pi, after 32 zeros.
 constexpr std::int32_t two_over_pi[] = {0x00000000,  -0x5d067c92, 0x4e441529,  -0x03d8a82f,
@@ -296,7 +296,7 @@ PLUMB_INLINE F cos(F x) {
     return select(magnitude < infinity<F>(), sin_after(next, r.angle, index_t<F>(0)), x - x);
 }
 
-// ---- acos -----------------------------------------------------------------------------------------------------------
+// ---- acos ----------------------------------------------------------------------------------------------------------
 
 // sqrt(t) to 2^-34, for t = 0 and 2^-100 < t < 2^100: 1/sqrt(t) estimated from the bits of t and improved by two Newton
 // steps, the root by it, and what that leaves over.
@@ -332,7 +332,7 @@ PLUMB_INLINE F acos(F x) {
     return select(magnitude <= F(1.0f), sum.hi + (sum.lo + (base_lo - factor * tail)), nan<F>());
 }
 
-// ---- double -----------------------------------------------------------------------------------------------------------
+// ---- double --------------------------------------------------------------------------------------------------------
 
 PLUMB_INLINE double exp(double x) { return host::exp(x); }
 PLUMB_INLINE double exp2(double x) { return host::exp2(x); }
