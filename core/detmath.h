@@ -221,7 +221,7 @@ PLUMB_INLINE I window(I a, I b, I shift) {
 }
 
 // Payne and Hanek 1983, "Radian reduction for trigonometric functions": x = M 2^n is multiplied by those digits of 2/pi
-// alone that matter modulo 4, 96 of them. The product keeps 62 bits of the fraction of a quarter turn; the float closest
+// that matter modulo 4, 96 of them. The product keeps 62 bits of the fraction of a quarter turn; the float closest
 // to a multiple of pi/2 leaves 30 of them zero. So the angle is good to 2^-31 relative.
 template <class F>
 PLUMB_INLINE Reduced<F> reduce(F magnitude) {

@@ -3,8 +3,8 @@
 // and over 2^30 pairs for pow.
 //
 // The exact value comes from the C library in double, whose error is less than 2^-28 of a float's unit, and MPFR
-// decides where that could matter: it judges every input that sets a record above half a unit, and 2^20 others, among all the
-// rest, on which the two must agree to 2^-20 units. So the worst error is MPFR's, and the filter is itself measured.
+// decides where that could matter: it judges every input that sets a record above half a unit, and 2^20 others spread
+// over the rest, on which the two must agree to 2^-20 units. So the worst error is MPFR's, and the filter is measured.
 #include <mpfr.h>
 
 #include <algorithm>
