@@ -1,6 +1,7 @@
 #!/bin/bash
 # Renders the Cornell box with every given program, by every instruction set of this machine, by 1, 2 and 3 threads, and
-# once with AVX2 and FMA hidden from the C library: every picture must be the same file.
+# once with AVX2 and FMA hidden from the C library: every picture and every input and output of a stage must be the same
+# file. run.json alone may differ: it has times in it, and must name the set that ran.
 # Usage: same_bits.sh [--size N] <folder to work in> <plumb>...
 set -euo pipefail
 size=61
@@ -23,12 +24,12 @@ scene=$folder/scene/cornell.toml
 sed -i "s/^size *=.*/size = [$((size * 3 / 2)), $size]/" "$scene"
 grep -q "^size = \[$((size * 3 / 2)), $size\]" "$scene" || { echo "same_bits: $scene has no frame.size" >&2; exit 1; }
 
-# sums <folder>: one line a picture, its hash and its name.
-sums() { (cd "$1" && find . -name '*.exr' -o -name '*.png' | LC_ALL=C sort | xargs sha256sum); }
+# sums <folder>: one line a file, its hash and its name.
+sums() { (cd "$1" && find . -type f ! -name run.json | LC_ALL=C sort | xargs sha256sum); }
 
 reference=
 renders=0
-render() { # render <what is said of it> <command>...: renders into a folder and holds its pictures against the first ones
+render() { # render <what is said of it> <command>...: renders and holds the files against those of the first time
     local what=$1 out=$folder/out
     shift
     rm -rf "$out"
@@ -38,7 +39,7 @@ render() { # render <what is said of it> <command>...: renders into a folder and
     if [ -z "$reference" ]; then
         reference=$what
         cp "$folder/sums" "$folder/reference"
-        cat "$folder/reference"
+        grep -v /dump/ "$folder/reference"
     elif ! diff "$folder/reference" "$folder/sums" > "$folder/difference"; then
         echo "same_bits: $what differs from $reference:"
         cat "$folder/difference"
@@ -50,12 +51,13 @@ render() { # render <what is said of it> <command>...: renders into a folder and
 for plumb in "$@"; do
     for set in "${sets[@]}"; do
         for threads in 1 2 3; do
-            render "$plumb --isa $set --threads $threads" "$plumb" render "$scene" --isa "$set" --threads "$threads"
+            render "$plumb --isa $set --threads $threads" \
+                "$plumb" render "$scene" --dump --isa "$set" --threads "$threads"
             grep -q "\"isa\": *\"$set\"" "$folder/out/run.json" ||
                 { echo "same_bits: run.json does not say that $set ran"; exit 1; }
         done
     done
     render "$plumb with AVX2 and FMA hidden from the C library" \
-        env GLIBC_TUNABLES=glibc.cpu.hwcaps=-AVX2_Usable,-FMA_Usable,-AVX2,-FMA "$plumb" render "$scene"
+        env GLIBC_TUNABLES=glibc.cpu.hwcaps=-AVX2_Usable,-FMA_Usable,-AVX2,-FMA "$plumb" render "$scene" --dump
 done
-echo "same_bits: $renders renders by ${sets[*]}, the same files"
+echo "same_bits: $renders renders by ${sets[*]}, the same $(wc -l < "$folder/reference") files"
