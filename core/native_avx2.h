@@ -40,21 +40,29 @@ PLUMB_INLINE Real from_int(Int a) { return _mm256_cvtepi32_ps((__m256i)a); }
 PLUMB_INLINE Real gather(const float* p, Int i) { return _mm256_i32gather_ps(p, (__m256i)i, 4); }
 PLUMB_INLINE Int gather(const std::int32_t* p, Int i) { return (Int)_mm256_i32gather_epi32(p, (__m256i)i, 4); }
 
-// Where a lane's texel lies, a lane a word: vectors hand out their lanes more slowly than memory does.
+// Where each lane's texel lies, in bytes from the first. It goes through memory on purpose: a compiler that knows what
+// is in it takes the lanes out of the vector one by one, on the port that the shuffles need.
 struct Places {
-    alignas(32) std::int32_t lane[8];
-    PLUMB_INLINE explicit Places(Int i) { std::memcpy(lane, &i, 32); }
+    alignas(32) std::int64_t byte[8];
+    PLUMB_INLINE Places(Int i, std::int64_t bytes) {
+        typedef std::int64_t Long __attribute__((vector_size(32)));
+        const Long lower = (Long)_mm256_cvtepi32_epi64(_mm256_castsi256_si128((__m256i)i));
+        const Long upper = (Long)_mm256_cvtepi32_epi64(_mm256_extracti128_si256((__m256i)i, 1));
+        _mm256_store_si256((__m256i*)byte, (__m256i)(lower * bytes));
+        _mm256_store_si256((__m256i*)byte + 1, (__m256i)(upper * bytes));
+        asm("" : "+m"(byte));
+    }
 };
-// 16 bytes of lanes k and k + 4: byte `at` of the texel of `bytes` bytes that each lane names.
-PLUMB_INLINE Real load_pair(const void* p, std::ptrdiff_t at, std::ptrdiff_t bytes, const Places& i, int k) {
+// 16 bytes of lanes k and k + 4, from byte `at` of each one's texel.
+PLUMB_INLINE Real load_pair(const void* p, std::ptrdiff_t at, const Places& i, int k) {
     const char* base = static_cast<const char*>(p) + at;
-    const Real r = _mm256_castps128_ps256(_mm_loadu_ps((const float*)(base + bytes * i.lane[k])));
-    return _mm256_insertf128_ps(r, _mm_loadu_ps((const float*)(base + bytes * i.lane[k + 4])), 1);
+    const Real r = _mm256_castps128_ps256(_mm_loadu_ps((const float*)(base + i.byte[k])));
+    return _mm256_insertf128_ps(r, _mm_loadu_ps((const float*)(base + i.byte[k + 4])), 1);
 }
 // Loads 16 bytes a lane and transposes 4 x 4 within each half: t[c] holds word c of lanes 0..7.
-PLUMB_INLINE void load_words(const void* p, std::ptrdiff_t at, std::ptrdiff_t bytes, const Places& i, Real* t) {
-    const Real r0 = load_pair(p, at, bytes, i, 0), r1 = load_pair(p, at, bytes, i, 1);
-    const Real r2 = load_pair(p, at, bytes, i, 2), r3 = load_pair(p, at, bytes, i, 3);
+PLUMB_INLINE void load_words(const void* p, std::ptrdiff_t at, const Places& i, Real* t) {
+    const Real r0 = load_pair(p, at, i, 0), r1 = load_pair(p, at, i, 1);
+    const Real r2 = load_pair(p, at, i, 2), r3 = load_pair(p, at, i, 3);
     const Real a = _mm256_unpacklo_ps(r0, r1), b = _mm256_unpackhi_ps(r0, r1);
     const Real c = _mm256_unpacklo_ps(r2, r3), d = _mm256_unpackhi_ps(r2, r3);
     t[0] = (Real)_mm256_unpacklo_pd((__m256d)a, (__m256d)c);
@@ -75,7 +83,7 @@ PLUMB_INLINE void widen_pairs(Real pairs, Real* lower, Real* upper) {
 
 // Loads the texel at p + stride i of every lane whole, and transposes: t[c] is component c of all lanes.
 PLUMB_INLINE void load_texels(const float* p, int stride, Int i, Real* t) {
-    load_words(p, 0, 4 * stride, Places(i), t);
+    load_words(p, 0, Places(i, 4 * stride), t);
 }
 // A texel of four halves is 8 bytes: two gathers fetch its two pairs.
 PLUMB_INLINE void load_texels(const Half* p, int stride, Int i, Real* t) {
@@ -84,16 +92,16 @@ PLUMB_INLINE void load_texels(const Half* p, int stride, Int i, Real* t) {
     widen_pairs((Real)_mm256_i32gather_epi32((const int*)p + 1, at, 4), t + 2, t + 3);
 }
 PLUMB_INLINE void load_records(const float* p, Int i, Real* t) {
-    const Places places(i);
-    load_words(p, 0, 64, places, t);
-    load_words(p, 16, 64, places, t + 4);
-    load_words(p, 32, 64, places, t + 8);
+    const Places places(i, 64);
+    load_words(p, 0, places, t);
+    load_words(p, 16, places, t + 4);
+    load_words(p, 32, places, t + 8);
 }
 PLUMB_INLINE void load_records(const Half* p, Int i, Real* t) {
-    const Places places(i);
+    const Places places(i, 32);
     Real pairs[8];
-    load_words(p, 0, 32, places, pairs);
-    load_words(p, 16, 32, places, pairs + 4);
+    load_words(p, 0, places, pairs);
+    load_words(p, 16, places, pairs + 4);
     widen_pairs(pairs[0], t, t + 1);
     widen_pairs(pairs[1], t + 2, t + 3);
     widen_pairs(pairs[2], t + 4, t + 5);

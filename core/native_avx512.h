@@ -40,23 +40,31 @@ PLUMB_INLINE Real from_int(Int a) { return _mm512_cvtepi32_ps((__m512i)a); }
 PLUMB_INLINE Real gather(const float* p, Int i) { return _mm512_i32gather_ps((__m512i)i, p, 4); }
 PLUMB_INLINE Int gather(const std::int32_t* p, Int i) { return (Int)_mm512_i32gather_epi32((__m512i)i, p, 4); }
 
-// Where a lane's texel lies, a lane a word: vectors hand out their lanes more slowly than memory does.
+// Where each lane's texel lies, in bytes from the first. It goes through memory on purpose: a compiler that knows what
+// is in it takes the lanes out of the vector one by one, on the port that the shuffles need.
 struct Places {
-    alignas(64) std::int32_t lane[16];
-    PLUMB_INLINE explicit Places(Int i) { std::memcpy(lane, &i, 64); }
+    alignas(64) std::int64_t byte[16];
+    PLUMB_INLINE Places(Int i, std::int64_t bytes) {
+        typedef std::int64_t Long __attribute__((vector_size(64)));
+        const Long lower = (Long)_mm512_cvtepi32_epi64(_mm512_castsi512_si256((__m512i)i));
+        const Long upper = (Long)_mm512_cvtepi32_epi64(_mm512_extracti64x4_epi64((__m512i)i, 1));
+        _mm512_store_si512(byte, (__m512i)(lower * bytes));
+        _mm512_store_si512(byte + 8, (__m512i)(upper * bytes));
+        asm("" : "+m"(byte));
+    }
 };
-// 16 bytes of lanes k, k + 4, k + 8, k + 12: byte `at` of the texel of `bytes` bytes that each lane names.
-PLUMB_INLINE Real load_quad(const void* p, std::ptrdiff_t at, std::ptrdiff_t bytes, const Places& i, int k) {
+// 16 bytes of lanes k, k + 4, k + 8, k + 12, from byte `at` of each one's texel.
+PLUMB_INLINE Real load_quad(const void* p, std::ptrdiff_t at, const Places& i, int k) {
     const char* base = static_cast<const char*>(p) + at;
-    Real r = _mm512_castps128_ps512(_mm_loadu_ps((const float*)(base + bytes * i.lane[k])));
-    r = _mm512_insertf32x4(r, _mm_loadu_ps((const float*)(base + bytes * i.lane[k + 4])), 1);
-    r = _mm512_insertf32x4(r, _mm_loadu_ps((const float*)(base + bytes * i.lane[k + 8])), 2);
-    return _mm512_insertf32x4(r, _mm_loadu_ps((const float*)(base + bytes * i.lane[k + 12])), 3);
+    Real r = _mm512_castps128_ps512(_mm_loadu_ps((const float*)(base + i.byte[k])));
+    r = _mm512_insertf32x4(r, _mm_loadu_ps((const float*)(base + i.byte[k + 4])), 1);
+    r = _mm512_insertf32x4(r, _mm_loadu_ps((const float*)(base + i.byte[k + 8])), 2);
+    return _mm512_insertf32x4(r, _mm_loadu_ps((const float*)(base + i.byte[k + 12])), 3);
 }
 // Loads 16 bytes a lane and transposes 4 x 4 within each quarter: t[c] holds word c of lanes 0..15.
-PLUMB_INLINE void load_words(const void* p, std::ptrdiff_t at, std::ptrdiff_t bytes, const Places& i, Real* t) {
-    const Real r0 = load_quad(p, at, bytes, i, 0), r1 = load_quad(p, at, bytes, i, 1);
-    const Real r2 = load_quad(p, at, bytes, i, 2), r3 = load_quad(p, at, bytes, i, 3);
+PLUMB_INLINE void load_words(const void* p, std::ptrdiff_t at, const Places& i, Real* t) {
+    const Real r0 = load_quad(p, at, i, 0), r1 = load_quad(p, at, i, 1);
+    const Real r2 = load_quad(p, at, i, 2), r3 = load_quad(p, at, i, 3);
     const Real a = _mm512_unpacklo_ps(r0, r1), b = _mm512_unpackhi_ps(r0, r1);
     const Real c = _mm512_unpacklo_ps(r2, r3), d = _mm512_unpackhi_ps(r2, r3);
     t[0] = (Real)_mm512_unpacklo_pd((__m512d)a, (__m512d)c);
@@ -77,7 +85,7 @@ PLUMB_INLINE void widen_pairs(Real pairs, Real* lower, Real* upper) {
 
 // Loads the texel at p + stride i of every lane whole, and transposes: t[c] is component c of all lanes.
 PLUMB_INLINE void load_texels(const float* p, int stride, Int i, Real* t) {
-    load_words(p, 0, 4 * stride, Places(i), t);
+    load_words(p, 0, Places(i, 4 * stride), t);
 }
 // A texel of four halves is 8 bytes: two gathers fetch its two pairs.
 PLUMB_INLINE void load_texels(const Half* p, int stride, Int i, Real* t) {
@@ -86,16 +94,16 @@ PLUMB_INLINE void load_texels(const Half* p, int stride, Int i, Real* t) {
     widen_pairs((Real)_mm512_i32gather_epi32(at, (const int*)p + 1, 4), t + 2, t + 3);
 }
 PLUMB_INLINE void load_records(const float* p, Int i, Real* t) {
-    const Places places(i);
-    load_words(p, 0, 64, places, t);
-    load_words(p, 16, 64, places, t + 4);
-    load_words(p, 32, 64, places, t + 8);
+    const Places places(i, 64);
+    load_words(p, 0, places, t);
+    load_words(p, 16, places, t + 4);
+    load_words(p, 32, places, t + 8);
 }
 PLUMB_INLINE void load_records(const Half* p, Int i, Real* t) {
-    const Places places(i);
+    const Places places(i, 32);
     Real pairs[8];
-    load_words(p, 0, 32, places, pairs);
-    load_words(p, 16, 32, places, pairs + 4);
+    load_words(p, 0, places, pairs);
+    load_words(p, 16, places, pairs + 4);
     widen_pairs(pairs[0], t, t + 1);
     widen_pairs(pairs[1], t + 2, t + 3);
     widen_pairs(pairs[2], t + 4, t + 5);
