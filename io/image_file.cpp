@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <filesystem>
 #include <memory>
@@ -87,6 +88,34 @@ void check_size(const std::string& path, const OIIO::ImageSpec& spec, std::size_
     if (spec.deep) throw InputError(shown(path), "header", "deep pictures are not read");
 }
 
+// The chunks of a PNG, up to IEND, and their checksums (ISO 15948, 5.3): libpng would print what it finds amiss.
+void check_png(const std::string& path, const std::vector<unsigned char>& file) {
+    static const std::array<std::uint32_t, 256> table = [] {
+        std::array<std::uint32_t, 256> t{};
+        for (std::uint32_t n = 0; n < 256; ++n) {
+            t[n] = n;
+            for (int bit = 0; bit < 8; ++bit) t[n] = (t[n] & 1 ? 0xedb88320u : 0) ^ t[n] >> 1;
+        }
+        return t;
+    }();
+    const auto word = [&](std::size_t at) {
+        return std::uint32_t(file[at]) << 24 | std::uint32_t(file[at + 1]) << 16 | std::uint32_t(file[at + 2]) << 8 | file[at + 3];
+    };
+    for (std::size_t at = 8;;) {
+        const std::string place = fmt::format("byte {}", at);
+        if (file.size() - at < 12 || file.size() - at - 12 < word(at))
+            throw InputError(shown(path), place, "the picture is cut off here");
+        const std::size_t length = word(at);
+        std::uint32_t crc = ~0u;
+        for (std::size_t i = at + 4; i < at + 8 + length; ++i) crc = table[(crc ^ file[i]) & 255] ^ crc >> 8;
+        const std::string type(file.begin() + std::ptrdiff_t(at) + 4, file.begin() + std::ptrdiff_t(at) + 8);
+        if (~crc != word(at + 8 + length))
+            throw InputError(shown(path), place, "the checksum of chunk " + printable(type) + " is wrong");
+        if (type == "IEND") return;
+        at += 12 + length;
+    }
+}
+
 Raw read_raw(const std::string& path) {
     // The file goes into memory whole: its size and its first bytes are known before a decoder sees it.
     const Format& format = format_of(path);
@@ -96,6 +125,8 @@ Raw read_raw(const std::string& path) {
     if (!format.magics.empty() && std::none_of(format.magics.begin(), format.magics.end(),
                                                [&](std::string_view m) { return head.substr(0, m.size()) == m; }))
         throw InputError(shown(path), "byte 0", fmt::format("does not begin as a .{} file does", format.extension));
+
+    if (format.reader == std::string_view("png")) check_png(path, file);
 
     OIIO::Filesystem::IOMemReader memory(file.data(), file.size());
     const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::create(format.reader);
@@ -121,7 +152,7 @@ Raw read_raw(const std::string& path) {
         throw InputError(shown(path), "", reason(e.what()));
     }
     // A JPEG that is cut off decodes to grey without an error; its end mark is what tells.
-    if (std::string_view(format.reader) == "jpeg" && (file.size() < 2 || file[file.size() - 2] != 0xff || file.back() != 0xd9))
+    if (format.reader == std::string_view("jpeg") && (file.size() < 2 || file[file.size() - 2] != 0xff || file.back() != 0xd9))
         throw InputError(shown(path), "end", "the end of the picture is missing");
     return raw;
 }

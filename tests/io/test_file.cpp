@@ -1,0 +1,92 @@
+#include <sys/resource.h>
+#include <sys/wait.h>
+
+#include <csignal>
+
+#include "files.h"
+
+using namespace plumb;
+using namespace plumb::io;
+
+TEST_CASE("file: what is written is read back, and nothing else lies beside it", "[io]") {
+    const Folder folder;
+    const std::string path = folder / "a.txt";
+    write_file(path, {"one ", "", "two"});
+    CHECK(read_text(path) == "one two");
+    write_text(path, "three");
+    CHECK(read_text(path) == "three");
+    CHECK(folder.files() == 1);
+}
+
+TEST_CASE("file: a path that cannot be read is one line with the path and the reason", "[io][robustness]") {
+    const Folder folder;
+    require_message(error_of([&] { read_text(folder / "none.txt"); }), {"none.txt", "No such file"});
+    require_message(error_of([&] { read_text(folder / ""); }), {"not a regular file"});
+    require_message(error_of([&] { read_text("/dev/zero"); }), {"/dev/zero", "not a regular file"});
+    require_message(error_of([&] { read_text(folder.put("big.txt", "12345"), 4); }), {"big.txt", "5 bytes", "limit is 4"});
+    require_message(error_of([&] { read_text(std::string("a\0b", 3)); }), {"NUL"});
+    require_message(error_of([&] { read_text(folder / "two\nlines"); }), {"two\\x0alines"});
+}
+
+TEST_CASE("file: a path that cannot be written is one line, and nothing is left", "[io][robustness]") {
+    const Folder folder;
+    const std::string file = folder.put("file", "x");
+    require_message(error_of([&] { write_text(folder / "none/a.txt", "x"); }), {"none/a.txt", "No such file"});
+    require_message(error_of([&] { write_text(file + "/a.txt", "x"); }), {"a.txt", "Not a directory"});
+    require_message(error_of([&] { make_folder(file); }), {file});
+    require_message(error_of([&] { make_folder(file + "/sub"); }), {file});
+    std::filesystem::create_directory(folder / "taken");
+    require_message(error_of([&] { write_text(folder / "taken", "x"); }), {"taken", "cannot be written"});
+    CHECK(folder.files() == 2);
+}
+
+TEST_CASE("file: a full disk leaves the old file and no other", "[io][robustness]") {
+    // A limit on file sizes stands for the full disk: write() fails in the middle.
+    const Folder folder;
+    const std::string path = folder.put("a.txt", "old");
+    std::signal(SIGXFSZ, SIG_IGN);
+    rlimit before;
+    getrlimit(RLIMIT_FSIZE, &before);
+    const rlimit small{1000, before.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &small);
+    const std::string message = error_of([&] { write_text(path, std::string(5000, 'x')); });
+    setrlimit(RLIMIT_FSIZE, &before);
+    std::signal(SIGXFSZ, SIG_DFL);
+    require_message(message, {"a.txt", "cannot be written", "File too large"});
+    CHECK(read_text(path) == "old");
+    CHECK(folder.files() == 1);
+}
+
+TEST_CASE("file: a signal in the middle of a write leaves the old file and no other", "[io][robustness]") {
+    const Folder folder;
+    const std::string path = folder.put("a.txt", "old");
+    const pid_t child = fork();
+    if (child == 0) {
+        // SIGXFSZ arrives from within write().
+        const rlimit small{1000, 1000};
+        setrlimit(RLIMIT_FSIZE, &small);
+        std::signal(SIGXFSZ, [](int) {
+            remove_unfinished_files();
+            _exit(130);
+        });
+        write_text(path, std::string(5000, 'x'));
+        _exit(0);
+    }
+    int status = 0;
+    waitpid(child, &status, 0);
+    CHECK(WEXITSTATUS(status) == 130);
+    CHECK(read_text(path) == "old");
+    CHECK(folder.files() == 1);
+}
+
+TEST_CASE("file: names are taken apart", "[io]") {
+    CHECK(folder_of("a/b.obj") == "a");
+    CHECK(folder_of("b.obj") == "");
+    CHECK(beside("a/b.toml", "c.obj") == "a/c.obj");
+    CHECK(beside("a/b.toml", "/c.obj") == "/c.obj");
+    CHECK(extension_of("a.b/C.EXR") == "exr");
+    CHECK(extension_of("a.b/c") == "");
+    CHECK(stem_of("a/b.c.obj") == "b.c");
+    CHECK(printable("a\tb") == "a\\x09b");
+    CHECK(printable("abcdef", 3) == "abc...");
+}
