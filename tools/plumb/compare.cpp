@@ -1,0 +1,197 @@
+// plumb compare: how two pictures differ, and whether that is within bounds.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "core/compare.h"
+#include "core/compare_pictures.h"
+#include "core/error.h"
+#include "io/file.h"
+#include "io/image_file.h"
+#include "tools/plumb/cli.h"
+#include "tools/plumb/outputs.h"
+#include "tools/plumb/reports.h"
+#include "tools/plumb/table.h"
+
+namespace plumb::cli {
+
+namespace {
+
+struct CompareOptions {
+    Common common;
+    std::string a, b, difference, layer;
+    std::optional<double> max_error, max_differing;
+    std::optional<std::uint32_t> max_ulp;
+};
+
+// Integer formats hold values encoded for a display.
+bool encoded(const std::string& path) {
+    const std::string extension = io::extension_of(path);
+    for (const char* e : {"png", "jpg", "jpeg", "bmp", "tga", "gif"})
+        if (extension == e) return true;
+    return false;
+}
+
+// The layer of a picture that FLIP and SSIM look at: color, or the channels without a layer.
+std::string seen_layer(const compare::Picture& picture) {
+    const std::vector<std::string> names = io::layer_names(picture);
+    return std::find(names.begin(), names.end(), "color") != names.end() ? "color" : "";
+}
+
+bool has_layer(const compare::Picture& picture, const std::string& layer) {
+    const std::vector<std::string> names = io::layer_names(picture);
+    return std::find(names.begin(), names.end(), layer) != names.end();
+}
+
+// "color" is also the name of the channels that have no layer.
+compare::Picture select(const compare::Picture& picture, const std::string& layer, const std::string& path) {
+    const bool unnamed = layer == "color" && !has_layer(picture, "color") && has_layer(picture, "");
+    return io::select_layer(picture, unnamed ? "" : layer, path);
+}
+
+// All channels as one picture; FLIP and SSIM of the layer that is a picture.
+compare::Report compare_all(const compare::Picture& a, const compare::Picture& b, compare::Options options) {
+    if (io::layer_names(a).size() <= 1) return compare::compare(a, b, options);
+    options.perceptual = false;
+    compare::Report report = compare::compare(a, b, options);
+    const std::string layer = seen_layer(a);
+    if (!report.mean_error || !has_layer(a, layer)) return report;
+    options.perceptual = true;
+    options.max_error = options.max_differing = std::nullopt;
+    options.max_ulp = std::nullopt;
+    const compare::Report seen = compare::compare(io::select_layer(a, layer, "A"), io::select_layer(b, layer, "B"), options);
+    report.ssim = seen.ssim;
+    report.flip = seen.flip;
+    return report;
+}
+
+// One row a layer, where there are several.
+std::string layers_text(const compare::Picture& a, const compare::Picture& b, compare::Options options) {
+    const std::vector<std::string> names = io::layer_names(a);
+    if (names.size() < 2 || !compare::mismatch(a, b).empty()) return "";
+    options.perceptual = false;
+    std::vector<std::vector<std::string>> rows;
+    auto text = [](std::optional<double> v) { return v ? fmt::format("{:.4g}", *v) : std::string("undefined"); };
+    for (const std::string& name : names) {
+        const compare::Report r =
+            compare::compare(io::select_layer(a, name, "A"), io::select_layer(b, name, "B"), options);
+        rows.push_back({name.empty() ? "color" : name, text(r.mean_error), text(r.rmse),
+                        r.max_ulp == compare::saturated_ulp ? "undefined" : fmt::format("{}", r.max_ulp),
+                        fmt::format("{:.4g} %", 100 * r.differing),
+                        r.worst ? fmt::format("{},{} {}", r.worst->x, r.worst->y, r.worst->channel) : ""});
+    }
+    return "\n" + format_table({{"layer"},
+                                {"mean error", Align::right},
+                                {"RMSE", Align::right},
+                                {"max ULP", Align::right},
+                                {"differing", Align::right},
+                                {"worst"}},
+                               rows);
+}
+
+// All layers, the one without a name first.
+void write_layers(const std::string& file, const compare::Picture& picture) {
+    std::vector<std::string> names = io::layer_names(picture);
+    std::stable_partition(names.begin(), names.end(), [](const std::string& name) { return name.empty(); });
+    std::vector<compare::Picture> parts;
+    for (const std::string& name : names) parts.push_back(io::select_layer(picture, name, file));
+    std::vector<io::Layer> layers;
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+        layers.push_back({names[i].empty() ? "color" : names[i], parts[i].channels, parts[i].data.data(),
+                          int(parts[i].channels.size())});
+    }
+    io::write_exr(file, picture.width, picture.height, layers);
+}
+
+// R, G and B, clamped to 0..1.
+std::vector<std::uint8_t> bytes_of(const compare::Picture& picture, const std::string& path) {
+    const bool layered = io::layer_names(picture).size() > 1;
+    const auto rgb = compare::linear_rgb(layered ? io::select_layer(picture, seen_layer(picture), path) : picture,
+                                         compare::Encoding::hdr);
+    if (!rgb) throw InputError(path, "", "a PNG shows R, G and B, which the pictures do not have; use .exr");
+    std::vector<std::uint8_t> bytes;
+    for (const glm::dvec3& v : rgb->texels)
+        for (int c = 0; c < 3; ++c) bytes.push_back(std::uint8_t(v[c] > 0 ? std::min(v[c], 1.0) * 255 + 0.5 : 0));
+    return bytes;
+}
+
+// |a - b|: as it is in an EXR, a byte for 1/255 in a PNG.
+void write_difference(const compare::Picture& a, const compare::Picture& b, const std::string& path) {
+    const compare::Picture difference = compare::difference(a, b);
+    const std::filesystem::path where(path);
+    Outputs outputs(where.parent_path().string());
+    outputs.write(where.filename().string(), [&](const std::string& file) {
+        if (io::extension_of(path) == "exr")
+            write_layers(file, difference);
+        else
+            io::write_png(file, difference.width, difference.height, bytes_of(difference, path).data());
+    });
+    outputs.commit();
+}
+
+int run_compare(const CompareOptions& given) {
+    compare::Options options;
+    options.threads = given.common.run_options().threads;
+    options.max_error = given.max_error;
+    options.max_ulp = given.max_ulp;
+    options.max_differing = given.max_differing;
+    const std::string extension = io::extension_of(given.difference);
+    if (!given.difference.empty() && extension != "exr" && extension != "png")
+        throw InputError("-o " + given.difference + ": expected a name that ends in .exr or .png");
+    compare::Picture a = io::read_picture(given.a), b = io::read_picture(given.b);
+    if (encoded(given.a) != encoded(given.b))
+        throw InputError(fmt::format("{} is encoded for a display and {} is linear: they cannot be compared",
+                                     encoded(given.a) ? given.a : given.b, encoded(given.a) ? given.b : given.a));
+    options.encoding = encoded(given.a) ? compare::Encoding::ldr_srgb : compare::Encoding::hdr;
+    if (!given.layer.empty()) {
+        a = select(a, given.layer, given.a);
+        b = select(b, given.layer, given.b);
+    }
+
+    // Compare; what cannot be compared has no difference picture.
+    const compare::Report report = compare_all(a, b, options);
+    const bool comparable = compare::mismatch(a, b).empty();
+    if (!given.difference.empty() && comparable) write_difference(a, b, given.difference);
+    if (given.common.json) {
+        std::fputs(json_text(compare_json(report)).c_str(), stdout);
+        return report.agree ? success : disagreement;
+    }
+    const bool bounded = given.max_error || given.max_ulp || given.max_differing;
+    std::string text = fmt::format("A  {}\nB  {}\n\n", given.a, given.b);
+    if (comparable) text += compare_text(report) + layers_text(a, b, options) + "\n";
+    if (!given.difference.empty() && comparable) text += "wrote " + given.difference + "\n";
+    text += !report.agree   ? "disagree: " + report.reason
+            : report.equal  ? "equal, to the bit"
+            : bounded       ? "agree: within the bounds"
+                            : "they differ; no bound was given";
+    std::fputs((text + "\n").c_str(), stdout);
+    return report.agree ? success : disagreement;
+}
+
+}  // namespace
+
+void add_compare(CLI::App& program, Action& action) {
+    auto given = std::make_shared<CompareOptions>();
+    CLI::App* command = program.add_subcommand("compare", "say how two pictures differ, and whether within bounds");
+    command->add_option("a", given->a, "the picture under test")->required()->type_name("A");
+    command->add_option("b", given->b, "the reference")->required()->type_name("B");
+    command->add_option("--max-error", given->max_error, "bound on the mean error, at least 0")->type_name("E");
+    command->add_option("--max-ulp", given->max_ulp, "bound on the distance in floats between two values")->type_name("N");
+    command->add_option("--max-differing", given->max_differing, "bound on the share of differing pixels, 0 to 1")
+        ->type_name("S");
+    command->add_option("-o,--output", given->difference, "write |A - B| as .exr, or clamped to 0..1 as .png")
+        ->type_name("DIFF");
+    command->add_option("--layer", given->layer, "compare this layer of the files only")->type_name("L");
+    add_json(*command, given->common);
+    add_common(*command, given->common);
+    command->footer(
+        "A NaN, an infinity, other sizes or other channels are a disagreement, exit code 1. Where files have several\n"
+        "layers, all channels count as one picture, and SSIM and FLIP are those of the layer color. In JSON null is\n"
+        "what is undefined, and the PSNR of equal pictures.");
+    command->callback([given, &action] { action = [=] { return run_compare(*given); }; });
+}
+
+}  // namespace plumb::cli

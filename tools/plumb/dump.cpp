@@ -1,0 +1,210 @@
+// Every stage's inputs and outputs as files: pictures as EXR with the four components of the render target, buffers as
+// .npy (NumPy's format 1.0).
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "gi/frame/frame.h"
+#include "io/file.h"
+#include "raster/light_view.h"
+#include "raster/surfaces.h"
+#include "tools/plumb/options.h"
+#include "tools/plumb/pictures.h"
+#include "tools/plumb/reports.h"
+
+namespace plumb::cli {
+
+namespace {
+
+// The header is padded so that the data starts at a multiple of 64 bytes.
+std::string npy_header(const char* type, const std::vector<std::size_t>& shape) {
+    std::string dict = fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': (", type);
+    for (std::size_t extent : shape) dict += fmt::format("{},", extent);
+    dict += "), }";
+    dict.append(63 - (10 + dict.size()) % 64, ' ');
+    dict += '\n';
+    return std::string("\x93NUMPY\x01\x00", 8) + char(dict.size() & 0xff) + char(dict.size() >> 8) + dict;
+}
+
+struct Dumper {
+    Outputs& outputs;
+    std::vector<std::string> written;
+
+    // Each writes a file unless it is there already, and returns its name.
+    std::string once(const std::string& file, const std::function<void(const std::string& path)>& write) {
+        if (std::find(written.begin(), written.end(), file) == written.end()) {
+            written.push_back(file);
+            outputs.write("dump/" + file, write);
+        }
+        return file;
+    }
+    std::string picture(const std::string& name, int width, int height, std::vector<std::string> components,
+                        const float* data) {
+        return once(name + ".exr", [&](const std::string& path) {
+            const int stride = int(components.size());
+            io::write_exr(path, width, height, {{"color", components, data, stride}});
+        });
+    }
+    std::string picture(const std::string& name, const Image4& image) {
+        return picture(name, image.width, image.height, {"R", "G", "B", "A"}, &image.data()->x);
+    }
+    template <class T>
+    std::string array(const std::string& name, const char* type, const std::vector<std::size_t>& shape, const T* data) {
+        return once(name + ".npy", [&](const std::string& path) {
+            std::size_t bytes = sizeof(T);
+            for (std::size_t extent : shape) bytes *= extent;
+            io::write_file(path, {npy_header(type, shape), {reinterpret_cast<const char*>(data), bytes}});
+        });
+    }
+};
+
+struct Dump {
+    const Scene& scene;
+    const frame::Settings& settings;
+    const frame::Plan& plan;
+    const frame::Frame& frame;
+    const RunOptions& options;
+    Dumper files;
+
+    std::vector<std::string> lights;
+    Geometry geometry;
+    raster::Surfaces surfaces;
+
+    // What the two raster passes read.
+    Json surface_inputs() {
+        const std::size_t triangles = geometry.triangles.size(), materials = surfaces.material_texture.size();
+        return {{"vertices", files.array("scene.vertices", "<f4", {geometry.vertices.size(), 8},
+                                         reinterpret_cast<const float*>(geometry.vertices.data()))},
+                {"triangles", files.array("scene.triangles", "<u4", {triangles, 3},
+                                          reinterpret_cast<const std::uint32_t*>(geometry.triangles.data()))},
+                {"material", files.array("scene.material", "<i4", {triangles}, geometry.material.data())},
+                {"materials", files.array("scene.materials", "<f4", {materials, 16}, surfaces.materials.data())},
+                {"material_texture",
+                 files.array("scene.material_texture", "<i4", {materials}, surfaces.material_texture.data())},
+                {"textures", files.array("scene.textures", "<i4", {surfaces.textures.size() / 4, 4},
+                                         surfaces.textures.data())},
+                {"texels", files.array("scene.texels", "<i4", {surfaces.texels.size()}, surfaces.texels.data())},
+                {"decode", files.array("scene.decode", "<f4", {2, 256}, surfaces.decode.data())}};
+    }
+
+    Json gbuffer_outputs() {
+        const raster::GBuffer& g = frame.gbuffer;
+        const Buffer<float> id = id_floats(g.id);
+        return {{"position", files.picture("gbuffer.position", g.position)},
+                {"normal", files.picture("gbuffer.normal", g.normal)},
+                {"albedo", files.picture("gbuffer.albedo", g.albedo)},
+                {"emission", files.picture("gbuffer.emission", g.emission)},
+                {"depth", files.picture("gbuffer.depth", g.depth.width, g.depth.height, {"R"}, g.depth.data())},
+                {"id", files.picture("gbuffer.id", g.id.width, g.id.height, {"R", "G"}, id.data())}};
+    }
+
+    Json rsm_outputs(int l) {
+        const raster::Rsm& r = frame.rsms[l];
+        const std::string name = "rsm." + lights[l] + ".";
+        const std::size_t side = r.size;
+        Json ports = {{"position", files.picture(name + "position", r.position)},
+                      {"normal", files.picture(name + "normal", r.normal)},
+                      {"flux", files.picture(name + "flux", r.flux)}};
+        ports["records"] = r.half ? files.array(name + "records", "<f2", {side, side, 16}, r.half_records.data())
+                                  : files.array(name + "records", "<f4", {side, side, 16}, r.records.data());
+        return ports;
+    }
+
+    std::string visibility(int l) {
+        const Image4& size = frame.gbuffer.position;
+        return files.picture("shadow." + lights[l] + ".visibility", size.width, size.height, {"R"},
+                             frame.visibility.data() + l * size.size());
+    }
+
+    // The frame keeps the sum over the lights; each light's share is gathered again.
+    std::string irradiance(const frame::PlannedStage& s, const rsm::GatherInputs& in) {
+        Image4 image;
+        rsm::run(settings.rsm, in, options, image);
+        return files.picture(s.name + "." + lights[s.light] + ".irradiance", image);
+    }
+
+    void gather(const frame::PlannedStage& s, Json& inputs, Json& outputs) {
+        const raster::GBuffer& g = frame.gbuffer;
+        const int l = s.light;
+        const rsm::Pattern pattern = rsm::disc_pattern(settings.rsm, frame.rsms[l].size, settings.seed);
+        inputs = surface_points();
+        inputs["rsm"] = rsm_outputs(l)["records"];
+        if (s.name == "rsm.disc") {
+            const std::size_t samples = pattern.samples, rotations = pattern.rotations;
+            const std::string name = "rsm.disc." + lights[l] + ".";
+            inputs["offsets"] = files.array(name + "offsets", "<i4", {samples, rotations}, pattern.offsets.data());
+            inputs["weights"] = files.array(name + "weights", "<f4", {samples}, pattern.weights.data());
+        }
+        outputs["irradiance"] =
+            irradiance(s, {&g.position, &g.normal, &frame.rsms[l], &pattern, settings.seed});
+    }
+
+    Json surface_points() {
+        const Json g = gbuffer_outputs();
+        return {{"position", g["position"]}, {"normal", g["normal"]}};
+    }
+
+    void direct(Json& inputs, Json& outputs) {
+        std::vector<raster::LightArgs> args;
+        inputs = surface_points();
+        inputs["visibility"] = Json::array();
+        for (int l = 0; l < int(scene.lights.size()); ++l) {
+            Light light = scene.lights[l];
+            if (!light.on) light.intensity = glm::vec3(0);
+            args.push_back(raster::light_args(light));
+            inputs["visibility"].push_back(visibility(l));
+        }
+        inputs["lights"] = files.array("direct.lights", "<f4", {args.size(), 12},
+                                       reinterpret_cast<const float*>(args.data()));
+        outputs["irradiance"] = files.picture("direct.irradiance", frame.direct);
+    }
+
+    Json stage(const frame::PlannedStage& s) {
+        Json inputs = Json::object(), outputs = Json::object();
+        if (s.name == "gbuffer") {
+            inputs = surface_inputs();
+            outputs = gbuffer_outputs();
+        } else if (s.name == "rsm") {
+            inputs = surface_inputs();
+            outputs = rsm_outputs(s.light);
+        } else if (s.name == "shadow") {
+            inputs = surface_points();
+            inputs["rsm.position"] = rsm_outputs(s.light)["position"];
+            outputs["visibility"] = visibility(s.light);
+        } else if (s.name == "direct") {
+            direct(inputs, outputs);
+        } else if (s.name == "compose") {
+            const Json g = gbuffer_outputs();
+            inputs = {{"normal", g["normal"]}, {"albedo", g["albedo"]}, {"emission", g["emission"]}};
+            inputs["direct"] = files.picture("direct.irradiance", frame.direct);
+            inputs["indirect"] = files.picture("indirect", frame.indirect);
+            outputs["radiance"] = files.picture("compose.radiance", frame.radiance);
+        } else if (s.name == "tonemap") {
+            inputs["radiance"] = files.picture("compose.radiance", frame.radiance);
+            outputs["display"] = files.picture("tonemap.display", frame.display);
+        } else {
+            gather(s, inputs, outputs);
+        }
+        Json json = {{"stage", s.name}};
+        if (s.light >= 0) json["light"] = scene.lights[s.light].name;
+        json["inputs"] = inputs;
+        json["outputs"] = outputs;
+        return json;
+    }
+};
+
+}  // namespace
+
+void write_dump(const Scene& scene, const frame::Settings& settings, const frame::Plan& plan, const frame::Frame& frame,
+                const RunOptions& options, Outputs& outputs) {
+    Dump dump{scene, settings, plan, frame, options, {outputs, {}}, light_file_names(scene), flatten(scene), {}};
+    dump.surfaces = raster::prepare(scene, dump.geometry);
+    Json stages = Json::array();
+    for (const frame::PlannedStage& s : plan.stages)
+        if (s.needed) stages.push_back(dump.stage(s));
+    const Json json = {{"settings", settings_json(settings)}, {"stages", stages}};
+    outputs.write("dump/dump.json", [&](const std::string& path) { io::write_text(path, json_text(json)); });
+}
+
+}  // namespace plumb::cli

@@ -1,0 +1,189 @@
+// plumb explain: every named value of one invocation, and whether it adds up to the picture.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "core/error.h"
+#include "core/formats.h"
+#include "tools/plumb/cli.h"
+#include "tools/plumb/progress.h"
+#include "tools/plumb/reports.h"
+#include "tools/plumb/scene_command.h"
+#include "tools/plumb/table.h"
+
+namespace plumb::cli {
+
+namespace {
+
+struct ExplainOptions {
+    SceneOptions scene;
+    Common common;
+    std::string stage, pixel, light;
+};
+
+// A value of the picture and the one that the explanation ends with.
+struct Check {
+    std::string name;
+    std::vector<double> picture, explained;
+
+    // A NaN is equal to nothing.
+    bool equal() const { return picture == explained; }
+};
+
+// The last value of that name; empty where the kernel did not get so far.
+std::vector<double> last_value(const frame::Explanation& e, const std::string& name) {
+    for (auto v = e.values.rbegin(); v != e.values.rend(); ++v)
+        if (v->name == name) return v->value;
+    return {};
+}
+
+struct Checker {
+    const Scene& scene;
+    const frame::Settings& settings;
+    const frame::Plan& plan;
+    const frame::Frame& frame;
+    glm::ivec2 pixel;
+
+    // Targets of half floats hold rounded values; the kernel's are explained as they were.
+    std::vector<double> stored(std::vector<double> values) const {
+        if (settings.layout == raster::Layout::rgba16f)
+            for (double& v : values) v = half_to_float(float_to_half(float(v)));
+        return values;
+    }
+    std::vector<double> at(const Image4& image) const {
+        const glm::vec4& v = image(pixel.x, pixel.y);
+        return {v.x, v.y, v.z};
+    }
+
+    // The picture of the indirect light is the sum over the lights, in their order.
+    Check gathered() const {
+        glm::vec3 sum(0);
+        int lights = 0;
+        for (const frame::PlannedStage& s : plan.stages) {
+            if (!s.needed || (s.name != "rsm.disc" && s.name != "rsm.all")) continue;
+            const auto e = frame::explain(scene, settings, plan, frame, s.name, s.light, pixel);
+            const std::vector<double> v = last_value(e.at(0), "irradiance");
+            sum += glm::vec3(v.at(0), v.at(1), v.at(2));
+            ++lights;
+        }
+        return {lights > 1 ? fmt::format("irradiance, the sum of {} lights", lights) : "irradiance",
+                at(frame.indirect), {sum.x, sum.y, sum.z}};
+    }
+
+    std::vector<Check> checks(const frame::PlannedStage& s, const frame::Explanation& e) const {
+        const raster::GBuffer& g = frame.gbuffer;
+        if (s.name == "gbuffer") {
+            // Where nothing is seen there is nothing to explain.
+            if (g.id(pixel.x, pixel.y).x < 0) return {};
+            return {{"position", at(g.position), stored(last_value(e, "position"))},
+                    {"normal", at(g.normal), stored(last_value(e, "normal"))},
+                    {"albedo", at(g.albedo), stored(last_value(e, "albedo"))},
+                    {"emission", at(g.emission), stored(last_value(e, "emission"))}};
+        }
+        if (s.name == "rsm") {
+            const raster::Rsm& r = frame.rsms[s.light];
+            if (r.normal(pixel.x, pixel.y).w == 0) return {};
+            return {{"position", at(r.position), stored(last_value(e, "position"))},
+                    {"normal", at(r.normal), stored(last_value(e, "normal"))},
+                    {"flux", at(r.flux), stored(last_value(e, "flux"))}};
+        }
+        if (s.name == "shadow") {
+            const std::size_t pixels = g.position.size();
+            const std::size_t i = s.light * pixels + std::size_t(pixel.y) * g.position.width + pixel.x;
+            return {{"visibility", {frame.visibility[i]}, last_value(e, "visibility")}};
+        }
+        if (s.name == "direct") return {{"irradiance", at(frame.direct), last_value(e, "irradiance")}};
+        if (s.name == "compose") return {{"radiance", at(frame.radiance), last_value(e, "radiance")}};
+        if (s.name == "tonemap") return {{"display", at(frame.display), last_value(e, "display")}};
+        return {gathered()};
+    }
+};
+
+const frame::PlannedStage& planned(const frame::Plan& plan, const std::string& label) {
+    return *std::find_if(plan.stages.begin(), plan.stages.end(),
+                         [&](const frame::PlannedStage& s) { return s.label == label; });
+}
+
+std::string check_text(const Check& check) {
+    return fmt::format("check: {}: explained {}, in the picture {}: {}\n", check.name, exact_text(check.explained),
+                       exact_text(check.picture), check.equal() ? "equal" : "NOT EQUAL");
+}
+
+// The stages that `stage` stands on; the others need not run.
+frame::Plan up_to(frame::Plan plan, const std::string& stage) {
+    for (const char* early : {"gbuffer", "rsm", "shadow", "direct"}) {
+        if (stage != early) continue;
+        std::erase_if(plan.stages, [](const frame::PlannedStage& s) {
+            return s.name == "compose" || s.name == "tonemap" || s.name.rfind("rsm.", 0) == 0;
+        });
+    }
+    return plan;
+}
+
+int explain(const ExplainOptions& given) {
+    const RunOptions options = given.common.run_options();
+    const glm::ivec2 pixel = parse_pixel(given.pixel);
+    const Scene scene = load(given.scene);
+    const frame::Settings settings = settings_of(scene, given.scene);
+    const int light = given.light.empty() ? -1 : find_light(scene, given.light);
+    const frame::Plan plan = up_to(frame::plan(scene, settings), given.stage);
+
+    // What cannot be explained is refused before the frame is rendered.
+    std::vector<std::string> names;
+    for (const StageInfo& s : frame::all_stages()) names.push_back(s.name);
+    if (!given.stage.empty() && std::find(names.begin(), names.end(), given.stage) == names.end())
+        throw InputError(fmt::format("--stage {}: unknown stage; the nearest known one is '{}'", given.stage,
+                                     nearest_name(given.stage, names)));
+    if (given.stage != "rsm" && (pixel.x >= scene.frame_size.x || pixel.y >= scene.frame_size.y))
+        throw InputError(fmt::format("--pixel {}: outside of the picture, which is {} x {}", given.pixel,
+                                     scene.frame_size.x, scene.frame_size.y));
+    const frame::Frame frame = [&] {
+        ProgressBar bar(plan);
+        return frame::execute(scene, settings, plan, options, bar.callback());
+    }();
+
+    // Explain, and hold each stage's last value against the picture.
+    const auto explanations = frame::explain(scene, settings, plan, frame, given.stage, light, pixel);
+    const Checker checker{scene, settings, plan, frame, pixel};
+    Json json = Json::array();
+    if (!given.common.json) print_notes(scene);
+    std::vector<Check> wrong;
+    for (std::size_t i = 0; i < explanations.size(); ++i) {
+        const frame::Explanation& e = explanations[i];
+        std::string text = (i > 0 ? "\n" : "") + (given.common.json ? "" : explain_text(e));
+        for (const Check& check : checker.checks(planned(plan, e.stage), e)) {
+            text += check_text(check);
+            if (!check.equal()) wrong.push_back(check);
+        }
+        if (given.common.json)
+            json.push_back(explain_json(e));
+        else
+            std::fputs(text.c_str(), stdout);
+    }
+    if (given.common.json) std::fputs(json_text(given.stage.empty() ? json : json.at(0)).c_str(), stdout);
+    for (const Check& check : wrong) std::fprintf(stderr, "plumb: %s", check_text(check).c_str());
+    return wrong.empty() ? success : disagreement;
+}
+
+}  // namespace
+
+void add_explain(CLI::App& program, Action& action) {
+    auto given = std::make_shared<ExplainOptions>();
+    CLI::App* command = program.add_subcommand("explain", "every named value of one pixel, with its equation");
+    add_scene_options(*command, given->scene);
+    command->add_option("--stage", given->stage, "a name of `plumb stages`; all but rsm otherwise")->type_name("S");
+    command->add_option("--pixel", given->pixel, "from the top left; of the light's map for the stage rsm")
+        ->required()
+        ->type_name("X,Y");
+    command->add_option("--light", given->light, "the light, for a stage that runs once a light; the first otherwise")
+        ->type_name("NAME");
+    add_json(*command, given->common);
+    add_common(*command, given->common);
+    command->footer("Each stage ends with a check: is its last value what the picture holds? Exit code 1 if not.");
+    command->callback([given, &action] { action = [=] { return explain(*given); }; });
+}
+
+}  // namespace plumb::cli

@@ -1,0 +1,40 @@
+// plumb make-scene: procedural scenes, the same everywhere.
+#include <memory>
+
+#include "core/error.h"
+#include "io/make_scene.h"
+#include "tools/plumb/cli.h"
+#include "tools/plumb/outputs.h"
+
+namespace plumb::cli {
+
+void add_make_scene(CLI::App& program, Action& action) {
+    struct Given {
+        Common common;
+        std::string name, folder = "out";
+        int triangles = 0;
+    };
+    auto given = std::make_shared<Given>();
+    CLI::App* command = program.add_subcommand("make-scene", "write a procedural scene: cornell");
+    command->add_option("name", given->name, "the scene's name")->required()->type_name("NAME");
+    command->add_option("-o,--output", given->folder, "folder for what is written; \"out\" otherwise")->type_name("DIR");
+    CLI::Option* triangles =
+        command->add_option("--triangles", given->triangles, "about how many, for scenes that can have more or fewer")
+            ->check(CLI::Range(1, 1 << 30).description(""))
+            ->type_name("N");
+    add_common(*command, given->common);
+    command->callback([given, triangles, &action] {
+        action = [=] {
+            given->common.run_options();
+            if (triangles->count() > 0)
+                throw InputError("--triangles: the scene '" + given->name + "' has no adjustable count");
+            Outputs outputs(given->folder);
+            outputs.write("", [&](const std::string& folder) { io::make_scene(given->name, folder); });
+            outputs.commit();
+            for (const std::string& file : outputs.files()) std::printf("wrote %s\n", file.c_str());
+            return int(success);
+        };
+    });
+}
+
+}  // namespace plumb::cli

@@ -1,0 +1,44 @@
+// Words of the command line and what they mean.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <string>
+#include <vector>
+
+#include "core/fields.h"
+#include "core/scene.h"
+#include "gi/frame/settings.h"
+
+namespace plumb::cli {
+
+// "table.key=value": [1, 2, 3] or 1,2,3 is a vector, true and false are truth values, what reads as a number is one,
+// all else is a word, with or without quotes.
+struct Assignment {
+    std::string table, key;
+    FieldValue value;
+    std::string place;  // "--set rsm.samples"
+};
+Assignment parse_assignment(const std::string& text);
+FieldValue parse_value(const std::string& text);
+
+// "X,Y", both whole and at least 0.
+glm::ivec2 parse_pixel(const std::string& text);
+
+// What a command that renders is told about the scene.
+struct SceneOptions {
+    std::string file, method;
+    std::vector<std::string> sets;
+    bool no_pruning = false;
+};
+
+// The scene file's settings, then --method, then every --set in its order.
+frame::Settings settings_of(const Scene& scene, const SceneOptions& options);
+
+// Index of the light; throws InputError that names the nearest.
+int find_light(const Scene& scene, const std::string& name);
+
+// Each light's name as a part of a file's name: letters, digits, '-' and '_', and no two alike.
+std::vector<std::string> light_file_names(const Scene& scene);
+std::string file_name(const std::string& text);
+
+}  // namespace plumb::cli

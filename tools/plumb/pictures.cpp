@@ -1,0 +1,72 @@
+#include "tools/plumb/pictures.h"
+
+#include "gi/compose/compose.h"
+#include "io/file.h"
+#include "tools/plumb/options.h"
+
+namespace plumb::cli {
+
+namespace {
+
+const std::vector<std::string> rgb = {"R", "G", "B"}, xyz = {"X", "Y", "Z"};
+
+io::Layer layer(const std::string& name, const std::vector<std::string>& components, const Image4& image) {
+    return {name, components, &image.data()->x, 4};
+}
+
+}  // namespace
+
+Buffer<float> id_floats(const Image<glm::ivec2>& id) {
+    Buffer<float> floats;
+    floats.reserve(2 * id.size());
+    for (const glm::ivec2& i : id.texels) {
+        floats.push_back(float(i.x));
+        floats.push_back(float(i.y));
+    }
+    return floats;
+}
+
+bool runs(const frame::Plan& plan, const std::string& stage, int light) {
+    for (const frame::PlannedStage& s : plan.stages)
+        if (s.name == stage && s.light == light) return s.needed;
+    return false;
+}
+
+void write_pictures(const Scene& scene, const frame::Plan& plan, const frame::Frame& frame, Outputs& outputs) {
+    const std::string name = file_name(io::stem_of(scene.name));
+    const std::vector<std::string> lights = light_file_names(scene);
+    const raster::GBuffer& g = frame.gbuffer;
+    const std::size_t pixels = frame.radiance.size();
+
+    // Everything of the camera's size goes into one file.
+    const Buffer<float> id = id_floats(g.id);
+    std::vector<io::Layer> layers = {
+        layer("color", rgb, frame.radiance), layer("direct", rgb, frame.direct),  layer("indirect", rgb, frame.indirect),
+        layer("albedo", rgb, g.albedo),      layer("position", xyz, g.position), layer("normal", xyz, g.normal),
+        {"depth", {"Z"}, g.depth.data(), 1}, {"id", {"X", "Y"}, id.data(), 2},
+    };
+    for (int l = 0; l < int(lights.size()); ++l) {
+        if (runs(plan, "shadow", l))
+            layers.push_back({"shadow." + lights[l], {"Y"}, frame.visibility.data() + l * pixels, 1});
+    }
+    const glm::ivec2 size = scene.frame_size;
+    outputs.write(name + ".exr", [&](const std::string& path) { io::write_exr(path, size.x, size.y, layers); });
+
+    // Write the reflective shadow maps.
+    for (int l = 0; l < int(lights.size()); ++l) {
+        const raster::Rsm& rsm = frame.rsms[l];
+        if (rsm.size == 0) continue;
+        const std::string base = "rsm." + lights[l] + ".";
+        const std::vector<io::Layer> maps = {layer(base + "position", xyz, rsm.position),
+                                             layer(base + "normal", xyz, rsm.normal),
+                                             layer(base + "flux", rgb, rsm.flux),
+                                             {base + "depth", {"Z"}, &rsm.position.data()->w, 4}};
+        outputs.write(name + ".rsm." + lights[l] + ".exr",
+                      [&](const std::string& path) { io::write_exr(path, rsm.size, rsm.size, maps); });
+    }
+
+    const std::vector<unsigned char> bytes = compose::to_bytes(frame.display);
+    outputs.write(name + ".png", [&](const std::string& path) { io::write_png(path, size.x, size.y, bytes.data()); });
+}
+
+}  // namespace plumb::cli

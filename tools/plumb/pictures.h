@@ -1,0 +1,28 @@
+// A frame's buffers as the layers of files, by the names that scripts rely on.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "gi/frame/frame.h"
+#include "io/image_file.h"
+#include "tools/plumb/outputs.h"
+
+namespace plumb::cli {
+
+// Writes <scene>.exr, a <scene>.rsm.<light>.exr for each map that was drawn (it has a size of its own), and <scene>.png.
+// A shadow.<light> or an RSM is there where its stage ran, every other layer always.
+void write_pictures(const Scene& scene, const frame::Plan& plan, const frame::Frame& frame, Outputs& outputs);
+
+// Writes every buffer that a stage reads or writes into dump/, once each and named after the stage that made it, and
+// dump/dump.json, which binds them to the stages' ports.
+void write_dump(const Scene& scene, const frame::Settings& settings, const frame::Plan& plan, const frame::Frame& frame,
+                const RunOptions& options, Outputs& outputs);
+
+// Object and triangle as floats: exact up to 2^24.
+Buffer<float> id_floats(const Image<glm::ivec2>& id);
+
+// True if the plan needs a stage of that name for the light.
+bool runs(const frame::Plan& plan, const std::string& stage, int light);
+
+}  // namespace plumb::cli

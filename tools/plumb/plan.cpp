@@ -1,0 +1,39 @@
+// plumb plan: what a render would do.
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "tools/plumb/cli.h"
+#include "tools/plumb/reports.h"
+#include "tools/plumb/scene_command.h"
+
+namespace plumb::cli {
+
+namespace {
+
+int plan(const SceneOptions& given, const Common& common) {
+    common.run_options();
+    const Scene scene = load(given);
+    const frame::Settings settings = settings_of(scene, given);
+    const frame::Plan plan = frame::plan(scene, settings);
+    if (common.json) {
+        std::fputs(json_text(plan_json(scene, settings, plan)).c_str(), stdout);
+    } else {
+        print_notes(scene);
+        std::fputs(plan_text(plan).c_str(), stdout);
+    }
+    return success;
+}
+
+}  // namespace
+
+void add_plan(CLI::App& program, Action& action) {
+    auto common = std::make_shared<Common>();
+    auto given = std::make_shared<SceneOptions>();
+    CLI::App* command = program.add_subcommand("plan", "say which stages a scene needs, and why not; renders nothing");
+    add_scene_options(*command, *given);
+    add_json(*command, *common);
+    add_common(*command, *common);
+    command->callback([common, given, &action] { action = [=] { return plan(*given, *common); }; });
+}
+
+}  // namespace plumb::cli

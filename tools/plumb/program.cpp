@@ -1,0 +1,135 @@
+#include <fmt/format.h>
+
+#include <cstdio>
+
+#include "core/error.h"
+#include "core/fields.h"
+#include "tools/plumb/cli.h"
+#include "tools/plumb/outputs.h"
+
+namespace plumb::cli {
+
+namespace {
+
+constexpr const char* version = "0.1.0";
+
+// Commands that scripts may already name.
+const std::vector<std::string> later_commands = {"validate", "export", "sweep", "stability", "experiment", "bake"};
+
+// The name of an argument that looks like an option: "--threads=3" is "--threads".
+std::string option_name(const std::string& argument) { return argument.substr(0, argument.find('=')); }
+
+bool is_option(const std::string& argument) { return argument.size() > 1 && argument[0] == '-'; }
+
+std::vector<std::string> option_names(const CLI::App& command) {
+    std::vector<std::string> names;
+    for (const CLI::Option* option : command.get_options()) {
+        for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+        for (const std::string& name : option->get_snames()) names.push_back("-" + name);
+    }
+    return names;
+}
+
+// The parser itself neither knows the nearest command nor the ones to come.
+void check_command(const CLI::App& program, const std::string& name) {
+    std::vector<std::string> known;
+    for (const CLI::App* command : program.get_subcommands({})) known.push_back(command->get_name());
+    if (std::find(known.begin(), known.end(), name) != known.end()) return;
+    if (std::find(later_commands.begin(), later_commands.end(), name) != later_commands.end())
+        throw InputError(fmt::format("the command '{}' comes with a later version", name));
+    throw InputError(fmt::format("unknown command '{}'; the nearest known one is '{}'", name, nearest_name(name, known)));
+}
+
+std::string extras_message(const CLI::App& program) {
+    const CLI::App* command = &program;
+    for (const CLI::App* used : program.get_subcommands()) command = used;
+    const std::vector<std::string> extras = command->remaining();
+    if (extras.empty()) return "unexpected arguments";
+    const std::string name = option_name(extras.front());
+    const std::string where = command == &program ? "" : command->get_name() + ": ";
+    if (!is_option(name)) return fmt::format("{}unexpected argument '{}'", where, extras.front());
+    return fmt::format("{}unknown option '{}'; the nearest known one is '{}'", where, name,
+                       nearest_name(name, option_names(*command)));
+}
+
+int fail(int code, std::string message) {
+    wait_if_interrupted();
+    // One line, whatever a library put into its message.
+    for (char& c : message)
+        if (c == '\n' || c == '\r') c = ' ';
+    message.erase(message.find_last_not_of(' ') + 1);
+    std::fflush(stdout);
+    std::fprintf(stderr, "plumb: %s\n", message.c_str());
+    return code;
+}
+
+int parse_and_run(CLI::App& program, Action& action, int argc, char** argv) {
+    if (argc < 2) throw InputError("expected a command; plumb --help lists them");
+    if (!is_option(argv[1])) check_command(program, argv[1]);
+    try {
+        program.parse(argc, argv);
+    } catch (const CLI::ExtrasError&) {
+        throw InputError(extras_message(program));
+    } catch (const CLI::Success& asked_for) {  // --help, --version
+        return program.exit(asked_for);
+    } catch (const CLI::ParseError& error) {
+        throw InputError(error.what());
+    }
+    if (!action) throw InputError("expected a command; plumb --help lists them");
+    return action();
+}
+
+}  // namespace
+
+RunOptions Common::run_options() const {
+    RunOptions options;
+    options.isa = parse_isa(isa);
+    options.threads = threads;
+    return options;
+}
+
+void add_common(CLI::App& command, Common& common) {
+    command.add_option("--threads", common.threads, "threads that compute, 1 to 1024; all processors otherwise")
+        ->check(CLI::Range(1, 1024).description(""))
+        ->type_name("N");
+    command.add_option("--isa", common.isa, "auto, scalar, sse, avx2 or avx512: never changes a bit of the result")
+        ->type_name("ISA");
+}
+
+void add_json(CLI::App& command, Common& common) {
+    command.add_flag("--json", common.json, "print one JSON value to standard output and nothing else");
+}
+
+int run_program(int argc, char** argv) {
+    CLI::App program{"The CPU ground truth for GPU global illumination", "plumb"};
+    program.set_version_flag("--version", fmt::format("plumb {}", version));
+    program.footer(
+        "Examples:\n"
+        "  plumb make-scene cornell -o out/cornell\n"
+        "  plumb plan out/cornell/cornell.toml\n"
+        "  plumb render out/cornell/cornell.toml -o out/cornell --set rsm.samples=150\n"
+        "  plumb explain out/cornell/cornell.toml --stage rsm.disc --pixel 512,700\n"
+        "  plumb compare out/cornell/cornell.exr mine.exr --max-error 1e-4 -o difference.png\n"
+        "plumb COMMAND --help tells more. Exit codes: 0 success, 1 disagreement, 2 bad usage or input, 3 internal error.");
+    program.require_subcommand(0, 1);
+    Action action;
+    add_render(program, action);
+    add_plan(program, action);
+    add_compare(program, action);
+    add_explain(program, action);
+    add_stages(program, action);
+    add_make_scene(program, action);
+    try {
+        const int code = parse_and_run(program, action, argc, argv);
+        if (std::fflush(stdout) != 0 || std::ferror(stdout)) return fail(bad_input, "cannot write to standard output");
+        return code;
+    } catch (const InputError& error) {
+        return fail(bad_input, error.what());
+    } catch (const std::bad_alloc&) {
+        return fail(internal_error, "internal error: out of memory");
+    } catch (const std::exception& error) {
+        return fail(internal_error, std::string("internal error: ") + error.what());
+    }
+}
+
+}  // namespace plumb::cli

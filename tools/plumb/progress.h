@@ -1,0 +1,36 @@
+// A progress bar on standard error, where that is a terminal; nothing otherwise.
+#pragma once
+
+#include <chrono>
+#include <map>
+#include <mutex>
+#include <string>
+
+#include "gi/frame/frame.h"
+
+namespace plumb::cli {
+
+// One line of at most `width` columns: stage, bar, percentage, time left (negative: not known yet).
+std::string progress_line(const std::string& stage, double share, double seconds_left, int width);
+
+class ProgressBar {
+  public:
+    explicit ProgressBar(const frame::Plan& plan);
+    ~ProgressBar();  // wipes the line
+
+    // What frame::execute calls; empty where there is no terminal.
+    frame::Progress callback();
+
+  private:
+    void show(const std::string& label, double done);
+
+    bool terminal_;
+    double total_ = 0;                                        // expected ms of all stages
+    std::map<std::string, std::pair<double, double>> stage_;  // label: expected ms before it, and of it
+    std::mutex mutex_;
+    std::chrono::steady_clock::time_point start_, last_;
+    std::string label_;
+    double furthest_ = 0;  // bands finish in any order, the bar never goes back
+};
+
+}  // namespace plumb::cli

@@ -1,0 +1,96 @@
+// plumb render: a scene goes in; pictures, times and memory come out.
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include <chrono>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+#include "io/file.h"
+#include "tools/plumb/cli.h"
+#include "tools/plumb/outputs.h"
+#include "tools/plumb/pictures.h"
+#include "tools/plumb/progress.h"
+#include "tools/plumb/reports.h"
+#include "tools/plumb/scene_command.h"
+
+namespace plumb::cli {
+
+namespace {
+
+struct RenderOptions {
+    SceneOptions scene;
+    Common common;
+    std::string folder = "out";
+    bool dump = false, truth = false;
+};
+
+std::size_t peak_bytes() {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return std::size_t(usage.ru_maxrss) * 1024;
+}
+
+int render(const RenderOptions& given) {
+    if (given.truth) throw InputError("--truth: the path tracer comes with a later version");
+    const RunOptions options = given.common.run_options();
+    const Scene scene = load(given.scene);
+    const frame::Settings settings = settings_of(scene, given.scene);
+    const frame::Plan plan = frame::plan(scene, settings);
+    Outputs outputs(given.folder);
+    if (!given.common.json) print_notes(scene);
+
+    // Render.
+    const auto start = std::chrono::steady_clock::now();
+    const frame::Frame frame = [&] {
+        ProgressBar bar(plan);
+        return frame::execute(scene, settings, plan, options, bar.callback());
+    }();
+    const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+
+    // Write.
+    const RunReport report{scene, settings, options, frame.stages, ms, peak_bytes()};
+    const std::string json = json_text(run_json(report));
+    write_pictures(scene, plan, frame, outputs);
+    if (given.dump) write_dump(scene, settings, plan, frame, options, outputs);
+    outputs.write("run.json", [&](const std::string& path) { io::write_text(path, json); });
+    outputs.commit();
+
+    // Tell.
+    if (given.common.json) {
+        std::fputs(json.c_str(), stdout);
+        return success;
+    }
+    std::string text = run_text(report) + "\n";
+    std::size_t dumped = 0;
+    for (const std::string& file : outputs.files()) {
+        if (file.find("/dump/") == std::string::npos && file.rfind("dump/", 0) != 0)
+            text += "wrote " + file + "\n";
+        else
+            ++dumped;
+    }
+    if (dumped > 0) text += fmt::format("wrote {} files that stages read and write: {}/dump\n", dumped, given.folder);
+    std::fputs(text.c_str(), stdout);
+    return success;
+}
+
+}  // namespace
+
+void add_render(CLI::App& program, Action& action) {
+    auto given = std::make_shared<RenderOptions>();
+    CLI::App* command = program.add_subcommand("render", "render a scene: EXR with a layer a buffer, PNG, run.json");
+    add_scene_options(*command, given->scene);
+    command->add_option("-o,--output", given->folder, "folder for what is written; \"out\" otherwise")->type_name("DIR");
+    command->add_flag("--dump", given->dump, "also write every stage's inputs and outputs, to DIR/dump");
+    command->add_flag("--truth", given->truth, "also path trace the scene (comes with a later version)");
+    add_json(*command, given->common);
+    add_common(*command, given->common);
+    command->footer(
+        "Files: <scene>.exr (32-bit float; layers color, direct, indirect, albedo, position, normal, depth, id,\n"
+        "shadow.<light>), <scene>.rsm.<light>.exr (rsm.<light>.position, normal, flux, depth: its size is its own),\n"
+        "<scene>.png (tone mapped), run.json (time and memory by stage). Equal pictures are equal files.");
+    command->callback([given, &action] { action = [=] { return render(*given); }; });
+}
+
+}  // namespace plumb::cli

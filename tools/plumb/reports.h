@@ -1,0 +1,47 @@
+// What the commands print, as text for people and as JSON for scripts. The keys are a contract (README.md).
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "core/compare.h"
+#include "gi/frame/frame.h"
+
+namespace plumb::cli {
+
+using Json = nlohmann::ordered_json;
+
+// The object as one line-broken text that ends in a newline; bytes that are no UTF-8 are replaced.
+std::string json_text(const Json& json);
+
+// Everything that a run was made with and what it took.
+struct RunReport {
+    const Scene& scene;
+    const frame::Settings& settings;
+    const RunOptions& options;
+    const std::vector<frame::StageRun>& stages;
+    double total_ms = 0;
+    std::size_t peak_bytes = 0;  // of the whole program
+};
+Json run_json(const RunReport& run);
+std::string run_text(const RunReport& run);
+
+// Method, layout, seed, pruning and every parameter by table.
+Json settings_json(const frame::Settings& settings);
+
+Json plan_json(const Scene& scene, const frame::Settings& settings, const frame::Plan& plan);
+std::string plan_text(const frame::Plan& plan);
+
+// JSON knows no infinity: null stands for the psnr of equal pictures, which have "equal": true, and for what is
+// undefined.
+Json compare_json(const compare::Report& report);
+std::string compare_text(const compare::Report& report);
+
+Json stages_json(const std::vector<StageInfo>& stages);
+std::string stages_text(const std::vector<StageInfo>& stages);
+
+Json explain_json(const frame::Explanation& explanation);
+std::string explain_text(const frame::Explanation& explanation);
+
+}  // namespace plumb::cli

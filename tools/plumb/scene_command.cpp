@@ -1,0 +1,23 @@
+#include "tools/plumb/scene_command.h"
+
+#include "io/scene_file.h"
+
+namespace plumb::cli {
+
+void add_scene_options(CLI::App& command, SceneOptions& options) {
+    command.add_option("scene", options.file, "the scene: .toml, or a bare .obj")->required()->type_name("SCENE");
+    command.add_option("--method", options.method, "direct or rsm; the scene file's otherwise")->type_name("M");
+    command.add_option("--set", options.sets, "table.key=value in place of the scene file's; may be repeated")
+        ->allow_extra_args(false)
+        ->type_name("T.K=V");
+    command.add_flag("--no-pruning", options.no_pruning, "run every stage, needed or not: the picture is the same");
+}
+
+Scene load(const SceneOptions& options) { return io::load_scene(options.file, frame::method_tables()); }
+
+void print_notes(const Scene& scene) {
+    for (const std::string& note : scene.notes) std::printf("note: %s\n", note.c_str());
+    if (!scene.notes.empty()) std::printf("\n");
+}
+
+}  // namespace plumb::cli

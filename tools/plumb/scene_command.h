@@ -1,0 +1,16 @@
+// What render, plan and explain have in common: a scene and its settings.
+#pragma once
+
+#include "tools/plumb/cli.h"
+#include "tools/plumb/options.h"
+
+namespace plumb::cli {
+
+void add_scene_options(CLI::App& command, SceneOptions& options);
+
+Scene load(const SceneOptions& options);
+
+// Says what was chosen for the user.
+void print_notes(const Scene& scene);
+
+}  // namespace plumb::cli
