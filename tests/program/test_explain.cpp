@@ -1,0 +1,153 @@
+// plumb explain and stages.
+#include <catch2/catch.hpp>
+#include <sstream>
+
+#include "io/image_file.h"
+#include "tests/program/program.h"
+
+using namespace plumb;
+using namespace plumb::program;
+using Catch::Matchers::Contains;
+using Json = nlohmann::ordered_json;
+using Words = std::vector<std::string>;
+
+namespace {
+
+Words keys(const Json& object) {
+    Words names;
+    for (const auto& item : object.items()) names.push_back(item.key());
+    return names;
+}
+
+// The values of that name, in order.
+std::vector<Json> named(const Json& explanation, const std::string& name) {
+    std::vector<Json> values;
+    for (const Json& v : explanation["values"])
+        if (v["name"] == name) values.push_back(v);
+    return values;
+}
+
+int count(const std::string& text, const std::string& part) {
+    int n = 0;
+    for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++n;
+    return n;
+}
+
+}  // namespace
+
+TEST_CASE("explain: every stage of a pixel ends with what the picture holds", "[program]") {
+    const std::string folder = fresh_folder("explain"), scene = small_scene(folder);
+    for (const char* layout : {"render.layout=fp32", "render.layout=rgba16f"}) {
+        for (const char* pixel : {"30,21", "0,0", "60,42", "12,30", "45,35"}) {
+            const Result r = run({"explain", scene, "--pixel", pixel, "--set", layout});
+            INFO(r.out << r.err);
+            CHECK(r.exit == 0);
+            CHECK(r.err.empty());
+            CHECK(count(r.out, ": equal\n") >= 7);  // two shadows, two gathers, direct, compose, tonemap
+            CHECK(count(r.out, "NOT EQUAL") == 0);
+        }
+    }
+    for (const char* texel : {"0,0", "24,24", "47,47"}) {
+        const Result r = run({"explain", scene, "--stage", "rsm", "--pixel", texel});
+        CHECK(r.exit == 0);
+        CHECK(count(r.out, "NOT EQUAL") == 0);
+    }
+    CHECK(count(run({"explain", scene, "--stage", "rsm", "--pixel", "24,24"}).out, ": equal\n") == 3);
+}
+
+TEST_CASE("explain: the samples of the gather add up to its irradiance", "[program][VRSM (3.2)]") {
+    const std::string folder = fresh_folder("explain_sum"), scene = small_scene(folder);
+    REQUIRE(run({"render", scene, "-o", folder}).exit == 0);
+    const compare::Picture indirect = io::select_layer(io::read_picture(folder + "/small.exr"), "indirect", "");
+    double total[3] = {};
+    for (const char* light : {"key", "sun"}) {
+        const Result r =
+            run({"explain", scene, "--stage", "rsm.disc", "--pixel", "40,33", "--light", light, "--json"});
+        REQUIRE(r.exit == 0);
+        const Json e = Json::parse(r.out);
+        CHECK(keys(e) == Words{"stage", "pixel", "values"});
+        CHECK(e["stage"] == std::string("rsm.disc (") + light + ")");
+        CHECK(e["pixel"] == Json{40, 33});
+        // E = 1/pi sum of weight Phi_p form, over all 37 samples.
+        const auto weight = named(e, "weight"), flux = named(e, "flux"), form = named(e, "form");
+        REQUIRE(weight.size() == 37);
+        REQUIRE(flux.size() == 37);
+        REQUIRE(form.size() == 37);
+        const Json irradiance = named(e, "irradiance").at(0)["value"];
+        for (int c = 0; c < 3; ++c) {
+            double sum = 0;
+            for (int k = 0; k < 37; ++k) {
+                CHECK(weight[k]["sample"] == k);
+                sum += weight[k]["value"].get<double>() * flux[k]["value"][c].get<double>() *
+                       form[k]["value"].get<double>();
+            }
+            CHECK(irradiance[c].get<double>() == Approx(sum / 3.14159265358979).epsilon(1e-5));
+            total[c] += irradiance[c].get<double>();
+        }
+    }
+    CHECK(total[0] > 0);
+    for (int c = 0; c < 3; ++c)
+        CHECK(indirect.data[(33 * 61 + 40) * 3 + c] == Approx(total[c]).epsilon(1e-6));
+}
+
+TEST_CASE("explain: JSON has the contract's keys, text has the same numbers", "[program][contract]") {
+    const std::string folder = fresh_folder("explain_json"), scene = small_scene(folder);
+    const Result r = run({"explain", scene, "--pixel", "30,21", "--json"});
+    REQUIRE(r.exit == 0);
+    CHECK(r.err.empty());
+    const Json all = Json::parse(r.out);
+    REQUIRE(all.is_array());
+    Words stages;
+    for (const Json& e : all) {
+        CHECK(keys(e) == Words{"stage", "pixel", "values"});
+        for (const Json& v : e["values"])
+            CHECK(keys(v) == (v.contains("sample") ? Words{"name", "sample", "value", "equation"}
+                                                   : Words{"name", "value", "equation"}));
+        stages.push_back(e["stage"]);
+    }
+    CHECK(stages == Words{"gbuffer", "shadow (key)", "rsm.disc (key)", "shadow (sun)", "rsm.disc (sun)", "direct",
+                          "compose", "tonemap"});
+
+    // One stage alone is an object, and its numbers are those of the text, to the float.
+    const Json one = Json::parse(run({"explain", scene, "--stage", "compose", "--pixel", "30,21", "--json"}).out);
+    REQUIRE(one.is_object());
+    CHECK(one == all[6]);
+    const std::string text = run({"explain", scene, "--stage", "compose", "--pixel", "30,21"}).out;
+    const Json radiance = named(one, "radiance").at(0)["value"];
+    const std::size_t line = text.find("\nradiance");
+    REQUIRE(line != std::string::npos);
+    std::istringstream words(text.substr(line));
+    std::string name, v[3];
+    words >> name >> v[0] >> v[1] >> v[2];
+    for (int c = 0; c < 3; ++c) CHECK(std::stof(v[c]) == radiance[c].get<float>());
+}
+
+TEST_CASE("stages: text and JSON name every stage, its ports and its twin", "[program][contract]") {
+    const Result json = run({"stages", "--json"}), text = run({"stages"});
+    CHECK(json.exit == 0);
+    CHECK(text.exit == 0);
+    const Json stages = Json::parse(json.out);
+    for (const char* name : {"gbuffer", "rsm", "shadow", "direct", "rsm.disc", "rsm.all", "compose", "tonemap"}) {
+        CHECK_THAT(text.out, Contains(std::string(name) + "\n"));
+        CHECK(std::count_if(stages.begin(), stages.end(), [&](const Json& s) { return s["name"] == name; }) == 1);
+    }
+    for (const Json& s : stages) {
+        CHECK(keys(s) == Words{"name", "source", "inputs", "outputs", "params", "twin", "budget"});
+        for (const Json& p : s["params"]) {
+            CHECK(keys(p) == Words{"name", "type", "default", "range", "unit", "meaning"});
+            CHECK_THAT(text.out, Contains(p["meaning"].get<std::string>()));
+        }
+    }
+}
+
+TEST_CASE("make-scene: writes the same scene every time, and plan accepts it", "[program]") {
+    const std::string folder = fresh_folder("make_scene");
+    const Result r = run({"make-scene", "cornell", "-o", folder + "/a"});
+    CHECK(r.exit == 0);
+    CHECK_THAT(r.out, Contains(folder + "/a/cornell.toml"));
+    REQUIRE(run({"make-scene", "cornell", "-o", folder + "/b"}).exit == 0);
+    CHECK(files_in(folder + "/a") == Words{"cornell.mtl", "cornell.obj", "cornell.toml"});
+    for (const std::string& name : files_in(folder + "/a"))
+        CHECK(read(folder + "/a/" + name) == read(folder + "/b/" + name));
+    CHECK(run({"plan", folder + "/a/cornell.toml"}).exit == 0);
+}

@@ -1,0 +1,242 @@
+// plumb render and plan: which files come out, that nothing moves a bit of them, and that nothing is left behind.
+#include <signal.h>
+
+#include <catch2/catch.hpp>
+#include <filesystem>
+#include <map>
+
+#include "core/isa.h"
+#include "io/image_file.h"
+#include "tests/program/program.h"
+
+using namespace plumb;
+using namespace plumb::program;
+using Json = nlohmann::ordered_json;
+using Words = std::vector<std::string>;
+
+namespace {
+
+Words keys(const Json& object) {
+    Words names;
+    for (const auto& item : object.items()) names.push_back(item.key());
+    return names;
+}
+
+Result render(const std::string& scene, const std::string& out, Words more = {}) {
+    more.insert(more.begin(), {"render", scene, "-o", out});
+    const Result r = run(more);
+    INFO(r.out << r.err);
+    REQUIRE(r.exit == 0);
+    CHECK(r.err.empty());
+    return r;
+}
+
+// The pictures of a folder, by name.
+std::map<std::string, std::string> pictures(const std::string& folder) {
+    std::map<std::string, std::string> bytes;
+    for (const std::string& name : files_in(folder))
+        if (name != "run.json") bytes[name] = read(folder + "/" + name);
+    return bytes;
+}
+
+const Words all_files = {"run.json", "small.exr", "small.png", "small.rsm.key.exr", "small.rsm.sun.exr"};
+
+}  // namespace
+
+TEST_CASE("render: writes the contract's files, layers and keys", "[program][contract]") {
+    const std::string folder = fresh_folder("render"), scene = small_scene(folder), out = folder + "/a/b";
+    const Result r = render(scene, out);
+    CHECK(files_in(out) == all_files);
+    for (const std::string& file : all_files) CHECK_THAT(r.out, Catch::Matchers::Contains("wrote " + out + "/" + file));
+    CHECK_THAT(r.out, Catch::Matchers::Contains("left out: the light is off"));
+
+    const compare::Picture picture = io::read_picture(out + "/small.exr");
+    CHECK(picture.width == 61);
+    CHECK(picture.height == 43);
+    Words layers = io::layer_names(picture);
+    std::sort(layers.begin(), layers.end());
+    CHECK(layers == Words{"", "albedo", "depth", "direct", "id", "indirect", "normal", "position", "shadow.key",
+                          "shadow.sun"});
+    const compare::Picture map = io::read_picture(out + "/small.rsm.sun.exr");
+    CHECK(map.width == 32);
+    layers = io::layer_names(map);
+    std::sort(layers.begin(), layers.end());
+    CHECK(layers == Words{"rsm.sun.depth", "rsm.sun.flux", "rsm.sun.normal", "rsm.sun.position"});
+
+    const Json json = Json::parse(read(out + "/run.json"));
+    CHECK(keys(json) == Words{"scene", "settings", "isa", "kernels", "threads", "stages", "total_ms", "peak_bytes"});
+    CHECK(json["isa"] == isa_name(best_isa()));
+    CHECK(json["settings"]["rsm"]["samples"] == 37);
+    int left_out = 0;
+    for (const Json& s : json["stages"]) {
+        CHECK(keys(s) == Words{"name", "needed", "reason", "ms", "bytes"});
+        if (!s["needed"]) ++left_out;
+    }
+    CHECK(left_out == 3);  // rsm, shadow and gather of the lamp that is off
+    CHECK(json["kernels"].size() == json["stages"].size() - 3);
+    CHECK(json["peak_bytes"].get<double>() > 1e6);
+}
+
+TEST_CASE("render: --json prints run.json and nothing else", "[program][contract]") {
+    const std::string folder = fresh_folder("render_json"), scene = small_scene(folder);
+    const Result r = render(scene, folder + "/out", {"--json"});
+    CHECK(r.out == read(folder + "/out/run.json"));
+    CHECK_NOTHROW(Json::parse(r.out));
+}
+
+TEST_CASE("render: the same files by every instruction set and number of threads, and a second time", "[program]") {
+    const std::string folder = fresh_folder("same_files"), scene = small_scene(folder), out = folder + "/out";
+    render(scene, out);
+    const auto reference = pictures(out);
+    REQUIRE(reference.size() == 4);
+    render(scene, out);
+    CHECK(pictures(out) == reference);
+    for (const char* layout : {"fp32", "rgba16f"}) {
+        const std::string set = std::string("render.layout=") + layout;
+        render(scene, folder + "/layout", {"--set", set});
+        const auto expected = pictures(folder + "/layout");
+        CHECK((expected == reference) == (layout == std::string("fp32")));
+        for (Isa isa : supported_isas()) {
+            for (const char* threads : {"1", "2", "3"}) {
+                INFO(isa_name(isa) << ", " << threads << " threads, " << layout);
+                render(scene, out, {"--isa", isa_name(isa), "--threads", threads, "--set", set});
+                CHECK(pictures(out) == expected);
+                const Json json = Json::parse(read(out + "/run.json"));
+                CHECK(json["isa"] == isa_name(isa));
+                CHECK(json["kernels"]["rsm.disc (key)"] == isa_name(isa));
+                CHECK(json["threads"] == std::stoi(threads));
+            }
+        }
+    }
+    // A setting that changes the picture does change the files.
+    render(scene, out, {"--set", "rsm.samples=36"});
+    CHECK(pictures(out).at("small.exr") != reference.at("small.exr"));
+    CHECK(pictures(out).at("small.rsm.key.exr") == reference.at("small.rsm.key.exr"));
+}
+
+TEST_CASE("render: leaving stages out changes no bit of the picture", "[program]") {
+    const std::string folder = fresh_folder("pruning"), scene = small_scene(folder);
+    render(scene, folder + "/pruned");
+    render(scene, folder + "/all", {"--no-pruning"});
+    CHECK(read(folder + "/pruned/small.png") == read(folder + "/all/small.png"));
+    // All layers but the shadow of the lamp that is off, which was not drawn.
+    const compare::Picture a = io::read_picture(folder + "/pruned/small.exr"),
+                           b = io::read_picture(folder + "/all/small.exr");
+    CHECK(io::layer_names(b).size() == io::layer_names(a).size() + 1);
+    for (const std::string& layer : io::layer_names(a)) {
+        INFO(layer);
+        CHECK(compare::compare(io::select_layer(a, layer, "a"), io::select_layer(b, layer, "b")).equal);
+    }
+    CHECK(std::filesystem::exists(folder + "/all/small.rsm.lamp.exr"));
+    for (const Json& s : Json::parse(read(folder + "/all/run.json"))["stages"]) CHECK(s["needed"] == true);
+}
+
+TEST_CASE("render: direct alone has no indirect light", "[program]") {
+    const std::string folder = fresh_folder("direct"), scene = small_scene(folder);
+    render(scene, folder + "/out", {"--method", "direct"});
+    const compare::Picture picture = io::read_picture(folder + "/out/small.exr");
+    for (float v : io::select_layer(picture, "indirect", "").data) REQUIRE(v == 0);
+    float brightest = 0;
+    for (float v : io::select_layer(picture, "direct", "").data) brightest = std::max(brightest, v);
+    CHECK(brightest > 1);
+}
+
+TEST_CASE("render: replaces its files and keeps others; leaves nothing of its own after an error", "[program]") {
+    const std::string folder = fresh_folder("overwrite"), scene = small_scene(folder), out = folder + "/out";
+    std::filesystem::create_directories(out);
+    write(out + "/small.exr", "old");
+    write(out + "/notes.txt", "mine");
+    render(scene, out);
+    CHECK(read(out + "/notes.txt") == "mine");
+    CHECK(read(out + "/small.exr").size() > 1000);
+    CHECK(files_in(out).size() == all_files.size() + 1);
+
+    // The second picture cannot be put in place: the first is not replaced either.
+    std::filesystem::remove(out + "/small.png");
+    std::filesystem::create_directories(out + "/small.png");
+    write(out + "/small.exr", "old");
+    CHECK(run({"render", scene, "-o", out}).exit == 2);
+    CHECK(read(out + "/small.exr") == "old");
+    CHECK(files_in(out).size() == all_files.size());
+}
+
+TEST_CASE("render: Ctrl-C and SIGTERM leave nothing behind, exit code 130", "[program]") {
+    const std::string folder = fresh_folder("interrupted"), scene = small_scene(folder, "[4000, 3000]");
+    const Words before = files_in(folder);
+    for (int signal : {SIGINT, SIGTERM}) {
+        const std::string out = folder + "/out";
+        const Result r = run_and_signal({"render", scene, "-o", out, "--set", "rsm.gather=all"}, signal, out, ".plumb-");
+        CHECK(r.exit == 130);
+        CHECK(r.out.empty());
+        CHECK(r.err.empty());
+        CHECK(files_in(folder) == before);
+        CHECK_FALSE(std::filesystem::exists(out));
+    }
+    // A folder that was there stays, with what is in it.
+    std::filesystem::create_directories(folder + "/out");
+    write(folder + "/out/notes.txt", "mine");
+    const Result r = run_and_signal({"render", scene, "-o", folder + "/out", "--set", "rsm.gather=all"}, SIGINT,
+                                    folder + "/out", ".plumb-");
+    CHECK(r.exit == 130);
+    CHECK(files_in(folder + "/out") == Words{"notes.txt"});
+}
+
+TEST_CASE("render: --dump binds every port of every stage to a file", "[program]") {
+    const std::string folder = fresh_folder("dump"), scene = small_scene(folder), out = folder + "/out";
+    render(scene, out, {"--dump"});
+    const Json dump = Json::parse(read(out + "/dump/dump.json"));
+    const Json stages = Json::parse(run({"stages", "--json"}).out);
+    REQUIRE(dump["stages"].size() == 1 + 2 * 3 + 3);  // gbuffer; rsm, shadow, gather of two lights; the last three
+    for (const Json& s : dump["stages"]) {
+        INFO(s["stage"]);
+        for (const Json& info : stages) {
+            if (info["name"] != s["stage"]) continue;
+            for (const char* kind : {"inputs", "outputs"}) {
+                CHECK(s[kind].size() == info[kind].size());
+                for (const Json& port : info[kind]) {
+                    INFO(port["name"]);
+                    REQUIRE(s[kind].contains(port["name"]));
+                    const Json& files = s[kind][port["name"].get<std::string>()];
+                    for (const Json& file : files.is_array() ? files : Json::array({files}))
+                        CHECK(std::filesystem::file_size(out + "/dump/" + file.get<std::string>()) > 64);
+                }
+            }
+        }
+    }
+    // The two gathers add up to the frame's indirect light.
+    const auto key = io::read_picture(out + "/dump/rsm.disc.key.irradiance.exr");
+    const auto sun = io::read_picture(out + "/dump/rsm.disc.sun.irradiance.exr");
+    const auto sum = io::read_picture(out + "/dump/indirect.exr");
+    REQUIRE(key.channels == Words{"R", "G", "B", "A"});
+    for (std::size_t i = 0; i < sum.data.size(); ++i) REQUIRE(sum.data[i] == key.data[i] + sun.data[i]);
+    // NumPy's format 1.0: magic, version, and a header that ends at a multiple of 64 bytes.
+    const std::string npy = read(out + "/dump/rsm.disc.key.offsets.npy");
+    CHECK(npy.substr(0, 8) == std::string("\x93NUMPY\x01\x00", 8));
+    CHECK_THAT(npy, Catch::Matchers::Contains("'shape': (37,64,)"));
+    CHECK(npy.size() == 128 + 37 * 64 * 4);
+    CHECK(npy[127] == '\n');
+}
+
+TEST_CASE("render: a bar on a terminal, nothing elsewhere", "[program]") {
+    const std::string folder = fresh_folder("bar"), scene = small_scene(folder);
+    const Result r = run_on_terminal({"render", scene, "-o", folder + "/out"});
+    CHECK(r.exit == 0);
+    CHECK_THAT(r.out, Catch::Matchers::Contains("rsm.disc (key)") && Catch::Matchers::Contains("%"));
+    CHECK_THAT(r.out, Catch::Matchers::Contains("\r\033[K"));
+}
+
+TEST_CASE("plan: says what render would do, and renders nothing", "[program][contract]") {
+    const std::string folder = fresh_folder("plan"), scene = small_scene(folder);
+    const Words before = files_in(folder);
+    const Result text = run({"plan", scene}, folder), r = run({"plan", scene, "--json"}, folder);
+    CHECK(text.exit == 0);
+    CHECK(r.exit == 0);
+    CHECK(files_in(folder) == before);
+    CHECK_THAT(text.out, Catch::Matchers::Contains("left out: the light is off"));
+    const Json json = Json::parse(r.out);
+    render(scene, folder + "/out");
+    const Json run_json = Json::parse(read(folder + "/out/run.json"));
+    REQUIRE(json["stages"].size() == run_json["stages"].size());
+    for (std::size_t i = 0; i < json["stages"].size(); ++i)
+        for (const char* key : {"name", "needed", "reason"}) CHECK(json["stages"][i][key] == run_json["stages"][i][key]);
+}

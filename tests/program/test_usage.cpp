@@ -1,0 +1,146 @@
+// Wrong usage and bad input: exit code 2, one line on standard error that names what is wrong, nothing else, no file.
+#include <catch2/catch.hpp>
+#include <filesystem>
+
+#include "tests/program/program.h"
+
+using namespace plumb::program;
+
+namespace {
+
+// The one line, without "plumb: ".
+std::string refused(const std::vector<std::string>& arguments, const std::string& folder = ".") {
+    const Result r = run(arguments, folder);
+    INFO(r.out << r.err);
+    CHECK(r.exit == 2);
+    CHECK(r.out.empty());
+    REQUIRE(r.err.find("plumb: ") == 0);
+    CHECK(std::count(r.err.begin(), r.err.end(), '\n') == 1);
+    CHECK(r.err.back() == '\n');
+    return r.err.substr(7, r.err.size() - 8);
+}
+
+using Catch::Matchers::Contains;
+using Catch::Matchers::Equals;
+using Catch::Matchers::StartsWith;
+
+}  // namespace
+
+TEST_CASE("usage: commands", "[program]") {
+    CHECK_THAT(refused({}), Contains("--help"));
+    CHECK_THAT(refused({"rendr"}), Equals("unknown command 'rendr'; the nearest known one is 'render'"));
+    for (const char* later : {"validate", "export", "sweep", "stability", "experiment", "bake"})
+        CHECK_THAT(refused({later, "x"}), Equals(std::string("the command '") + later + "' comes with a later version"));
+    CHECK_THAT(refused({"--verson"}), Equals("unknown option '--verson'; the nearest known one is '--version'"));
+
+    const Result help = run({"--help"});
+    CHECK(help.exit == 0);
+    CHECK(help.err.empty());
+    for (const char* command : {"render", "plan", "compare", "explain", "stages", "make-scene", "Examples:"})
+        CHECK_THAT(help.out, Contains(command));
+    for (const char* later : {"validate", "sweep", "stability", "experiment", "bake"})
+        CHECK_THAT(help.out, !Contains(later));
+    const Result version = run({"--version"});
+    CHECK(version.exit == 0);
+    CHECK_THAT(version.out, StartsWith("plumb 0."));
+    for (const char* command : {"render", "plan", "compare", "explain", "stages", "make-scene"}) {
+        const Result r = run({command, "--help"});
+        CHECK(r.exit == 0);
+        CHECK_THAT(r.out, Contains("--threads") && Contains("--isa"));
+    }
+}
+
+TEST_CASE("usage: options and arguments", "[program]") {
+    CHECK_THAT(refused({"render"}), Contains("scene"));
+    CHECK_THAT(refused({"render", "a.toml", "--thread", "2"}),
+               Equals("render: unknown option '--thread'; the nearest known one is '--threads'"));
+    CHECK_THAT(refused({"render", "a.toml", "--noprunning=1"}), Contains("nearest known one is '--no-pruning'"));
+    CHECK_THAT(refused({"render", "a.toml", "b.toml"}), Equals("render: unexpected argument 'b.toml'"));
+    CHECK_THAT(refused({"render", "a.toml", "-o"}), Contains("-o"));
+    for (const char* threads : {"0", "-1", "1025", "two", "1.5", ""})
+        CHECK_THAT(refused({"stages", "--threads", threads}), Contains("--threads"));
+    CHECK_THAT(refused({"stages", "--isa", "neon"}),
+               Equals("--isa neon: expected auto, scalar, sse, avx2 or avx512"));
+    CHECK_THAT(refused({"compare", "a.exr"}), Contains("b"));
+    CHECK_THAT(refused({"compare", "a.exr", "b.exr", "--max-error", "few"}), Contains("--max-error"));
+    CHECK_THAT(refused({"compare", "a.exr", "b.exr", "-o", "c.gif"}), Contains(".exr or .png"));
+    CHECK_THAT(refused({"make-scene", "cornel"}), Contains("cornell"));
+    CHECK_THAT(refused({"make-scene", "cornell", "--triangles", "9"}), Contains("no adjustable count"));
+}
+
+TEST_CASE("usage: scenes that cannot be read", "[program]") {
+    const std::string folder = fresh_folder("bad_scenes");
+    const std::string missing = folder + "/missing.toml", text = folder + "/text.toml", empty = folder + "/empty.toml";
+    write(text, "seed = = 1\n");
+    write(empty, "");
+    write(folder + "/scene.xyz", "seed = 1\n");
+    for (const char* command : {"render", "plan", "explain"}) {
+        std::vector<std::string> more = {"--set", "rsm.samples=1"};
+        if (command == std::string("explain")) more = {"--pixel", "0,0"};
+        auto with = [&](const std::string& file) {
+            std::vector<std::string> arguments = {command, file};
+            arguments.insert(arguments.end(), more.begin(), more.end());
+            return arguments;
+        };
+        CHECK_THAT(refused(with(missing), folder), StartsWith(missing + ": "));
+        CHECK_THAT(refused(with(folder), folder), StartsWith(folder));
+        CHECK_THAT(refused(with(text), folder), StartsWith(text + ": ") && Contains("line 1"));
+        CHECK_THAT(refused(with(folder + "/scene.xyz"), folder), Contains("scene.xyz"));
+    }
+    // Not even the folder for the pictures was made.
+    CHECK(files_in(folder) == std::vector<std::string>{"empty.toml", "scene.xyz", "text.toml"});
+    CHECK_FALSE(std::filesystem::exists(folder + "/out"));
+}
+
+TEST_CASE("usage: settings, stages, pixels and lights that do not exist", "[program]") {
+    const std::string folder = fresh_folder("bad_settings"), scene = small_scene(folder), out = folder + "/pictures";
+    auto render = [&](std::vector<std::string> more) {
+        more.insert(more.begin(), {"render", scene, "-o", out});
+        return refused(more);
+    };
+    CHECK_THAT(render({"--method", "rms"}), Contains("--method") && Contains("direct, rsm"));
+    CHECK_THAT(render({"--set", "rsm.sample=3"}),
+               Equals("--set rsm.sample: unknown key 'sample'; the nearest known one is 'samples'"));
+    CHECK_THAT(render({"--set", "rms.samples=3"}), Contains("nearest known one is [rsm]"));
+    CHECK_THAT(render({"--set", "rsm.samples=0"}), Equals("--set rsm.samples: samples = 0: expected 1 to 65536"));
+    CHECK_THAT(render({"--set", "rsm.samples"}), Contains("expected table.key=value"));
+    CHECK_THAT(render({"--set", "rsm.rotations=3"}), Contains("power of two"));
+    CHECK_THAT(render({"--truth"}), Equals("--truth: the path tracer comes with a later version"));
+    CHECK_FALSE(std::filesystem::exists(out));
+
+    auto explain = [&](std::vector<std::string> more) {
+        more.insert(more.begin(), {"explain", scene});
+        return refused(more);
+    };
+    CHECK_THAT(explain({"--stage", "direct"}), Contains("--pixel"));
+    CHECK_THAT(explain({"--stage", "dirct", "--pixel", "0,0"}),
+               Equals("--stage dirct: unknown stage; the nearest known one is 'direct'"));
+    CHECK_THAT(explain({"--stage", "direct", "--pixel", "1"}), Contains("expected X,Y"));
+    CHECK_THAT(explain({"--stage", "direct", "--pixel", "-1,0"}), Contains("expected X,Y"));
+    CHECK_THAT(explain({"--stage", "direct", "--pixel", "61,0"}), Contains("61 x 43"));
+    CHECK_THAT(explain({"--stage", "direct", "--pixel", "0,43"}), Contains("61 x 43"));
+    CHECK_THAT(explain({"--stage", "rsm", "--pixel", "48,0"}), Contains("48 x 48"));
+    CHECK_THAT(explain({"--stage", "rsm.disc", "--pixel", "0,0", "--light", "kex"}), Contains("'key'"));
+    CHECK_THAT(explain({"--stage", "rsm.disc", "--pixel", "0,0", "--light", "lamp"}), Contains("the light is off"));
+    CHECK_THAT(explain({"--stage", "rsm.all", "--pixel", "0,0"}), Contains("rsm.all"));
+}
+
+TEST_CASE("usage: places that cannot be written", "[program]") {
+    const std::string folder = fresh_folder("bad_places"), scene = small_scene(folder);
+    write(folder + "/file", "kept");
+    CHECK_THAT(refused({"render", scene, "-o", folder + "/file"}), StartsWith(folder + "/file: "));
+    CHECK_THAT(refused({"render", scene, "-o", folder + "/file/below"}), StartsWith(folder + "/file"));
+    CHECK_THAT(refused({"render", scene, "-o", "/proc/pictures"}), StartsWith("/proc/pictures: "));
+    CHECK_THAT(refused({"make-scene", "cornell", "-o", folder + "/file"}), StartsWith(folder + "/file"));
+    CHECK(read(folder + "/file") == "kept");
+
+    // A folder that has the name of a file to come.
+    const std::vector<std::string> before = files_in(folder);
+    std::filesystem::create_directories(folder + "/out/run.json");
+    CHECK_THAT(refused({"render", scene, "-o", folder + "/out"}), StartsWith(folder + "/out/run.json: "));
+    CHECK(files_in(folder) == before);
+
+    const Result full = run({"compare", scene, scene});
+    CHECK(full.exit == 2);
+    CHECK_THAT(full.err, Contains("small.toml"));
+}
