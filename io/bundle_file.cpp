@@ -78,7 +78,8 @@ void write_bundle(const std::string& path, const Bundle& bundle) {
     std::size_t offset = 0;
     for (const Array& array : bundle.arrays) {
         require(array, array.dtype, array.shape);
-        arrays.push_back({{"name", array.name}, {"type", dtype_name(array.dtype)}, {"shape", array.shape}, {"offset", offset}});
+        arrays.push_back(
+            {{"name", array.name}, {"type", dtype_name(array.dtype)}, {"shape", array.shape}, {"offset", offset}});
         offset = aligned(offset + array.bytes.size());
     }
     std::string header;
@@ -90,7 +91,8 @@ void write_bundle(const std::string& path, const Bundle& bundle) {
     header.resize(aligned(header_start + header.size()) - header_start, ' ');
 
     // One buffer, so that the checksum is over the bytes as they lie in the file.
-    std::string file = std::string(magic) + little_endian(version) + little_endian(std::uint32_t(header.size())) + header;
+    std::string file =
+        std::string(magic) + little_endian(version) + little_endian(std::uint32_t(header.size())) + header;
     file.reserve(file.size() + offset + checksum_bytes);
     for (const Array& array : bundle.arrays) {
         file += view_of(array);

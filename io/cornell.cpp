@@ -1,10 +1,10 @@
 // Cornell University Program of Computer Graphics, "The Cornell Box: Physical model" (measured data of the real box):
 // corners in millimetres, x to the left as its camera sees it, y up, z away from the camera.
 //
-// Ours: turned half around the vertical axis, so that the camera looks along -z; scaled so that the ceiling is 2 m high;
-// centred on the camera's axis (x = 278) and on the middle of the depth (z = 279.6). The ceiling has the hole that
-// the lamp fills, where the published faces lie upon each other. A half turn and a scale keep the faces' direction: all
-// front sides look into the room.
+// Ours: turned half around the vertical axis, so that the camera looks along -z; scaled so that the ceiling is 2 m
+// high; centred on the camera's axis (x = 278) and on the middle of the depth (z = 279.6). The ceiling has the hole
+// that the lamp fills, where the published faces lie upon each other. A half turn and a scale keep the faces'
+// direction: all front sides look into the room.
 #include "io/cornell.h"
 
 #include <fmt/format.h>
@@ -61,8 +61,7 @@ std::string cornell_obj() {
     obj.group("floor", "white");
     obj.quad({{{552.8, 0, 0}, {0, 0, 0}, {0, 0, depth}, {549.6, 0, depth}}});
     obj.group("ceiling", "white");
-    for (std::size_t i = 0; i < 4; ++i)
-        obj.quad({ceiling[i], ceiling[(i + 1) % 4], lamp[(i + 1) % 4], lamp[i]});
+    for (std::size_t i = 0; i < 4; ++i) obj.quad({ceiling[i], ceiling[(i + 1) % 4], lamp[(i + 1) % 4], lamp[i]});
     obj.group("lamp", "lamp");
     obj.quad(lamp);
     obj.group("back_wall", "white");

@@ -35,7 +35,8 @@ struct MtlReader {
             const auto value = parse_float(word);
             if (!value) fail(fmt::format("{}: \"{}\" is not a number", key, printable(word)));
             if (!(*value >= 0 && *value <= max))
-                fail(fmt::format("{} = {}: expected {}", key, *value, max == 1 ? "0 to 1" : "a finite number from 0 on"));
+                fail(fmt::format("{} = {}: expected {}", key, *value,
+                                 max == 1 ? "0 to 1" : "a finite number from 0 on"));
             values.push_back(*value);
         }
         if (values.size() == 1) return glm::vec3(values[0]);

@@ -125,8 +125,8 @@ Array read_npy(const std::string& path) {
     const std::size_t start = byte(6) == 1 ? 10 : 12;
     const std::size_t length = byte(8) | byte(9) << 8 | (byte(6) == 1 ? 0 : byte(10) << 16 | byte(11) << 24);
     if (bytes.size() < start || bytes.size() - start < length)
-        throw InputError(shown(path), "header", fmt::format("ends after {} bytes; {} were declared", bytes.size(),
-                                                            start + length));
+        throw InputError(shown(path), "header",
+                         fmt::format("ends after {} bytes; {} were declared", bytes.size(), start + length));
     HeaderParser header(path, bytes.substr(start, length));
     header.parse();
 
@@ -134,8 +134,9 @@ Array read_npy(const std::string& path) {
     for (const TypeName& t : types)
         if (header.descr == t.descr) type = &t;
     if (!type)
-        throw InputError(shown(path), "header", fmt::format("descr '{}'; expected one of <f4, <f8, |u1, <u2, <i4, <u4, <f2",
-                                                            printable(header.descr)));
+        throw InputError(
+            shown(path), "header",
+            fmt::format("descr '{}'; expected one of <f4, <f8, |u1, <u2, <i4, <u4, <f2", printable(header.descr)));
     if (header.fortran_order) throw InputError(shown(path), "header", "is in Fortran order; expected C order");
 
     // Compares the declared size with what is there before memory is taken.
@@ -148,8 +149,9 @@ Array read_npy(const std::string& path) {
     }
     const std::string_view data = bytes.substr(start + length);
     if (data.size() != size)
-        throw InputError(shown(path), "data", fmt::format("{} of {} has {} bytes; found {}", shape_text(header.shape),
-                                                          header.descr, size, data.size()));
+        throw InputError(
+            shown(path), "data",
+            fmt::format("{} of {} has {} bytes; found {}", shape_text(header.shape), header.descr, size, data.size()));
     Array array{name, type->dtype, header.shape, Buffer<unsigned char>(size)};
     if (size > 0) std::memcpy(array.bytes.data(), data.data(), size);
     return array;
@@ -157,21 +159,24 @@ Array read_npy(const std::string& path) {
 
 void write_npy(const std::string& path, const Array& array) {
     require(array, array.dtype, array.shape);
+    write_npy(path, array.dtype, array.shape, array.bytes.data());
+}
+
+void write_npy(const std::string& path, DType dtype, const Shape& shape, const void* data) {
+    const std::size_t bytes = element_count(stem_of(path), shape) * dtype_size(dtype);
     std::string_view descr;
     for (const TypeName& t : types)
-        if (t.dtype == array.dtype) descr = t.descr;
-    std::string shape;
-    for (std::int64_t extent : array.shape) shape += fmt::format("{}, ", extent);
-    if (array.shape.size() > 1) shape.resize(shape.size() - 2);
-    if (array.shape.size() == 1) shape.resize(shape.size() - 1);
-    std::string header = fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': ({}), }}", descr, shape);
+        if (t.dtype == dtype) descr = t.descr;
+    // Python writes (), (5,) and (2, 3).
+    const std::string extents = fmt::format("{}{}", fmt::join(shape, ", "), shape.size() == 1 ? "," : "");
+    std::string header = fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': ({}), }}", descr, extents);
     // NumPy asks for data at a multiple of 64, after a newline.
     header.resize((10 + header.size() + 1 + 63) / 64 * 64 - 10 - 1, ' ');
     header += '\n';
     std::string start = std::string(magic) + '\x01' + '\0';
     start += char(header.size() & 255);
     start += char(header.size() >> 8);
-    write_file(path, {start, header, {reinterpret_cast<const char*>(array.bytes.data()), array.bytes.size()}});
+    write_file(path, {start, header, {static_cast<const char*>(data), bytes}});
 }
 
 }  // namespace plumb::io

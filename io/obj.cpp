@@ -37,7 +37,7 @@ struct CornerHash {
 };
 
 struct Face {
-    std::size_t first;    // of its corners
+    std::size_t first;  // of its corners
     std::int64_t line;
     std::int32_t material;  // index into used names; -1: none
 };
@@ -103,18 +103,20 @@ class ObjScanner {
             remember(out_.libraries, key, rest);
             return;
         }
-        static constexpr std::string_view ignored[] = {"o", "g", "s", "l", "p", "vp", "mg", "lod", "usemap", "maplib",
+        static constexpr std::string_view ignored[] = {"o",     "g",        "s",        "l",          "p",
+                                                       "vp",    "mg",       "lod",      "usemap",     "maplib",
                                                        "bevel", "c_interp", "d_interp", "shadow_obj", "trace_obj"};
         if (std::find(std::begin(ignored), std::end(ignored), key) != std::end(ignored)) return;
-        static constexpr std::string_view refused[] = {"cstype", "deg", "bmat", "step", "curv", "curv2", "surf", "parm",
-                                                       "trim", "hole", "scrv", "sp", "end", "con", "ctech", "stech", "call",
-                                                       "csh"};
+        static constexpr std::string_view refused[] = {"cstype", "deg",  "bmat",  "step",  "curv", "curv2",
+                                                       "surf",   "parm", "trim",  "hole",  "scrv", "sp",
+                                                       "end",    "con",  "ctech", "stech", "call", "csh"};
         if (std::find(std::begin(refused), std::end(refused), key) != std::end(refused))
             fail(line_, "\"" + std::string(key) + "\": free-form surfaces and calls of other files are not read");
         fail(line_, "\"" + printable(key) + "\" is not a statement of OBJ");
     }
 
-    // At least `least` of N finite numbers, the rest 0. What stands behind them (a weight, a colour) must be numbers too.
+    // At least `least` of N finite numbers, the rest 0. What stands behind them (a weight, a colour) must be numbers
+    // too.
     template <int N>
     glm::vec3 numbers(std::string_view key, std::string_view rest, int least) const {
         glm::vec3 value(0);
@@ -130,8 +132,8 @@ class ObjScanner {
         return value;
     }
 
-    // Positive indices count from 1; negative ones back from the last so far. Whether the list is long enough is seen at
-    // the end: faces may stand before their vertices.
+    // Positive indices count from 1; negative ones back from the last so far. Whether the list is long enough is seen
+    // at the end: faces may stand before their vertices.
     std::int32_t index(std::string_view text, std::size_t so_far, const char* what) const {
         const auto i = parse_integer(text);
         if (!i) fail(line_, fmt::format("f: \"{}\" is not an index", printable(text)));
@@ -226,9 +228,9 @@ class ObjBuilder {
         for (std::size_t i = first; i < end; ++i)
             polygon_.push_back(in_.positions[std::size_t(in_.corners[i].position)]);
         if (!triangulate(polygon_, triangles_))
-            throw InputError(shown(path_), fmt::format("line {}", in_.faces[f].line),
-                             fmt::format("a concave face of {} corners; the limit is {}", polygon_.size(),
-                                         max_concave_corners));
+            throw InputError(
+                shown(path_), fmt::format("line {}", in_.faces[f].line),
+                fmt::format("a concave face of {} corners; the limit is {}", polygon_.size(), max_concave_corners));
         for (const auto& t : triangles_) {
             const glm::vec3 flat = geometric_normal(polygon_[t[0]], polygon_[t[1]], polygon_[t[2]]);
             glm::uvec3 triangle;
@@ -324,8 +326,8 @@ ObjModel parse_obj(const std::string& path, const std::string& text, const ReadL
         const std::int32_t name = lines.faces[f].material;
         builder.add(f, name < 0 ? none : material_of_name[std::size_t(name)]);
     }
-    model.has_texture_coordinates = std::any_of(lines.corners.begin(), lines.corners.end(),
-                                                [](const Corner& c) { return c.texture >= 0; });
+    model.has_texture_coordinates =
+        std::any_of(lines.corners.begin(), lines.corners.end(), [](const Corner& c) { return c.texture >= 0; });
     return model;
 }
 

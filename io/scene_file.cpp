@@ -7,45 +7,23 @@
 #include <map>
 
 #include "core/error.h"
-#include "core/host_math.h"
 #include "io/choose_view.h"
 #include "io/cornell.h"
 #include "io/file.h"
 #include "io/image_file.h"
 #include "io/obj.h"
+#include "io/scene_parts.h"
 #include "io/toml_reader.h"
 
 namespace plumb::io {
 namespace {
 
 constexpr int max_frame_side = 32768;
-constexpr int max_rsm_size = 16384;
 constexpr std::size_t max_scene_bytes = std::size_t(1) << 24;
 
 void refuse_gltf(const std::string& path, const std::string& extension) {
     if (extension == "gltf" || extension == "glb")
         throw InputError(shown(path), "", "glTF is not read by this version; a later one will. Expected .obj");
-}
-
-// Sine and cosine of degrees, exact at multiples of a right angle.
-glm::dvec2 sin_cos_deg(double degrees) {
-    const double turn = degrees - 360 * std::floor(degrees / 360);
-    if (turn == 0) return {0, 1};
-    if (turn == 90) return {1, 0};
-    if (turn == 180) return {0, -1};
-    if (turn == 270) return {-1, 0};
-    const double radians = turn * (host::pi / 180);
-    return {host::sin(radians), host::cos(radians)};
-}
-
-// Rotation by `degrees` that takes axis a towards axis b.
-glm::dmat4 rotation(double degrees, int a, int b) {
-    const glm::dvec2 sc = sin_cos_deg(degrees);
-    glm::dmat4 m(1);
-    m[a][a] = m[b][b] = sc.y;
-    m[a][b] = sc.x;
-    m[b][a] = -sc.x;
-    return m;
 }
 
 class SceneReader {
@@ -119,42 +97,6 @@ class SceneReader {
         }
     }
 
-    glm::dmat4 read_transform(TomlReader& mesh) {
-        glm::dmat4 m(1);
-        if (const auto rows = mesh.numbers("matrix", 16)) {
-            for (const char* other : {"translate", "rotate_deg", "scale"})
-                if (mesh.has(other)) mesh.fail(other, "stands beside matrix; expected one or the other");
-            for (int row = 0; row < 4; ++row)
-                for (int column = 0; column < 4; ++column) m[column][row] = (*rows)[std::size_t(4 * row + column)];
-            if (m[0][3] != 0 || m[1][3] != 0 || m[2][3] != 0 || m[3][3] != 1)
-                mesh.fail("matrix", "expected 0, 0, 0, 1 in the last row");
-            const double determinant = glm::determinant(glm::dmat3(m));
-            if (!(std::fabs(determinant) > 0) || !std::isfinite(determinant))
-                mesh.fail("matrix", "cannot be inverted");
-            return m;
-        }
-        // The object is scaled, rolls about z, pitches about x, turns by yaw about y, and moves.
-        const glm::dvec3 angles = mesh.vector("rotate_deg", glm::dvec3(0));
-        m = rotation(angles.x, 2, 0) * rotation(angles.y, 1, 2) * rotation(angles.z, 0, 1);
-        const glm::dvec3 scale = read_scale(mesh);
-        for (int axis = 0; axis < 3; ++axis) m[axis] *= scale[axis];
-        m[3] = glm::dvec4(mesh.vector("translate", glm::dvec3(0)), 1);
-        return m;
-    }
-
-    glm::dvec3 read_scale(TomlReader& mesh) {
-        glm::dvec3 scale(1);
-        if (!mesh.has("scale")) return scale;
-        if (mesh.holds_array("scale"))
-            scale = mesh.vector("scale", scale);
-        else
-            scale = glm::dvec3(mesh.number("scale", 1));
-        for (int axis = 0; axis < 3; ++axis)
-            if (!(std::fabs(scale[axis]) >= 1e-30 && std::fabs(scale[axis]) <= 1e30))
-                mesh.fail("scale", "expected a size of 1e-30 to 1e30");
-        return scale;
-    }
-
     // Appends a model's materials and textures to the scene and its mesh with them.
     void add_model(ObjModel model) {
         const std::int32_t first_material = std::int32_t(scene_.materials.size());
@@ -223,8 +165,9 @@ class SceneReader {
         for (const Wanted& wanted : wanted_) {
             const auto index = find_material(wanted.material);
             if (!index)
-                throw InputError(fmt::format("{}: [[mesh]] material = \"{}\": no [[material]] and no file has that name{}",
-                                             wanted.place, printable(wanted.material), nearest(wanted.material)));
+                throw InputError(
+                    fmt::format("{}: [[mesh]] material = \"{}\": no [[material]] and no file has that name{}",
+                                wanted.place, printable(wanted.material), nearest(wanted.material)));
             std::fill(scene_.meshes[wanted.mesh].material.begin(), scene_.meshes[wanted.mesh].material.end(), *index);
         }
         for (std::size_t m = 0; m < scene_.meshes.size(); ++m)
@@ -277,40 +220,10 @@ class SceneReader {
     void read_lights(TomlReader& top) {
         for (const toml::table* table : top.tables("light")) {
             TomlReader reader(*table, path_, "[[light]]");
-            scene_.lights.push_back(read_light(reader));
+            scene_.lights.push_back(read_light(reader, scene_.lights));
             reader.finish();
         }
         if (scene_.lights.empty()) scene_.notes.push_back("no light in the file: only what emits is seen");
-    }
-
-    Light read_light(TomlReader& reader) {
-        Light light;
-        // Names of lights become names of layers.
-        light.name = reader.word("name", fmt::format("light{}", scene_.lights.size()));
-        const auto plain = [](char c) {
-            return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
-        };
-        if (light.name.empty() || light.name.size() > 64 || !std::all_of(light.name.begin(), light.name.end(), plain))
-            reader.fail("name", "expected 1 to 64 letters, digits, _ or -");
-        for (const Light& other : scene_.lights)
-            if (other.name == light.name) reader.fail("name", "another light has that name");
-
-        light.type = LightType(reader.choice("type", 0, {"spot", "point", "directional"}));
-        light.position = glm::vec3(reader.vector("position", glm::dvec3(0), -1e30, 1e30));
-        const glm::dvec3 d = reader.vector("direction", glm::dvec3(0, -1, 0), -1e30, 1e30);
-        const double largest = std::max({std::fabs(d.x), std::fabs(d.y), std::fabs(d.z)});
-        if (!(largest > 0)) reader.fail("direction", "has no length");
-        const glm::dvec3 s = d / largest;
-        light.direction = glm::vec3(s / std::sqrt(s.x * s.x + s.y * s.y + s.z * s.z));
-        if (const auto cone = reader.numbers("cone_deg", 2, 0, 89)) {
-            light.cone_inner_deg = float((*cone)[0]), light.cone_outer_deg = float((*cone)[1]);
-            if (!(light.cone_outer_deg > 0 && light.cone_inner_deg <= light.cone_outer_deg))
-                reader.fail("cone_deg", "expected 0 <= inner <= outer <= 89, outer above 0");
-        }
-        light.intensity = glm::vec3(reader.vector("intensity", glm::dvec3(1), 0, 3e38));
-        light.on = reader.flag("on", true);
-        light.rsm_size = reader.integer("rsm_size", 512, 1, max_rsm_size);
-        return light;
     }
 
     void read_render(TomlReader& top) {

@@ -14,7 +14,7 @@ namespace plumb::io {
 class LineScanner {
   public:
     explicit LineScanner(std::string_view text) : text_(text) {}
-    bool next(std::string_view& line);        // false after the last one
+    bool next(std::string_view& line);               // false after the last one
     std::int64_t number() const { return number_; }  // of the line last read, from 1
 
   private:

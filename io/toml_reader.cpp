@@ -13,8 +13,8 @@ namespace {
 
 constexpr int max_depth = 16;
 
-// Refuses what would nest deep: brackets within brackets, and dots in one key. The parser limits brackets but builds, and
-// takes down, a table for each dot by recursion.
+// Refuses what would nest deep: brackets within brackets, and dots in one key. The parser limits brackets but builds,
+// and takes down, a table for each dot by recursion.
 void require_shallow(const std::string& path, std::string_view text) {
     int line = 1, brackets = 0, dots = 0;
     for (std::size_t i = 0; i < text.size(); ++i) {

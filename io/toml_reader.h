@@ -1,10 +1,11 @@
 // A TOML table, read key by key with the line of each for messages. Private to io/.
 #pragma once
 
+#include <toml++/toml.h>
+
 #include <glm/glm.hpp>
 #include <optional>
 #include <string>
-#include <toml++/toml.h>
 #include <vector>
 
 #include "core/fields.h"

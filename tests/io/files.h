@@ -1,11 +1,12 @@
 // A folder of its own for each test, and what tests of bad input ask of an error.
 #pragma once
 
+#include <unistd.h>
+
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <fstream>
 #include <string>
-#include <unistd.h>
 #include <vector>
 
 #include "core/error.h"
@@ -31,7 +32,8 @@ class Folder {
         return *this / name;
     }
     std::size_t files() const {
-        return std::size_t(std::distance(std::filesystem::directory_iterator(path_), std::filesystem::directory_iterator()));
+        return std::size_t(
+            std::distance(std::filesystem::directory_iterator(path_), std::filesystem::directory_iterator()));
     }
 
   private:
@@ -57,8 +59,8 @@ inline void require_message(const std::string& message, const std::vector<std::s
     for (const std::string& part : parts) CHECK_THAT(message, Catch::Contains(part));
 }
 
-// Feeds every beginning of `content`, and `content` with every byte changed, to `load`: it returns or throws InputError.
-// Returns how many beginnings were accepted.
+// Feeds every beginning of `content`, and `content` with every byte changed, to `load`: it returns or throws
+// InputError. Returns how many beginnings were accepted.
 template <class Load>
 std::size_t load_damaged(const Folder& folder, const std::string& name, const std::string& content, Load load) {
     std::size_t accepted = 0;

@@ -34,7 +34,8 @@ TEST_CASE("npy: every type and shape comes back", "[io]") {
         for (const Shape& shape : {Shape{}, Shape{5}, Shape{2, 3}, Shape{1, 0, 7}}) {
             Bundle bundle;
             Array& array = add(bundle, "a", dtype, shape);
-            for (std::size_t i = 0; i < array.bytes.size(); ++i) array.bytes[i] = static_cast<unsigned char>(37 * i + 1);
+            for (std::size_t i = 0; i < array.bytes.size(); ++i)
+                array.bytes[i] = static_cast<unsigned char>(37 * i + 1);
             write_npy(folder / "a.npy", array);
             const Array back = read_npy(folder / "a.npy");
             CHECK(content_hash(back) == content_hash(array));
@@ -55,7 +56,8 @@ TEST_CASE("npy: what NumPy writes is read", "[io]") {
         const auto values = elements<std::int32_t>(array, {2, 2});
         CHECK(values[3] == 4);
     }
-    CHECK(read_npy(folder.put("a.npy", npy("{'shape':(2,),'fortran_order':False,\"descr\":'|u1'}", "ab"))).shape == Shape{2});
+    CHECK(read_npy(folder.put("a.npy", npy("{'shape':(2,),'fortran_order':False,\"descr\":'|u1'}", "ab"))).shape ==
+          Shape{2});
 }
 
 TEST_CASE("npy: malformed files are named with the cause", "[io][robustness]") {
@@ -174,8 +176,10 @@ TEST_CASE("bundle: headers that lie under a right checksum are named with the ca
 TEST_CASE("arrays: what cannot be written is one line, and nothing is left", "[io][robustness]") {
     const Folder folder;
     const Bundle bundle = sample();
-    require_message(error_of([&] { write_npy(folder / "none/a.npy", bundle.arrays[0]); }), {"none/a.npy: cannot be written"});
-    require_message(error_of([&] { write_bundle(folder / "none/a.bundle", bundle); }), {"none/a.bundle: cannot be written"});
+    require_message(error_of([&] { write_npy(folder / "none/a.npy", bundle.arrays[0]); }),
+                    {"none/a.npy: cannot be written"});
+    require_message(error_of([&] { write_bundle(folder / "none/a.bundle", bundle); }),
+                    {"none/a.bundle: cannot be written"});
     Bundle bad;
     add(bad, "\xff", DType::f32, {1});
     require_message(error_of([&] { write_bundle(folder / "a.bundle", bad); }), {"a.bundle", "not UTF-8"});

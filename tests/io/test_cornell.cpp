@@ -44,7 +44,8 @@ TEST_CASE("make_scene: writes the files of data/scenes/cornell, byte for byte", 
     for (const char* name : {"cornell.obj", "cornell.mtl", "cornell.toml"})
         CHECK(read_text(folder / "new/cornell/" + name) == read_text(data + "cornell/" + name));
     std::size_t files = 0;
-    for (const auto& entry : std::filesystem::directory_iterator(folder / "new/cornell")) files += entry.is_regular_file();
+    for (const auto& entry : std::filesystem::directory_iterator(folder / "new/cornell"))
+        files += entry.is_regular_file();
     CHECK(files == 3);
 }
 
@@ -105,10 +106,9 @@ TEST_CASE("cornell: the reflectances are the measured spectra at 650, 510 and 47
     const auto rgb = [](double r1, double r2, double g1, double g2, double b) {
         return glm::vec3(float((r1 + r2) / 2), float((g1 + g2) / 2), float(b));
     };
-    const std::vector<std::pair<std::string, glm::vec3>> measured = {
-        {"white", rgb(0.729, 0.730, 0.739, 0.732, 0.729)},
-        {"red", rgb(0.612, 0.610, 0.055, 0.056, 0.062)},
-        {"green", rgb(0.117, 0.117, 0.390, 0.435, 0.115)}};
+    const std::vector<std::pair<std::string, glm::vec3>> measured = {{"white", rgb(0.729, 0.730, 0.739, 0.732, 0.729)},
+                                                                     {"red", rgb(0.612, 0.610, 0.055, 0.056, 0.062)},
+                                                                     {"green", rgb(0.117, 0.117, 0.390, 0.435, 0.115)}};
     const Scene s = load_scene(data + "cornell/cornell.toml", {});
     for (const auto& [name, reflectance] : measured)
         for (const Material& m : s.materials)
@@ -118,7 +118,8 @@ TEST_CASE("cornell: the reflectances are the measured spectra at 650, 510 and 47
 }
 
 TEST_CASE("cornell: the small scene is the same room", "[io]") {
-    const Scene big = load_scene(data + "cornell/cornell.toml", {}), small = load_scene(data + "cornell_small.toml", {});
+    const Scene big = load_scene(data + "cornell/cornell.toml", {}),
+                small = load_scene(data + "cornell_small.toml", {});
     CHECK(small.frame_size == glm::ivec2(256, 256));
     CHECK(small.camera.position == big.camera.position);
     CHECK(small.meshes[0].triangles == big.meshes[0].triangles);

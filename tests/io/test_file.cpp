@@ -23,7 +23,8 @@ TEST_CASE("file: a path that cannot be read is one line with the path and the re
     require_message(error_of([&] { read_text(folder / "none.txt"); }), {"none.txt", "No such file"});
     require_message(error_of([&] { read_text(folder / ""); }), {"not a regular file"});
     require_message(error_of([&] { read_text("/dev/zero"); }), {"/dev/zero", "not a regular file"});
-    require_message(error_of([&] { read_text(folder.put("big.txt", "12345"), 4); }), {"big.txt", "5 bytes", "limit is 4"});
+    require_message(error_of([&] { read_text(folder.put("big.txt", "12345"), 4); }),
+                    {"big.txt", "5 bytes", "limit is 4"});
     require_message(error_of([&] { read_text(std::string("a\0b", 3)); }), {"NUL"});
     require_message(error_of([&] { read_text(folder / "two\nlines"); }), {"two\\x0alines"});
 }

@@ -1,5 +1,5 @@
-#include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
+#include <OpenImageIO/imageio.h>
 #include <sys/resource.h>
 
 #include <chrono>
@@ -144,8 +144,8 @@ TEST_CASE("pictures of each format arrive with the values that were written", "[
     const FloatPicture p = read_picture(put_picture(folder / "b.png", 2, 1, 3, OIIO::TypeDesc::UINT16, words));
     CHECK(p.data[1] == 1.0f);
     CHECK(p.data[4] == 32768 / 65535.0f);
-    const FloatPicture ids = read_picture(put_picture(folder / "c.exr", 2, 1, 1, OIIO::TypeDesc::UINT32,
-                                                      std::vector<std::uint32_t>{7, 16777216}));
+    const FloatPicture ids = read_picture(
+        put_picture(folder / "c.exr", 2, 1, 1, OIIO::TypeDesc::UINT32, std::vector<std::uint32_t>{7, 16777216}));
     CHECK(ids.data == std::vector<float>{7, 16777216});
 
     const FloatPicture d = read_picture(folder.put("a.dds", dds()));
@@ -170,16 +170,18 @@ TEST_CASE("png: straight alpha stays straight", "[io]") {
 TEST_CASE("texture: 1 x 1 and 65535 x 1, grey, and 16 bits", "[io]") {
     const Folder folder;
     using Bytes = std::vector<std::uint8_t>;
-    CHECK(read_texture(put_picture(folder / "a.png", 1, 1, 1, OIIO::TypeDesc::UINT8, Bytes{7})).texels(0, 0) == 0xff070707u);
-    const Texture wide = read_texture(put_picture(folder / "b.png", 65535, 1, 3, OIIO::TypeDesc::UINT8, Bytes(3 * 65535, 9)));
+    CHECK(read_texture(put_picture(folder / "a.png", 1, 1, 1, OIIO::TypeDesc::UINT8, Bytes{7})).texels(0, 0) ==
+          0xff070707u);
+    const Texture wide =
+        read_texture(put_picture(folder / "b.png", 65535, 1, 3, OIIO::TypeDesc::UINT8, Bytes(3 * 65535, 9)));
     CHECK(wide.texels.width == 65535);
     CHECK(wide.texels(65534, 0) == 0xff090909u);
-    const Texture deep = read_texture(put_picture(folder / "c.png", 1, 1, 1, OIIO::TypeDesc::UINT16,
-                                                  std::vector<std::uint16_t>{128 * 257}));
+    const Texture deep = read_texture(
+        put_picture(folder / "c.png", 1, 1, 1, OIIO::TypeDesc::UINT16, std::vector<std::uint16_t>{128 * 257}));
     CHECK(deep.texels(0, 0) == 0xff808080u);
     CHECK(deep.srgb);
-    const Texture linear = read_texture(put_picture(folder / "d.exr", 1, 1, 3, OIIO::TypeDesc::FLOAT,
-                                                    std::vector<float>{0, 1, 0.5f}));
+    const Texture linear =
+        read_texture(put_picture(folder / "d.exr", 1, 1, 3, OIIO::TypeDesc::FLOAT, std::vector<float>{0, 1, 0.5f}));
     CHECK(!linear.srgb);
     CHECK(linear.texels(0, 0) == 0xff80ff00u);
 }
@@ -192,11 +194,13 @@ TEST_CASE("texture: values outside 0 to 1, and wrong channels, are errors that n
     };
     std::vector<float> v(12, 0.5f);
     v[10] = nan;
-    require_message(error_of([&] { read_texture(put(v)); }), {"a.exr: pixel 1,1: G = nan; a texture's values lie in 0 to 1"});
+    require_message(error_of([&] { read_texture(put(v)); }),
+                    {"a.exr: pixel 1,1: G = nan; a texture's values lie in 0 to 1"});
     CHECK(std::isnan(read_picture(folder / "a.exr").data[10]));  // a picture may hold it
     v[10] = 1.5f;
     require_message(error_of([&] { read_texture(put(v)); }), {"pixel 1,1: G = 1.5"});
-    const std::string five = put_picture(folder / "b.tif", 1, 1, 5, OIIO::TypeDesc::UINT8, std::vector<std::uint8_t>(5));
+    const std::string five =
+        put_picture(folder / "b.tif", 1, 1, 5, OIIO::TypeDesc::UINT8, std::vector<std::uint8_t>(5));
     require_message(error_of([&] { read_texture(five); }), {"b.tif: header: 5 channels; expected 1 to 4"});
 }
 
@@ -219,8 +223,10 @@ TEST_CASE("picture: malformed files are named with the cause", "[io][robustness]
     require_message(read("a.exr", exr.substr(0, exr.size() - 20)), {"a.exr: "});
     require_message(read("a.pfm", "Pf\n0 0\n-1.0\n"), {"a.pfm: header"});
     require_message(read("a.pfm", "Pf\n-3 2\n-1.0\n"), {"a.pfm: header"});
-    require_message(read("a.pfm", "Pf\n40000 40000\n-1.0\nabcd"), {"a.pfm: header: declares 40000 x 40000", "cannot hold"});
-    require_message(read("a.pfm", "Pf\n2000000000 2\n-1.0\nabcd"), {"a.pfm: header: 2000000000 x 2", "limits are 2^31 pixels"});
+    require_message(read("a.pfm", "Pf\n40000 40000\n-1.0\nabcd"),
+                    {"a.pfm: header: declares 40000 x 40000", "cannot hold"});
+    require_message(read("a.pfm", "Pf\n2000000000 2\n-1.0\nabcd"),
+                    {"a.pfm: header: 2000000000 x 2", "limits are 2^31 pixels"});
     require_message(read("a.pfm", pfm().substr(0, pfm().size() - 1)), {"a.pfm: pixels"});
     require_message(read("a.dds", dds().substr(0, 130)), {"a.dds: "});
 
@@ -228,7 +234,8 @@ TEST_CASE("picture: malformed files are named with the cause", "[io][robustness]
     write_png(folder / "good.png", 1, 1, pixel);
     const std::string png = read_text(folder / "good.png");
     require_message(read("a.png", png.substr(0, 40)), {"a.png: byte 33: the picture is cut off here"});
-    require_message(read("a.png", png.substr(0, 20) + "x" + png.substr(21)), {"a.png: byte 8: the checksum of chunk IHDR is wrong"});
+    require_message(read("a.png", png.substr(0, 20) + "x" + png.substr(21)),
+                    {"a.png: byte 8: the checksum of chunk IHDR is wrong"});
 
     // A JPEG without its end.
     put_picture(folder / "good.jpg", 16, 16, 3, OIIO::TypeDesc::UINT8, std::vector<std::uint8_t>(768, 99));
@@ -240,11 +247,16 @@ TEST_CASE("picture: what cannot be written is one line, and nothing is left", "[
     const Folder folder;
     const Frame frame;
     const std::uint8_t pixel[] = {1, 2, 3};
-    require_message(error_of([&] { write_exr(folder / "none/a.exr", 3, 2, frame.layers); }), {"none/a.exr: cannot be written: No such"});
-    require_message(error_of([&] { write_exr(folder / "a.exr", 0, 2, frame.layers); }), {"a.exr: cannot be written: 0 x 2"});
-    require_message(error_of([&] { write_exr(folder / "a.exr", 3, 2, {}); }), {"a.exr: cannot be written: 3 x 2 pixels of 0"});
+    require_message(error_of([&] { write_exr(folder / "none/a.exr", 3, 2, frame.layers); }),
+                    {"none/a.exr: cannot be written: No such"});
+    require_message(error_of([&] { write_exr(folder / "a.exr", 0, 2, frame.layers); }),
+                    {"a.exr: cannot be written: 0 x 2"});
+    require_message(error_of([&] { write_exr(folder / "a.exr", 3, 2, {}); }),
+                    {"a.exr: cannot be written: 3 x 2 pixels of 0"});
     require_message(error_of([&] { write_exr(folder / "a.exr", 1 << 20, 1 << 20, frame.layers); }), {"limits"});
-    require_message(error_of([&] { write_exr(folder / "a.exr", 3, 2, {frame.layers[1], frame.layers[1]}); }),
+    require_message(error_of([&] {
+                        write_exr(folder / "a.exr", 3, 2, {frame.layers[1], frame.layers[1]});
+                    }),
                     {"channel \"shadow.key.V\" is named twice"});
     require_message(error_of([&] { write_png(folder / "a.png", 0, 1, pixel); }), {"a.png: cannot be written"});
     CHECK(folder.files() == 0);

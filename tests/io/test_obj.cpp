@@ -97,8 +97,8 @@ TEST_CASE("obj: polygons keep their area and their direction", "[io]") {
     // Areas by the shoelace formula, by hand: an arrow head, an L, a comb, and the same clockwise.
     const std::vector<glm::dvec2> arrow = {{0, 0}, {2, 1}, {0, 2}, {1, 1}};
     const std::vector<glm::dvec2> ell = {{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}};
-    const std::vector<glm::dvec2> comb = {{0, 0}, {5, 0}, {5, 3}, {4, 3}, {4, 1}, {3, 1}, {3, 3},
-                                          {2, 3}, {2, 1}, {1, 1}, {1, 3}, {0, 3}};
+    const std::vector<glm::dvec2> comb = {{0, 0}, {5, 0}, {5, 3}, {4, 3}, {4, 1}, {3, 1},
+                                          {3, 3}, {2, 3}, {2, 1}, {1, 1}, {1, 3}, {0, 3}};
     const std::vector<std::pair<std::vector<glm::dvec2>, double>> cases = {{arrow, 1}, {ell, 3}, {comb, 11}};
     for (auto [points, area] : cases)
         for (double sign : {1.0, -1.0}) {
@@ -121,8 +121,10 @@ TEST_CASE("obj: a convex face of 100,000 corners is read, a concave one of 513 i
     for (int side = 0; side < 4; ++side)
         for (int i = 0; i < 25000; ++i) {
             const double a = i, b = 25000 - i;
-            points.push_back(side == 0 ? glm::dvec2(a, 0) : side == 1 ? glm::dvec2(25000, a)
-                             : side == 2 ? glm::dvec2(b, 25000) : glm::dvec2(0, b));
+            points.push_back(side == 0   ? glm::dvec2(a, 0)
+                             : side == 1 ? glm::dvec2(25000, a)
+                             : side == 2 ? glm::dvec2(b, 25000)
+                                         : glm::dvec2(0, b));
         }
     const Mesh mesh = parse(polygon(points)).mesh;
     CHECK(mesh.triangles.size() == 99998);
@@ -193,7 +195,10 @@ TEST_CASE("obj: malformed files are named with line and cause", "[io][robustness
         {"vt\n", {"line 1: vt has 0 numbers; expected 1"}},
         {"vn 0 0 NaN\n", {"line 1: vn: NaN is not a finite number"}},
         {"hello world\n", {"line 1: \"hello\" is not a statement of OBJ"}},
-        {std::string("\x7f" "ELF\0\1\2\n", 8), {"line 1: \"\\x7fELF\\x00\\x01\\x02\" is not a statement"}},
+        {std::string("\x7f"
+                     "ELF\0\1\2\n",
+                     8),
+         {"line 1: \"\\x7fELF\\x00\\x01\\x02\" is not a statement"}},
         {"call other.obj\n", {"line 1: \"call\": free-form surfaces and calls of other files are not read"}},
         {"mtllib\n", {"line 1: mtllib names nothing"}},
         {"mtllib none.mtl\n" + triangle + "f 1 2 3\n", {"m.obj: line 1: mtllib: none.mtl: is not there"}},
@@ -239,8 +244,9 @@ TEST_CASE("obj: cut off or changed at any byte, it loads or is refused", "[io][r
     const std::uint8_t grey[] = {128, 128, 128};
     write_png(folder / "t.png", 1, 1, grey);
     folder.put("m.mtl", "newmtl a\nKd 0.5 0.5 0.5\nmap_Kd t.png\n");
-    const std::string obj = "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 -1e-3\nv 0 1 0\nvt 0 0\nvn 0 0 1\nusemtl a\n"
-                            "f 1/1/1 2/1/1 3/1/1 4//1\nf -1 -2 -3\n";
+    const std::string obj =
+        "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 -1e-3\nv 0 1 0\nvt 0 0\nvn 0 0 1\nusemtl a\n"
+        "f 1/1/1 2/1/1 3/1/1 4//1\nf -1 -2 -3\n";
     REQUIRE(read_obj(folder.put("m.obj", obj)).mesh.triangles.size() == 3);
     load_damaged(folder, "m.obj", obj, [](const std::string& path) { read_obj(path); });
 
@@ -280,7 +286,8 @@ TEST_CASE("obj: real models have the triangles that tinyobjloader finds", "[io][
                     wrong += !(std::fabs(v.position[k] - x) <= 1.2e-7f * std::fabs(x));
                 }
                 if (index.texcoord_index >= 0)
-                    wrong += !(std::fabs(1 - v.v - attributes.texcoords[std::size_t(2 * index.texcoord_index + 1)]) <= 1e-6f);
+                    wrong += !(std::fabs(1 - v.v - attributes.texcoords[std::size_t(2 * index.texcoord_index + 1)]) <=
+                               1e-6f);
             }
         CHECK(corner == 3 * triangles);
         CHECK(wrong == 0);

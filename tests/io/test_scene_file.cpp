@@ -33,7 +33,9 @@ struct Files {
 };
 
 // Where the first mesh puts a point of its own.
-glm::dvec3 moved(const Scene& scene, const glm::dvec3& p) { return glm::dvec3(scene.meshes.at(0).transform * glm::dvec4(p, 1)); }
+glm::dvec3 moved(const Scene& scene, const glm::dvec3& p) {
+    return glm::dvec3(scene.meshes.at(0).transform * glm::dvec4(p, 1));
+}
 
 }  // namespace
 
@@ -157,8 +159,9 @@ TEST_CASE("scene: scale comes before rotation before translation; a matrix is ro
 
 TEST_CASE("scene: an OBJ without MTL takes a material and a texture from the scene", "[io]") {
     const Files files;
-    const Scene s = files.load("[[mesh]]\nfile = \"plain.obj\"\nmaterial = \"cow\"\n"
-                               "[[material]]\nname = \"cow\"\ntexture = \"t.png\"\nfilter = \"nearest\"\n");
+    const Scene s = files.load(
+        "[[mesh]]\nfile = \"plain.obj\"\nmaterial = \"cow\"\n"
+        "[[material]]\nname = \"cow\"\ntexture = \"t.png\"\nfilter = \"nearest\"\n");
     REQUIRE(s.textures.size() == 1);
     CHECK(s.textures[0].filter == Filter::nearest);
     const Material& m = s.materials.at(std::size_t(s.meshes[0].material[0]));
@@ -175,8 +178,9 @@ TEST_CASE("scene: an OBJ without MTL takes a material and a texture from the sce
 
 TEST_CASE("scene: two meshes keep their materials apart", "[io]") {
     const Files files;
-    const Scene s = files.load("[[mesh]]\nfile = \"m.obj\"\n[[mesh]]\ngenerate = \"cornell\"\n[[mesh]]\nfile = \"m.obj\"\n"
-                               "[[material]]\nname = \"white\"\nreflectance = [0.1, 0.1, 0.1]\n");
+    const Scene s = files.load(
+        "[[mesh]]\nfile = \"m.obj\"\n[[mesh]]\ngenerate = \"cornell\"\n[[mesh]]\nfile = \"m.obj\"\n"
+        "[[material]]\nname = \"white\"\nreflectance = [0.1, 0.1, 0.1]\n");
     REQUIRE(s.meshes.size() == 3);
     CHECK(s.materials[std::size_t(s.meshes[2].material[1])].name == "red");
     CHECK(s.materials[std::size_t(s.meshes[2].material[1])].reflectance == glm::vec3(0.5f, 0, 0));
@@ -209,7 +213,8 @@ TEST_CASE("scene: malformed files are named with line and cause", "[io][robustne
         {"sed = 1\n", "line 1: unknown key 'sed'; the nearest known one is 'seed'"},
         {"\n[rms]\nsamples = 1\n", "line 2: unknown key 'rms'; the nearest known one is 'rsm'"},
         {"[camera]\nfov_deg = 40\n", "line 2: [camera] unknown key 'fov_deg'; the nearest known one is 'fov_y_deg'"},
-        {"[[light]]\nintensty = [1,1,1]\n", "line 2: [[light]] unknown key 'intensty'; the nearest known one is 'intensity'"},
+        {"[[light]]\nintensty = [1,1,1]\n",
+         "line 2: [[light]] unknown key 'intensty'; the nearest known one is 'intensity'"},
         {mesh + "rotate = [1,1,1]\n", "line 3: [[mesh]] unknown key 'rotate'; the nearest known one is 'rotate_deg'"},
         {"[frame\n", "line 1: "},
         {"a = = 1\n", "line 1: "},
@@ -230,7 +235,8 @@ TEST_CASE("scene: malformed files are named with line and cause", "[io][robustne
         {"[frame]\nsize = [32768, 32768]\n", "line 2: [frame] size = an array of 2: more than 2^28 pixels"},
         {"[camera]\nposition = [0, 0, 0]\n", "line 1: [camera] look_at: is missing"},
         {"[camera]\nposition = [0, 0, 0]\nlook_at = [0, 0, 0]\n", "line 1: camera: look_at = [0, 0, 0]: must be"},
-        {"[camera]\nposition = [0, nan, 0]\nlook_at = [0, 0, 1]\n", "line 2: [camera] position holds nan: expected a finite number"},
+        {"[camera]\nposition = [0, nan, 0]\nlook_at = [0, 0, 1]\n",
+         "line 2: [camera] position holds nan: expected a finite number"},
         {"[camera]\nnear = 0\n", "line 1: camera: near = 0: must be above 0 m and finite"},
         {"[camera]\nnear = inf\n", "line 1: camera: near = inf: must be"},
         {"[camera]\nfov_y_deg = 180\n", "line 1: camera: fov_y_deg = 180: must be"},
@@ -245,19 +251,30 @@ TEST_CASE("scene: malformed files are named with line and cause", "[io][robustne
         {mesh + "scale = [1, 2]\n", "line 3: [[mesh]] scale = an array of 2: expected 3 numbers"},
         {mesh + "share = 1.5\n", "line 3: [[mesh]] share = 1.5: expected 0 to 1"},
         {mesh + "matrix = [1]\n", "line 3: [[mesh]] matrix = an array of 1: expected 16 numbers"},
-        {mesh + "matrix = [1,0,0,0, 0,1,0,0, 0,0,0,0, 0,0,0,1]\n", "line 3: [[mesh]] matrix = an array of 16: cannot be inverted"},
+        {mesh + "matrix = [1,0,0,0, 0,1,0,0, 0,0,0,0, 0,0,0,1]\n",
+         "line 3: [[mesh]] matrix = an array of 16: cannot be inverted"},
         {mesh + "matrix = [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,1,1]\n", "expected 0, 0, 0, 1 in the last row"},
-        {mesh + "matrix = [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]\nscale = 2\n", "line 4: [[mesh]] scale = 2: stands beside matrix"},
-        {mesh + "material = \"wite\"\n", "line 3: [[mesh]] material = \"wite\": no [[material]] and no file has that name; the nearest known one is \"white\""},
-        {mesh + "[[material]]\nname = \"wite\"\n", "line 4: [[material]] name = \"wite\": no file and no [[mesh]] has a material of that name; the nearest known one is \"white\""},
+        {mesh + "matrix = [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]\nscale = 2\n",
+         "line 4: [[mesh]] scale = 2: stands beside matrix"},
+        {mesh + "material = \"wite\"\n",
+         "line 3: [[mesh]] material = \"wite\": no [[material]] and no file has that name; the nearest known one is "
+         "\"white\""},
+        {mesh + "[[material]]\nname = \"wite\"\n",
+         "line 4: [[material]] name = \"wite\": no file and no [[mesh]] has a material of that name; the nearest known "
+         "one is \"white\""},
         {mesh + "[[material]]\nreflectance = [1,1,1]\n", "line 3: [[material]] name: expected the name of a material"},
-        {mesh + "[[material]]\nname = \"red\"\nreflectance = [1, 1.5, 1]\n", "line 5: [[material]] reflectance holds 1.5: expected 0 to 1"},
-        {mesh + "[[material]]\nname = \"red\"\nemission = [1, -1, 1]\n", "line 5: [[material]] emission holds -1: expected 0 to"},
-        {mesh + "[[material]]\nname = \"red\"\ntexture = \"none.png\"\n", "line 5: [[material]] texture = \"none.png\": "},
-        {mesh + "[[material]]\nname = \"red\"\nfilter = \"nearest\"\n", "line 5: [[material]] filter = \"nearest\": stands without a texture"},
+        {mesh + "[[material]]\nname = \"red\"\nreflectance = [1, 1.5, 1]\n",
+         "line 5: [[material]] reflectance holds 1.5: expected 0 to 1"},
+        {mesh + "[[material]]\nname = \"red\"\nemission = [1, -1, 1]\n",
+         "line 5: [[material]] emission holds -1: expected 0 to"},
+        {mesh + "[[material]]\nname = \"red\"\ntexture = \"none.png\"\n",
+         "line 5: [[material]] texture = \"none.png\": "},
+        {mesh + "[[material]]\nname = \"red\"\nfilter = \"nearest\"\n",
+         "line 5: [[material]] filter = \"nearest\": stands without a texture"},
         {light + "type = \"area\"\n", "line 3: [[light]] type = \"area\": expected one of spot, point, directional"},
         {light + "direction = [0, 0, 0]\n", "line 3: [[light]] direction = an array of 3: has no length"},
-        {light + "cone_deg = [50, 45]\n", "line 3: [[light]] cone_deg = an array of 2: expected 0 <= inner <= outer <= 89"},
+        {light + "cone_deg = [50, 45]\n",
+         "line 3: [[light]] cone_deg = an array of 2: expected 0 <= inner <= outer <= 89"},
         {light + "cone_deg = [50, 95]\n", "line 3: [[light]] cone_deg holds 95: expected 0 to 89"},
         {light + "intensity = [1, -1, 1]\n", "line 3: [[light]] intensity holds -1"},
         {light + "intensity = [1, inf, 1]\n", "line 3: [[light]] intensity holds inf"},
@@ -265,7 +282,8 @@ TEST_CASE("scene: malformed files are named with line and cause", "[io][robustne
         {light + "rsm_size = 1.0\n", "line 3: [[light]] rsm_size = 1: expected an integer"},
         {light + light, "line 4: [[light]] name = \"a\": another light has that name"},
         {"[[light]]\nname = \"a.b\"\n", "line 2: [[light]] name = \"a.b\": expected 1 to 64 letters"},
-        {"[environment]\nfile = \"sky.exr\"\n", "line 2: [environment] file = \"sky.exr\": pictures of the sky are not read"},
+        {"[environment]\nfile = \"sky.exr\"\n",
+         "line 2: [environment] file = \"sky.exr\": pictures of the sky are not read"},
         {"[rsm]\nsamples = [1, 2]\n", "line 2: [rsm] samples = an array of 2: expected 3 numbers"},
         {"[rsm]\nsamples = 1979-05-27\n", "line 2: [rsm] samples = a date or time: expected a number, a string"},
         {"[rsm.samples]\na = 1\n", "line 1: [rsm] samples = a table: expected a number, a string"},
@@ -274,8 +292,10 @@ TEST_CASE("scene: malformed files are named with line and cause", "[io][robustne
         CAPTURE(text);
         require_message(files.error(text), {"s.toml", message});
     }
-    require_message(error_of([&] { load_scene(files.folder / "none.toml", {}); }), {"none.toml: cannot be read: No such file"});
-    require_message(error_of([&] { load_scene(files.folder / "a.gltf", {}); }), {"a.gltf: glTF is not read by this version"});
+    require_message(error_of([&] { load_scene(files.folder / "none.toml", {}); }),
+                    {"none.toml: cannot be read: No such file"});
+    require_message(error_of([&] { load_scene(files.folder / "a.gltf", {}); }),
+                    {"a.gltf: glTF is not read by this version"});
     require_message(error_of([&] { load_scene(files.folder / "t.png", {}); }), {"t.png: not a scene by its name"});
     require_message(files.error("[[mesh]]\nfile = \"bad.obj\"\n"), {"bad.obj: cannot be read"});
     files.folder.put("bad.obj", "v 0 0\n");
@@ -291,11 +311,15 @@ TEST_CASE("scene: deep nesting is refused before it can exhaust the stack", "[io
         return text;
     };
     for (int n : {17, 200000}) {
-        const std::vector<std::string> deep = {"a = " + repeated("[", n), "a = " + repeated("{a=", n), "a" + repeated(".a", n) + " = 1\n",
-                                               "[a" + repeated(".a", n) + "]\n", "\"#\"" + repeated(".a", n) + " = 1\n",
+        const std::vector<std::string> deep = {"a = " + repeated("[", n),
+                                               "a = " + repeated("{a=", n),
+                                               "a" + repeated(".a", n) + " = 1\n",
+                                               "[a" + repeated(".a", n) + "]\n",
+                                               "\"#\"" + repeated(".a", n) + " = 1\n",
                                                "b = '''\n\"\n'''\na" + repeated(" . a", n) + " = 1\n",
                                                "b = \"\\\"\"\na" + repeated(".'a'", n) + " = 1\n"};
-        for (const std::string& text : deep) require_message(files.error(text), {"s.toml: line ", "nested deeper than 16"});
+        for (const std::string& text : deep)
+            require_message(files.error(text), {"s.toml: line ", "nested deeper than 16"});
     }
     // Dots in comments, strings and numbers are none of that.
     CHECK(files.error("# " + repeated(".", 100) + "\nseed = 1 # ....................\n[[mesh]]\nfile = \"" +
@@ -304,8 +328,9 @@ TEST_CASE("scene: deep nesting is refused before it can exhaust the stack", "[io
 
 TEST_CASE("scene: cut off or changed at any byte, it loads or is refused", "[io][robustness]") {
     const Files files;
-    const std::string text = "seed = 1\n[[mesh]]\nfile = \"m.obj\"\nscale = 2.5\n[[material]]\nname = \"red\"\n"
-                             "[[light]]\ntype = \"spot\"\ncone_deg = [1, 2]\n[rsm]\nsamples = 4\n";
+    const std::string text =
+        "seed = 1\n[[mesh]]\nfile = \"m.obj\"\nscale = 2.5\n[[material]]\nname = \"red\"\n"
+        "[[light]]\ntype = \"spot\"\ncone_deg = [1, 2]\n[rsm]\nsamples = 4\n";
     REQUIRE(files.error(text) == "");
     load_damaged(files.folder, "s.toml", text, [](const std::string& path) { load_scene(path, method_tables); });
 }
@@ -318,8 +343,9 @@ TEST_CASE("scene: a real textured model, without MTL", "[io][assets]") {
     }
     const Files files;
     const std::string folder = std::string(assets) + "/obj/";
-    const Scene s = files.load("[[mesh]]\nfile = \"" + folder + "spot.obj\"\nmaterial = \"spot\"\n[[material]]\nname = \"spot\"\n" +
-                               "texture = \"" + folder + "spot.png\"\n");
+    const Scene s =
+        files.load("[[mesh]]\nfile = \"" + folder + "spot.obj\"\nmaterial = \"spot\"\n[[material]]\nname = \"spot\"\n" +
+                   "texture = \"" + folder + "spot.png\"\n");
     CHECK(s.meshes[0].triangles.size() == 5856);
     REQUIRE(s.textures.size() == 1);
     CHECK(s.textures[0].texels.width > 100);

@@ -1,0 +1,33 @@
+// Pictures as their files store them, through OpenImageIO. Private to io/.
+#pragma once
+
+#include <OpenImageIO/imageio.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/compare.h"
+
+namespace plumb::io {
+
+inline constexpr std::int64_t max_pixels = std::int64_t(1) << 31;
+inline constexpr std::int64_t max_values = std::int64_t(1) << 34;
+inline constexpr int max_channels = 1024;
+
+// The header, and the pixels in the file's own number types.
+struct Raw {
+    OIIO::ImageSpec spec;
+    std::vector<unsigned char> bytes;
+};
+
+// Throws InputError for what is not one whole, flat picture within the limits.
+Raw read_raw(const std::string& path);
+
+// Unsigned integers become 0..1, but for EXR, where they keep their value.
+compare::Picture to_float(const std::string& path, const Raw& raw);
+
+// OpenImageIO's messages in one line.
+std::string reason(std::string message);
+
+}  // namespace plumb::io
