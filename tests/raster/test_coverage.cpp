@@ -264,6 +264,36 @@ TEST_CASE("coverage: a ground that passes below and behind the viewer is covered
         }
 }
 
+TEST_CASE("coverage: what is nearer than the near plane or beyond the far one is cut", "[raster][coverage][clip]") {
+    Camera camera;
+    camera.position = {0, 1, 0};
+    camera.look_at = {0.3, 0.6, -1};
+    camera.fov_y_deg = 90;
+    camera.near = 2, camera.far = 5;
+    Geometry g;
+    add_triangle(g, at({-500, 0, 400}), at({500, 0, 400}), at({0, 0, -900}));
+    const glm::ivec2 size{120, 90};
+    for (bool reversed : {false, true}) {
+        camera.reversed_z = reversed;
+        const Image<int> count = coverage(g, make_view(camera, 120.0 / 90), size);
+        int seen = 0, cut_near = 0, cut_far = 0;
+        for (int y = 0; y < size.y; ++y)
+            for (int x = 0; x < size.x; ++x) {
+                // Eye depth where the ray meets the ground y = 0; infinite above the horizon.
+                const Ray ray = ray_through_pixel(camera, size, {x, y});
+                const double t = ray.direction.y < 0 ? -1 / ray.direction.y : 1e9;
+                const double depth = linear_depth(camera, ray.origin + ray.direction * t);
+                CAPTURE(reversed, x, y, depth);
+                // 1/512 pixel is less than 1e-3 of the depth here.
+                const bool within = depth > 2.002 && depth < 4.995, nearer = depth < 1.998, farther = depth > 5.005;
+                if (within) REQUIRE(count(x, y) == 1);
+                if (nearer || farther) REQUIRE(count(x, y) == 0);
+                seen += within, cut_near += nearer, cut_far += farther;
+            }
+        REQUIRE((seen > 500 && cut_near > 500 && cut_far > 500));
+    }
+}
+
 TEST_CASE("depth test: of equal depths the earlier triangle stays", "[raster][depth]") {
     const glm::ivec2 size{8, 8};
     const Point corners[3] = {{-300, -300}, {5000, -300}, {-300, 5000}};
