@@ -112,9 +112,7 @@ std::string fresh_folder(const std::string& name) {
     return folder;
 }
 
-void write(const std::string& path, const std::string& bytes) {
-    std::ofstream(path, std::ios::binary) << bytes;
-}
+void write(const std::string& path, const std::string& bytes) { std::ofstream(path, std::ios::binary) << bytes; }
 
 std::string read(const std::string& path) {
     std::ifstream file(path, std::ios::binary);

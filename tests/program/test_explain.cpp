@@ -61,8 +61,7 @@ TEST_CASE("explain: the samples of the gather add up to its irradiance", "[progr
     const compare::Picture indirect = io::select_layer(io::read_picture(folder + "/small.exr"), "indirect", "");
     double total[3] = {};
     for (const char* light : {"key", "sun"}) {
-        const Result r =
-            run({"explain", scene, "--stage", "rsm.disc", "--pixel", "40,33", "--light", light, "--json"});
+        const Result r = run({"explain", scene, "--stage", "rsm.disc", "--pixel", "40,33", "--light", light, "--json"});
         REQUIRE(r.exit == 0);
         const Json e = Json::parse(r.out);
         CHECK(keys(e) == Words{"stage", "pixel", "values"});
@@ -86,8 +85,7 @@ TEST_CASE("explain: the samples of the gather add up to its irradiance", "[progr
         }
     }
     CHECK(total[0] > 0);
-    for (int c = 0; c < 3; ++c)
-        CHECK(indirect.data[(33 * 61 + 40) * 3 + c] == Approx(total[c]).epsilon(1e-6));
+    for (int c = 0; c < 3; ++c) CHECK(indirect.data[(33 * 61 + 40) * 3 + c] == Approx(total[c]).epsilon(1e-6));
 }
 
 TEST_CASE("explain: JSON has the contract's keys, text has the same numbers", "[program][contract]") {

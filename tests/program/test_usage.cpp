@@ -30,7 +30,8 @@ TEST_CASE("usage: commands", "[program]") {
     CHECK_THAT(refused({}), Contains("--help"));
     CHECK_THAT(refused({"rendr"}), Equals("unknown command 'rendr'; the nearest known one is 'render'"));
     for (const char* later : {"validate", "export", "sweep", "stability", "experiment", "bake"})
-        CHECK_THAT(refused({later, "x"}), Equals(std::string("the command '") + later + "' comes with a later version"));
+        CHECK_THAT(refused({later, "x"}),
+                   Equals(std::string("the command '") + later + "' comes with a later version"));
     CHECK_THAT(refused({"--verson"}), Equals("unknown option '--verson'; the nearest known one is '--version'"));
 
     const Result help = run({"--help"});
@@ -59,8 +60,7 @@ TEST_CASE("usage: options and arguments", "[program]") {
     CHECK_THAT(refused({"render", "a.toml", "-o"}), Contains("-o"));
     for (const char* threads : {"0", "-1", "1025", "two", "1.5", ""})
         CHECK_THAT(refused({"stages", "--threads", threads}), Contains("--threads"));
-    CHECK_THAT(refused({"stages", "--isa", "neon"}),
-               Equals("--isa neon: expected auto, scalar, sse, avx2 or avx512"));
+    CHECK_THAT(refused({"stages", "--isa", "neon"}), Equals("--isa neon: expected auto, scalar, sse, avx2 or avx512"));
     CHECK_THAT(refused({"compare", "a.exr"}), Contains("b"));
     CHECK_THAT(refused({"compare", "a.exr", "b.exr", "--max-error", "few"}), Contains("--max-error"));
     CHECK_THAT(refused({"compare", "a.exr", "b.exr", "-o", "c.gif"}), Contains(".exr or .png"));

@@ -102,7 +102,6 @@ TEST_CASE("options: lights are found by name, and name files", "[tools]") {
     scene.lights[2].name = "key";
     scene.lights[3].name = "";
     CHECK(find_light(scene, "../key") == 1);
-    CHECK(message([&] { find_light(scene, "kex"); }) ==
-          "--light kex: unknown light; the nearest known one is 'key'");
+    CHECK(message([&] { find_light(scene, "kex"); }) == "--light kex: unknown light; the nearest known one is 'key'");
     CHECK(light_file_names(scene) == std::vector<std::string>{"key", "___key", "key-2", "_"});
 }

@@ -72,8 +72,7 @@ TEST_CASE("reports: run.json has the contract's keys and the kernels that ran", 
     const std::vector<frame::StageRun> stages = {{"gbuffer", true, "every later stage reads it", 1.5, 64},
                                                  {"rsm (key)", false, "the light is off", 0, 0}};
     const Json json = run_json({scene, frame::Settings{}, options, stages, 2.5, 4096});
-    CHECK(keys(json) ==
-          Words{"scene", "settings", "isa", "kernels", "threads", "stages", "total_ms", "peak_bytes"});
+    CHECK(keys(json) == Words{"scene", "settings", "isa", "kernels", "threads", "stages", "total_ms", "peak_bytes"});
     CHECK(keys(json["stages"][0]) == Words{"name", "needed", "reason", "ms", "bytes"});
     CHECK(json["isa"] == "sse");
     CHECK(json["threads"] == 3);

@@ -1,4 +1,6 @@
 // plumb compare: how two pictures differ, and whether that is within bounds.
+#include "core/compare.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -6,7 +8,6 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "core/compare.h"
 #include "core/compare_pictures.h"
 #include "core/error.h"
 #include "io/file.h"
@@ -62,7 +63,8 @@ compare::Report compare_all(const compare::Picture& a, const compare::Picture& b
     options.perceptual = true;
     options.max_error = options.max_differing = std::nullopt;
     options.max_ulp = std::nullopt;
-    const compare::Report seen = compare::compare(io::select_layer(a, layer, "A"), io::select_layer(b, layer, "B"), options);
+    const compare::Report seen =
+        compare::compare(io::select_layer(a, layer, "A"), io::select_layer(b, layer, "B"), options);
     report.ssim = seen.ssim;
     report.flip = seen.flip;
     return report;
@@ -163,10 +165,10 @@ int run_compare(const CompareOptions& given) {
     std::string text = fmt::format("A  {}\nB  {}\n\n", given.a, given.b);
     if (comparable) text += compare_text(report) + layers_text(a, b, options) + "\n";
     if (!given.difference.empty() && comparable) text += "wrote " + given.difference + "\n";
-    text += !report.agree   ? "disagree: " + report.reason
-            : report.equal  ? "equal, to the bit"
-            : bounded       ? "agree: within the bounds"
-                            : "they differ; no bound was given";
+    text += !report.agree  ? "disagree: " + report.reason
+            : report.equal ? "equal, to the bit"
+            : bounded      ? "agree: within the bounds"
+                           : "they differ; no bound was given";
     std::fputs((text + "\n").c_str(), stdout);
     return report.agree ? success : disagreement;
 }
@@ -179,7 +181,8 @@ void add_compare(CLI::App& program, Action& action) {
     command->add_option("a", given->a, "the picture under test")->required()->type_name("A");
     command->add_option("b", given->b, "the reference")->required()->type_name("B");
     command->add_option("--max-error", given->max_error, "bound on the mean error, at least 0")->type_name("E");
-    command->add_option("--max-ulp", given->max_ulp, "bound on the distance in floats between two values")->type_name("N");
+    command->add_option("--max-ulp", given->max_ulp, "bound on the distance in floats between two values")
+        ->type_name("N");
     command->add_option("--max-differing", given->max_differing, "bound on the share of differing pixels, 0 to 1")
         ->type_name("S");
     command->add_option("-o,--output", given->difference, "write |A - B| as .exr, or clamped to 0..1 as .png")

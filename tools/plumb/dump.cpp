@@ -1,5 +1,5 @@
 // Every stage's inputs and outputs as files: pictures as EXR with the four components of the render target, buffers as
-// .npy (NumPy's format 1.0).
+// .npy.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,6 +7,7 @@
 
 #include "gi/frame/frame.h"
 #include "io/file.h"
+#include "io/npy.h"
 #include "raster/light_view.h"
 #include "raster/surfaces.h"
 #include "tools/plumb/options.h"
@@ -16,16 +17,6 @@
 namespace plumb::cli {
 
 namespace {
-
-// The header is padded so that the data starts at a multiple of 64 bytes.
-std::string npy_header(const char* type, const std::vector<std::size_t>& shape) {
-    std::string dict = fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': (", type);
-    for (std::size_t extent : shape) dict += fmt::format("{},", extent);
-    dict += "), }";
-    dict.append(63 - (10 + dict.size()) % 64, ' ');
-    dict += '\n';
-    return std::string("\x93NUMPY\x01\x00", 8) + char(dict.size() & 0xff) + char(dict.size() >> 8) + dict;
-}
 
 struct Dumper {
     Outputs& outputs;
@@ -50,12 +41,8 @@ struct Dumper {
         return picture(name, image.width, image.height, {"R", "G", "B", "A"}, &image.data()->x);
     }
     template <class T>
-    std::string array(const std::string& name, const char* type, const std::vector<std::size_t>& shape, const T* data) {
-        return once(name + ".npy", [&](const std::string& path) {
-            std::size_t bytes = sizeof(T);
-            for (std::size_t extent : shape) bytes *= extent;
-            io::write_file(path, {npy_header(type, shape), {reinterpret_cast<const char*>(data), bytes}});
-        });
+    std::string array(const std::string& name, const Shape& shape, const T* data) {
+        return once(name + ".npy", [&](const std::string& path) { io::write_npy(path, dtype_of<T>, shape, data); });
     }
 };
 
@@ -73,19 +60,19 @@ struct Dump {
 
     // What the two raster passes read.
     Json surface_inputs() {
-        const std::size_t triangles = geometry.triangles.size(), materials = surfaces.material_texture.size();
-        return {{"vertices", files.array("scene.vertices", "<f4", {geometry.vertices.size(), 8},
-                                         reinterpret_cast<const float*>(geometry.vertices.data()))},
-                {"triangles", files.array("scene.triangles", "<u4", {triangles, 3},
-                                          reinterpret_cast<const std::uint32_t*>(geometry.triangles.data()))},
-                {"material", files.array("scene.material", "<i4", {triangles}, geometry.material.data())},
-                {"materials", files.array("scene.materials", "<f4", {materials, 16}, surfaces.materials.data())},
-                {"material_texture",
-                 files.array("scene.material_texture", "<i4", {materials}, surfaces.material_texture.data())},
-                {"textures", files.array("scene.textures", "<i4", {surfaces.textures.size() / 4, 4},
-                                         surfaces.textures.data())},
-                {"texels", files.array("scene.texels", "<i4", {surfaces.texels.size()}, surfaces.texels.data())},
-                {"decode", files.array("scene.decode", "<f4", {2, 256}, surfaces.decode.data())}};
+        const std::int64_t triangles = geometry.triangles.size(), materials = surfaces.material_texture.size();
+        return {
+            {"vertices", files.array("scene.vertices", {std::int64_t(geometry.vertices.size()), 8},
+                                     reinterpret_cast<const float*>(geometry.vertices.data()))},
+            {"triangles", files.array("scene.triangles", {triangles, 3},
+                                      reinterpret_cast<const std::uint32_t*>(geometry.triangles.data()))},
+            {"material", files.array("scene.material", {triangles}, geometry.material.data())},
+            {"materials", files.array("scene.materials", {materials, 16}, surfaces.materials.data())},
+            {"material_texture", files.array("scene.material_texture", {materials}, surfaces.material_texture.data())},
+            {"textures",
+             files.array("scene.textures", {std::int64_t(surfaces.textures.size() / 4), 4}, surfaces.textures.data())},
+            {"texels", files.array("scene.texels", {std::int64_t(surfaces.texels.size())}, surfaces.texels.data())},
+            {"decode", files.array("scene.decode", {2, 256}, surfaces.decode.data())}};
     }
 
     Json gbuffer_outputs() {
@@ -102,12 +89,12 @@ struct Dump {
     Json rsm_outputs(int l) {
         const raster::Rsm& r = frame.rsms[l];
         const std::string name = "rsm." + lights[l] + ".";
-        const std::size_t side = r.size;
+        const std::int64_t side = r.size;
         Json ports = {{"position", files.picture(name + "position", r.position)},
                       {"normal", files.picture(name + "normal", r.normal)},
                       {"flux", files.picture(name + "flux", r.flux)}};
-        ports["records"] = r.half ? files.array(name + "records", "<f2", {side, side, 16}, r.half_records.data())
-                                  : files.array(name + "records", "<f4", {side, side, 16}, r.records.data());
+        ports["records"] = r.half ? files.array(name + "records", {side, side, 16}, r.half_records.data())
+                                  : files.array(name + "records", {side, side, 16}, r.records.data());
         return ports;
     }
 
@@ -131,13 +118,12 @@ struct Dump {
         inputs = surface_points();
         inputs["rsm"] = rsm_outputs(l)["records"];
         if (s.name == "rsm.disc") {
-            const std::size_t samples = pattern.samples, rotations = pattern.rotations;
+            const std::int64_t samples = pattern.samples, rotations = pattern.rotations;
             const std::string name = "rsm.disc." + lights[l] + ".";
-            inputs["offsets"] = files.array(name + "offsets", "<i4", {samples, rotations}, pattern.offsets.data());
-            inputs["weights"] = files.array(name + "weights", "<f4", {samples}, pattern.weights.data());
+            inputs["offsets"] = files.array(name + "offsets", {samples, rotations}, pattern.offsets.data());
+            inputs["weights"] = files.array(name + "weights", {samples}, pattern.weights.data());
         }
-        outputs["irradiance"] =
-            irradiance(s, {&g.position, &g.normal, &frame.rsms[l], &pattern, settings.seed});
+        outputs["irradiance"] = irradiance(s, {&g.position, &g.normal, &frame.rsms[l], &pattern, settings.seed});
     }
 
     Json surface_points() {
@@ -155,8 +141,8 @@ struct Dump {
             args.push_back(raster::light_args(light));
             inputs["visibility"].push_back(visibility(l));
         }
-        inputs["lights"] = files.array("direct.lights", "<f4", {args.size(), 12},
-                                       reinterpret_cast<const float*>(args.data()));
+        inputs["lights"] =
+            files.array("direct.lights", {std::int64_t(args.size()), 12}, reinterpret_cast<const float*>(args.data()));
         outputs["irradiance"] = files.picture("direct.irradiance", frame.direct);
     }
 

@@ -70,7 +70,8 @@ struct Checker {
             ++lights;
         }
         return {lights > 1 ? fmt::format("irradiance, the sum of {} lights", lights) : "irradiance",
-                at(frame.indirect), {sum.x, sum.y, sum.z}};
+                at(frame.indirect),
+                {sum.x, sum.y, sum.z}};
     }
 
     std::vector<Check> checks(const frame::PlannedStage& s, const frame::Explanation& e) const {

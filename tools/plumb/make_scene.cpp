@@ -1,8 +1,9 @@
 // plumb make-scene: procedural scenes, the same everywhere.
+#include "io/make_scene.h"
+
 #include <memory>
 
 #include "core/error.h"
-#include "io/make_scene.h"
 #include "tools/plumb/cli.h"
 #include "tools/plumb/outputs.h"
 
@@ -17,7 +18,8 @@ void add_make_scene(CLI::App& program, Action& action) {
     auto given = std::make_shared<Given>();
     CLI::App* command = program.add_subcommand("make-scene", "write a procedural scene: cornell");
     command->add_option("name", given->name, "the scene's name")->required()->type_name("NAME");
-    command->add_option("-o,--output", given->folder, "folder for what is written; \"out\" otherwise")->type_name("DIR");
+    command->add_option("-o,--output", given->folder, "folder for what is written; \"out\" otherwise")
+        ->type_name("DIR");
     CLI::Option* triangles =
         command->add_option("--triangles", given->triangles, "about how many, for scenes that can have more or fewer")
             ->check(CLI::Range(1, 1 << 30).description(""))

@@ -67,7 +67,8 @@ glm::ivec2 parse_pixel(const std::string& text) {
     glm::ivec2 pixel;
     if (comma == std::string::npos || !read_number(trimmed(text.substr(0, comma)), pixel.x) ||
         !read_number(trimmed(text.substr(comma + 1)), pixel.y) || pixel.x < 0 || pixel.y < 0)
-        throw InputError(fmt::format("--pixel {}: expected X,Y in pixels from the top left, as in --pixel 120,80", text));
+        throw InputError(
+            fmt::format("--pixel {}: expected X,Y in pixels from the top left, as in --pixel 120,80", text));
     return pixel;
 }
 

@@ -67,8 +67,8 @@ Outputs::~Outputs() {
     wait_if_interrupted();
     std::lock_guard lock(registry().mutex);
     auto& pending = registry().pending;
-    const auto mine = std::find_if(pending.begin(), pending.end(),
-                                   [&](const Pending& p) { return p.temporary == temporary_; });
+    const auto mine =
+        std::find_if(pending.begin(), pending.end(), [&](const Pending& p) { return p.temporary == temporary_; });
     remove(*mine);
     pending.erase(mine);
 }

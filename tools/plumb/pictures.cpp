@@ -41,7 +41,7 @@ void write_pictures(const Scene& scene, const frame::Plan& plan, const frame::Fr
     // Everything of the camera's size goes into one file.
     const Buffer<float> id = id_floats(g.id);
     std::vector<io::Layer> layers = {
-        layer("color", rgb, frame.radiance), layer("direct", rgb, frame.direct),  layer("indirect", rgb, frame.indirect),
+        layer("color", rgb, frame.radiance), layer("direct", rgb, frame.direct), layer("indirect", rgb, frame.indirect),
         layer("albedo", rgb, g.albedo),      layer("position", xyz, g.position), layer("normal", xyz, g.normal),
         {"depth", {"Z"}, g.depth.data(), 1}, {"id", {"X", "Y"}, id.data(), 2},
     };

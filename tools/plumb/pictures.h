@@ -10,8 +10,8 @@
 
 namespace plumb::cli {
 
-// Writes <scene>.exr, a <scene>.rsm.<light>.exr for each map that was drawn (it has a size of its own), and <scene>.png.
-// A shadow.<light> or an RSM is there where its stage ran, every other layer always.
+// Writes <scene>.exr, a <scene>.rsm.<light>.exr for each map that was drawn (it has a size of its own), and
+// <scene>.png. A shadow.<light> or an RSM is there where its stage ran, every other layer always.
 void write_pictures(const Scene& scene, const frame::Plan& plan, const frame::Frame& frame, Outputs& outputs);
 
 // Writes every buffer that a stage reads or writes into dump/, once each and named after the stage that made it, and

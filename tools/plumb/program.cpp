@@ -37,7 +37,8 @@ void check_command(const CLI::App& program, const std::string& name) {
     if (std::find(known.begin(), known.end(), name) != known.end()) return;
     if (std::find(later_commands.begin(), later_commands.end(), name) != later_commands.end())
         throw InputError(fmt::format("the command '{}' comes with a later version", name));
-    throw InputError(fmt::format("unknown command '{}'; the nearest known one is '{}'", name, nearest_name(name, known)));
+    throw InputError(
+        fmt::format("unknown command '{}'; the nearest known one is '{}'", name, nearest_name(name, known)));
 }
 
 std::string extras_message(const CLI::App& program) {
@@ -110,7 +111,8 @@ int run_program(int argc, char** argv) {
         "  plumb render out/cornell/cornell.toml -o out/cornell --set rsm.samples=150\n"
         "  plumb explain out/cornell/cornell.toml --stage rsm.disc --pixel 512,700\n"
         "  plumb compare out/cornell/cornell.exr mine.exr --max-error 1e-4 -o difference.png\n"
-        "plumb COMMAND --help tells more. Exit codes: 0 success, 1 disagreement, 2 bad usage or input, 3 internal error.");
+        "plumb COMMAND --help tells more. Exit codes: 0 success, 1 disagreement, 2 bad usage or input, 3 internal "
+        "error.");
     program.require_subcommand(0, 1);
     Action action;
     add_render(program, action);

@@ -81,7 +81,8 @@ void add_render(CLI::App& program, Action& action) {
     auto given = std::make_shared<RenderOptions>();
     CLI::App* command = program.add_subcommand("render", "render a scene: EXR with a layer a buffer, PNG, run.json");
     add_scene_options(*command, given->scene);
-    command->add_option("-o,--output", given->folder, "folder for what is written; \"out\" otherwise")->type_name("DIR");
+    command->add_option("-o,--output", given->folder, "folder for what is written; \"out\" otherwise")
+        ->type_name("DIR");
     command->add_flag("--dump", given->dump, "also write every stage's inputs and outputs, to DIR/dump");
     command->add_flag("--truth", given->truth, "also path trace the scene (comes with a later version)");
     add_json(*command, given->common);

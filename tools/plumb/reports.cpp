@@ -96,16 +96,16 @@ Json plan_json(const Scene& scene, const frame::Settings& settings, const frame:
                           {"expected_ms", s.expected_ms}});
         expected_ms += s.expected_ms;
     }
-    return {{"scene", scene.name}, {"settings", settings_json(settings)}, {"stages", stages},
-            {"expected_ms", expected_ms}};
+    return {
+        {"scene", scene.name}, {"settings", settings_json(settings)}, {"stages", stages}, {"expected_ms", expected_ms}};
 }
 
 std::string plan_text(const frame::Plan& plan) {
     std::vector<std::vector<std::string>> rows;
     double expected_ms = 0;
     for (const frame::PlannedStage& s : plan.stages) {
-        rows.push_back({s.label, s.needed ? fmt::format("{:.4g}", s.work * 1e-6) : "-",
-                        s.needed ? s.work_unit : "", s.needed ? milliseconds_text(s.expected_ms) : "-",
+        rows.push_back({s.label, s.needed ? fmt::format("{:.4g}", s.work * 1e-6) : "-", s.needed ? s.work_unit : "",
+                        s.needed ? milliseconds_text(s.expected_ms) : "-",
                         s.needed ? s.reason : "left out: " + s.reason});
         expected_ms += s.expected_ms;
     }

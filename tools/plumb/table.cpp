@@ -10,7 +10,8 @@ namespace {
 
 // Columns that a terminal needs: bytes of UTF-8 that do not continue a character.
 std::size_t width_of(const std::string& text) {
-    return std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; });
+    return std::count_if(text.begin(), text.end(),
+                         [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; });
 }
 
 }  // namespace
