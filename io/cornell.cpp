@@ -79,7 +79,7 @@ std::string cornell_obj() {
 
 // Kd: the published spectral reflectances (every 4 nm from 400 to 700) at three wavelengths, taken as linear R, G, B:
 // 650 nm (mean of 648 and 652), 510 nm (mean of 508 and 512) and 476 nm. The lamp's 0.78 is published too; its exitance
-// is ours, so small beside the spot (1.1 W of 30 W) that it shows where the lamp is and hardly lights anything.
+// is ours, so small beside the spot (1.1 W of 38 W) that it shows where the lamp is and hardly lights anything.
 std::string cornell_mtl() {
     return R"(# The Cornell box: measured reflectances at 650, 510 and 476 nm
 newmtl white
@@ -122,12 +122,16 @@ name = "key"
 type = "spot"
 position = [0, 1.97, 0]
 direction = [0, -1, 0]
-cone_deg = [55, 60]              # inner, outer half angle
-intensity = [10, 10, 10]         # W/sr
+cone_deg = [55, 65]              # inner, outer half angle
+intensity = [12, 12, 12]         # W/sr
 rsm_size = 512
 
 [render]
 method = "rsm"
+
+[rsm]                            # the disc spans the map, so that the ceiling, which the map does not see, gathers all
+radius = 1
+projection = "clamped"
 )";
 }
 

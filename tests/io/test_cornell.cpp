@@ -58,7 +58,7 @@ TEST_CASE("make_scene: an unknown name and a folder that cannot be made are one 
 }
 
 TEST_CASE("cornell: the room is closed but for its front, and its front sides look inwards", "[io]") {
-    const Scene s = load_scene(data + "cornell/cornell.toml", {});
+    const Scene s = load_scene(data + "cornell/cornell.toml", {"rsm"});
     CHECK(s.notes.empty());
     REQUIRE(s.meshes.size() == 1);
     // 5 faces of the room, 3 more for the hole in the ceiling, the lamp; 5 faces for each block.
@@ -85,7 +85,7 @@ TEST_CASE("cornell: the room is closed but for its front, and its front sides lo
 }
 
 TEST_CASE("cornell: red is on the left, green on the right, the lamp above, the room 2 m high", "[io]") {
-    const Scene s = load_scene(data + "cornell/cornell.toml", {});
+    const Scene s = load_scene(data + "cornell/cornell.toml", {"rsm"});
     const auto seen = [&](const glm::dvec3& d) {
         return s.materials[std::size_t(s.meshes[0].material[trace(s, {0, 1.5, 0.3}, d).triangle])].name;
     };
@@ -109,7 +109,7 @@ TEST_CASE("cornell: the reflectances are the measured spectra at 650, 510 and 47
     const std::vector<std::pair<std::string, glm::vec3>> measured = {{"white", rgb(0.729, 0.730, 0.739, 0.732, 0.729)},
                                                                      {"red", rgb(0.612, 0.610, 0.055, 0.056, 0.062)},
                                                                      {"green", rgb(0.117, 0.117, 0.390, 0.435, 0.115)}};
-    const Scene s = load_scene(data + "cornell/cornell.toml", {});
+    const Scene s = load_scene(data + "cornell/cornell.toml", {"rsm"});
     for (const auto& [name, reflectance] : measured)
         for (const Material& m : s.materials)
             if (m.name == name)
@@ -118,14 +118,14 @@ TEST_CASE("cornell: the reflectances are the measured spectra at 650, 510 and 47
 }
 
 TEST_CASE("cornell: the small scene is the same room", "[io]") {
-    const Scene big = load_scene(data + "cornell/cornell.toml", {}),
-                small = load_scene(data + "cornell_small.toml", {});
+    const Scene big = load_scene(data + "cornell/cornell.toml", {"rsm"}),
+                small = load_scene(data + "cornell_small.toml", {"rsm"});
     CHECK(small.frame_size == glm::ivec2(256, 256));
     CHECK(small.camera.position == big.camera.position);
     CHECK(small.meshes[0].triangles == big.meshes[0].triangles);
     // generate = "cornell" is that room too, without a file.
     const Folder folder;
-    const Scene generated = load_scene(folder.put("g.toml", "[[mesh]]\ngenerate = \"cornell\"\n"), {});
+    const Scene generated = load_scene(folder.put("g.toml", "[[mesh]]\ngenerate = \"cornell\"\n"), {"rsm"});
     CHECK(generated.meshes[0].triangles == big.meshes[0].triangles);
     CHECK(generated.materials.size() == 4);
 }
