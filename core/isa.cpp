@@ -1,5 +1,7 @@
 #include "core/isa.h"
 
+#include <atomic>
+
 #include "core/error.h"
 
 namespace plumb {
@@ -24,6 +26,13 @@ std::vector<Isa> supported_isas() {
         isas.push_back(Isa::avx512);
     return isas;
 }
+
+namespace {
+std::atomic<Isa> dispatched{Isa::scalar};
+}
+
+Isa last_dispatched_isa() { return dispatched; }
+void note_dispatch(Isa isa) { dispatched = isa; }
 
 Isa best_isa() { return supported_isas().back(); }
 

@@ -26,9 +26,14 @@ struct RunOptions {
     std::function<void(double)> progress;  // called with the share that is done, by any thread; may be empty
 };
 
+// The set whose kernels the last dispatch() of this process chose: what run.json names.
+Isa last_dispatched_isa();
+void note_dispatch(Isa isa);
+
 // Calls f(std::integral_constant<Isa, isa>{}), so that f can name the kernel compiled for that set.
 template <class F>
 decltype(auto) dispatch(Isa isa, F&& f) {
+    note_dispatch(isa);
     switch (isa) {
         case Isa::avx512: return f(std::integral_constant<Isa, Isa::avx512>{});
         case Isa::avx2: return f(std::integral_constant<Isa, Isa::avx2>{});

@@ -109,6 +109,7 @@ Frame execute(const Scene& scene, const Settings& settings, const Plan& plan, co
             compose::run(settings.tonemap, f.radiance, options, f.display);
             run.bytes = bytes_of(f.display);
         }
+        run.isa = last_dispatched_isa();
         run.ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
         f.stages.push_back(run);
     }

@@ -42,6 +42,7 @@ struct StageRun {
     std::string reason;
     double ms = 0;
     std::size_t bytes = 0;  // of its output
+    Isa isa = Isa::scalar;  // of the kernels that ran
 };
 
 struct Frame {

@@ -11,7 +11,7 @@ namespace plumb::cli {
 
 namespace {
 
-constexpr const char* version = "0.1.0";
+constexpr const char* version = PLUMB_VERSION;
 
 // Commands that scripts may already name.
 const std::vector<std::string> later_commands = {"validate", "export", "sweep", "stability", "experiment", "bake"};

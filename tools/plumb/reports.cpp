@@ -59,7 +59,7 @@ Json run_json(const RunReport& run) {
     for (const frame::StageRun& s : run.stages) {
         stages.push_back(
             {{"name", s.label}, {"needed", s.needed}, {"reason", s.reason}, {"ms", s.ms}, {"bytes", s.bytes}});
-        if (s.needed) kernels[s.label] = isa_name(run.options.isa);
+        if (s.needed) kernels[s.label] = isa_name(s.isa);
     }
     return {{"scene", run.scene.name},
             {"settings", settings_json(run.settings)},
