@@ -4,7 +4,7 @@ set(PLUMB_ISAS scalar sse avx2 avx512)
 set(PLUMB_ISA_FLAGS_scalar "")
 set(PLUMB_ISA_FLAGS_sse -msse4.2)
 set(PLUMB_ISA_FLAGS_avx2 -mavx2 -mf16c -mno-fma)
-set(PLUMB_ISA_FLAGS_avx512 -mavx512f -mavx512dq -mavx512bw -mavx512vl -mf16c -mno-fma -mprefer-vector-width=512
+set(PLUMB_ISA_FLAGS_avx512 -mavx512f -mavx512dq -mavx512bw -mavx512vl -mf16c -mno-fma -mprefer-vector-width=512 -mtune=icelake-server
   # GCC 12 warns of its own intrinsics (bug 105593).
   $<$<CXX_COMPILER_ID:GNU>:-Wno-uninitialized> $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
 

@@ -30,6 +30,7 @@ PLUMB_INLINE Mask less(Real a, Real b) { return (Mask)_mm_cmplt_ps(a, b); }
 PLUMB_INLINE Mask less_equal(Real a, Real b) { return (Mask)_mm_cmple_ps(a, b); }
 PLUMB_INLINE Mask equal(Real a, Real b) { return (Mask)_mm_cmpeq_ps(a, b); }
 PLUMB_INLINE Mask less(Int a, Int b) { return a < b; }
+PLUMB_INLINE Mask less_unsigned(Int a, Int b) { return (Mask)((UInt)a < (UInt)b); }
 PLUMB_INLINE Mask equal(Int a, Int b) { return a == b; }
 PLUMB_INLINE Real select(Mask m, Real a, Real b) { return _mm_blendv_ps(b, a, (__m128)m); }
 PLUMB_INLINE Int select(Mask m, Int a, Int b) { return (m & a) | (~m & b); }

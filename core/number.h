@@ -6,7 +6,7 @@
 //     mask_t<F>               result of a comparison; combine with & | !, ask with any(), use with select()
 //     index_t<F>              32-bit integers, one a lane; they wrap as GLSL's do
 //     number<F>::...          conversions, reads and writes of memory
-//     select, min, max, ...   free functions, found by argument
+//     select, min, max, ...   free functions, found by argument; in_range(i, n) for indices
 //
 // Semantics are those of GLSL, to the bit: min(a, b) is b < a ? b : a, max(a, b) is a < b ? b : a (so that a NaN in the
 // second place loses), round is to nearest even.
@@ -149,6 +149,9 @@ PLUMB_INLINE float sqrt(float a) { return _mm_cvtss_f32(_mm_sqrt_ss(_mm_set_ss(a
 PLUMB_INLINE double sqrt(double a) { return __builtin_sqrt(a); }
 PLUMB_INLINE float floor(float a) { return __builtin_floorf(a); }
 PLUMB_INLINE double floor(double a) { return __builtin_floor(a); }
+
+// 0 <= i < n, for n > 0: one comparison of unsigned numbers.
+PLUMB_INLINE bool in_range(std::int32_t i, std::int32_t n) { return std::uint32_t(i) < std::uint32_t(n); }
 
 // Logical shift: zeros come in from the left.
 PLUMB_INLINE std::int32_t shift_right(std::int32_t a, int n) { return std::int32_t(std::uint32_t(a) >> n); }

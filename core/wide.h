@@ -64,6 +64,7 @@ struct WideIndex {
     friend PLUMB_INLINE WideMask operator<=(WideIndex a, WideIndex b) { return !(b < a); }
     friend PLUMB_INLINE WideMask operator>=(WideIndex a, WideIndex b) { return !(a < b); }
     friend PLUMB_INLINE WideMask operator==(WideIndex a, WideIndex b) { return {native::equal(a.v, b.v)}; }
+    friend PLUMB_INLINE WideMask in_range(WideIndex i, WideIndex n) { return {native::less_unsigned(i.v, n.v)}; }
     friend PLUMB_INLINE WideIndex select(WideMask m, WideIndex a, WideIndex b) { return native::select(m.m, a.v, b.v); }
     friend PLUMB_INLINE WideIndex min(WideIndex a, WideIndex b) { return native::min(a.v, b.v); }
     friend PLUMB_INLINE WideIndex max(WideIndex a, WideIndex b) { return native::max(a.v, b.v); }

@@ -56,7 +56,7 @@ PLUMB_INLINE F shadow(const ShadowInputsView& in, index_t<F> px, index_t<F> py, 
     const F w = max(F(u.least_w), row(u.to_texel_w)), far(1048576.0f);
     const vec2<F> projection{clamp(row(u.to_texel_x) / w, -far, far), clamp(row(u.to_texel_y) / w, -far, far)};
     const ivec2<I> texel{N::truncate_to_index(floor(projection.x)), N::truncate_to_index(floor(projection.y))};
-    const mask_t<F> inside = (texel.x >= I(0)) & (texel.x < I(u.size)) & (texel.y >= I(0)) & (texel.y < I(u.size));
+    const mask_t<F> inside = in_range(texel.x, I(u.size)) & in_range(texel.y, I(u.size));
     tap("projection", projection, "x projected to the map, texels");
 
     // Measure the depth of x, and how much depth changes across a texel there.

@@ -97,7 +97,7 @@ PLUMB_INLINE vec3<F> gather_disc(const GatherInputsView<Component>& in, index_t<
         tap("texel", texel, "LRA 4.3.3: p + r (xi1 sin 2 pi xi2, xi1 cos 2 pi xi2)");
 
         // A sample outside the map contributes nothing, and the divisor stays.
-        const mask_t<F> inside = (texel.x >= I(0)) & (texel.x < I(u.size)) & (texel.y >= I(0)) & (texel.y < I(u.size));
+        const mask_t<F> inside = in_range(texel.x, I(u.size)) & in_range(texel.y, I(u.size));
         const Record<F> p = N::fetch_record(in.records, select(inside, texel.y * I(u.size) + texel.x, I(0)));
         const vec3<F> x_p = xyz<F>(p.a), n_p = xyz<F>(p.b), flux = xyz<F>(p.c);
         const F weight = select(inside, F(in.weights[k]), F(0.0f));

@@ -193,3 +193,14 @@ TEST_CASE("frame: settings come from the scene file, and errors name the place",
     scene.lights[0].type = LightType::point;
     CHECK_THROWS_AS(frame::plan(scene, frame::settings_of(scene)), InputError);
 }
+
+TEST_CASE("frame: every stage tells which instruction set its kernels were chosen from", "[frame][bits]") {
+    const Scene scene = small_scene();
+    const frame::Settings settings = frame::settings_of(scene);
+    for (Isa isa : supported_isas()) {
+        RunOptions options;
+        options.isa = isa;
+        for (const frame::StageRun& s : frame::execute(scene, settings, frame::plan(scene, settings), options).stages)
+            CHECK(s.isa == isa);
+    }
+}

@@ -69,8 +69,8 @@ TEST_CASE("reports: run.json has the contract's keys and the kernels that ran", 
     RunOptions options;
     options.isa = Isa::sse;
     options.threads = 3;
-    const std::vector<frame::StageRun> stages = {{"gbuffer", true, "every later stage reads it", 1.5, 64},
-                                                 {"rsm (key)", false, "the light is off", 0, 0}};
+    const std::vector<frame::StageRun> stages = {{"gbuffer", true, "every later stage reads it", 1.5, 64, Isa::sse},
+                                                 {"rsm (key)", false, "the light is off", 0, 0, Isa::sse}};
     const Json json = run_json({scene, frame::Settings{}, options, stages, 2.5, 4096});
     CHECK(keys(json) == Words{"scene", "settings", "isa", "kernels", "threads", "stages", "total_ms", "peak_bytes"});
     CHECK(keys(json["stages"][0]) == Words{"name", "needed", "reason", "ms", "bytes"});
