@@ -32,7 +32,7 @@ PLUMB_INLINE vec3<F> compose(const ComposeInputsView& in, index_t<F> px, index_t
     using N = number<F>;
     const index_t<F> pixel = py * index_t<F>(in.u.width) + px;
     const mask_t<F> covered = N::fetch4(in.normal, pixel).w > F(0.0f);
-    const vec3<F> rho = xyz<F>(N::fetch4(in.albedo, pixel));         tap("albedo", rho);
+    const vec3<F> rho = xyz<F>(N::fetch4(in.albedo, pixel));         tap("albedo", rho, "rho");
     const vec3<F> exitance = xyz<F>(N::fetch4(in.emission, pixel));  tap("emission", exitance, "M, W/m2");
     const vec3<F> direct = xyz<F>(N::fetch4(in.direct, pixel));      tap("direct", direct, "E_direct, W/m2");
     const vec3<F> indirect = xyz<F>(N::fetch4(in.indirect, pixel));  tap("indirect", indirect, "E_indirect, W/m2");

@@ -55,6 +55,10 @@ DirectInputsView view_of(const DirectInputs& in, const std::vector<raster::Light
     if (!in.visibility || in.visibility->size() != lights.size() * in.position->size())
         throw InputError(fmt::format("direct: visibility has {} values: expected {} lights of {} pixels",
                                      in.visibility ? in.visibility->size() : 0, lights.size(), in.position->size()));
+    // The kernel counts all of them by one 32-bit index.
+    if (in.visibility->size() > 0x7fffffff)
+        throw InputError(fmt::format("direct: {} lights of {} pixels: expected at most {} values of visibility",
+                                     lights.size(), in.position->size(), 0x7fffffff));
     DirectInputsView v{};
     v.u = {int(lights.size()), in.position->width, in.position->height, 0};
     v.position = &in.position->data()->x;

@@ -32,7 +32,7 @@ PLUMB_INLINE vec3<F> direct(const DirectInputsView& in, index_t<F> px, index_t<F
     using I = index_t<F>;
     const I pixel = py * I(in.u.width) + px;
     const vec3<F> x = xyz<F>(N::fetch4(in.position, pixel));        tap("x", x, "world, m");
-    const vec3<F> n = xyz<F>(N::fetch4(in.normal, pixel));          tap("n", n);
+    const vec3<F> n = xyz<F>(N::fetch4(in.normal, pixel));          tap("n", n, "unit normal of x");
 
     vec3<F> irradiance{F(0.0f), F(0.0f), F(0.0f)};
     for (int k = 0; k < in.u.lights; ++k) {

@@ -49,7 +49,7 @@ PLUMB_INLINE F shadow(const ShadowInputsView& in, index_t<F> px, index_t<F> py, 
     const ShadowUniforms& u = in.u;
     const I pixel = py * I(u.width) + px;
     const vec3<F> x = xyz<F>(N::fetch4(in.position, pixel));       tap("x", x, "world, m");
-    const vec3<F> n = xyz<F>(N::fetch4(in.normal, pixel));         tap("n", n);
+    const vec3<F> n = xyz<F>(N::fetch4(in.normal, pixel));         tap("n", n, "unit normal of x");
 
     // Project x to the map.
     auto row = [&](const float* m) { return F(m[0]) * x.x + F(m[1]) * x.y + F(m[2]) * x.z + F(m[3]); };

@@ -52,7 +52,7 @@ template <class F, class Tap>
 PLUMB_INLINE F form(const vec3<F>& x, const vec3<F>& n, const vec3<F>& x_p, const vec3<F>& n_p, F least_distance2,
                     Tap& tap) {
     const vec3<F> d = x_p - x;
-    const F d2 = dot3(d, d);                                      tap("d2", d2);
+    const F d2 = dot3(d, d);                                      tap("d2", d2, "|x_p - x|^2, m2");
     const F cos_p = max(F(0.0f), -dot3(n_p, d));                  tap("cos_p", cos_p, "VRSM (3.2): max(0, n_p.(x - x_p)), m");
     const F cos_x = max(F(0.0f), dot3(n, d));                     tap("cos_x", cos_x, "VRSM (3.2): max(0, n.(x_p - x)), m");
     const F inverse = F(1.0f) / max(d2, least_distance2);
@@ -83,7 +83,7 @@ PLUMB_INLINE vec3<F> gather_disc(const GatherInputsView<Component>& in, index_t<
     const GatherUniforms& u = in.u;
     const I pixel = py * I(u.width) + px;
     const vec3<F> x = xyz<F>(N::fetch4(in.position, pixel));      tap("x", x, "world, m");
-    const vec3<F> n = xyz<F>(N::fetch4(in.normal, pixel));        tap("n", n);
+    const vec3<F> n = xyz<F>(N::fetch4(in.normal, pixel));        tap("n", n, "unit normal of x");
     const ivec2<I> centre = project<F>(u, x, tap);                tap("centre", centre, "texel of the projection");
     const I hash = pixel_hash(px, py, I(0), I(std::int32_t(u.seed))).x;
     const I rotation = shift_right(hash, 16) & I(u.rotations - 1);
@@ -98,11 +98,12 @@ PLUMB_INLINE vec3<F> gather_disc(const GatherInputsView<Component>& in, index_t<
 
         // A sample outside the map contributes nothing, and the divisor stays.
         const mask_t<F> inside = in_range(texel.x, I(u.size)) & in_range(texel.y, I(u.size));
+        tap("inside", inside, "1 if the map has that texel; if not, what follows is texel 0 with weight 0");
         const Record<F> p = N::fetch_record(in.records, select(inside, texel.y * I(u.size) + texel.x, I(0)));
         const vec3<F> x_p = xyz<F>(p.a), n_p = xyz<F>(p.b), flux = xyz<F>(p.c);
         const F weight = select(inside, F(in.weights[k]), F(0.0f));
         tap("x_p", x_p, "world, m");
-        tap("n_p", n_p);
+        tap("n_p", n_p, "unit normal of x_p");
         tap("flux", flux, "Phi_p, W");
         tap("weight", weight, "texels: 2 pi r^2 xi1 / N; published: xi1^2, normalised");
 
@@ -125,7 +126,7 @@ PLUMB_INLINE vec3<F> gather_all(const GatherInputsView<float>& in, index_t<F> px
     const GatherUniforms& u = in.u;
     const I pixel = py * I(u.width) + px;
     const vec3<F> x = xyz<F>(N::fetch4(in.position, pixel));      tap("x", x, "world, m");
-    const vec3<F> n = xyz<F>(N::fetch4(in.normal, pixel));        tap("n", n);
+    const vec3<F> n = xyz<F>(N::fetch4(in.normal, pixel));        tap("n", n, "unit normal of x");
 
     vec3<F> sum{F(0.0f), F(0.0f), F(0.0f)};
     for (int row = 0; row < u.size; ++row) {
@@ -135,7 +136,7 @@ PLUMB_INLINE vec3<F> gather_all(const GatherInputsView<float>& in, index_t<F> px
             const float* p = in.records + record_stride * std::ptrdiff_t(texel);
             const vec3<F> x_p{F(p[0]), F(p[1]), F(p[2])}, n_p{F(p[4]), F(p[5]), F(p[6])}, flux{F(p[8]), F(p[9]), F(p[10])};
             tap("x_p", x_p, "world, m");
-            tap("n_p", n_p);
+            tap("n_p", n_p, "unit normal of x_p");
             tap("flux", flux, "Phi_p, W");
             const F g = form(x, n, x_p, n_p, F(u.least_distance2), tap);
             row_sum.x += flux.x * g;

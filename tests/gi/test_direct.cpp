@@ -94,6 +94,8 @@ TEST_CASE("direct: a point on the lamp stays finite", "[direct][extreme]") {
         CAPTURE(d, e.x);
         CHECK(std::isfinite(e.x));
     }
+    // Far below any scene's scale the law of squares still holds.
+    CHECK(irradiance_at(isotropic({0, 1e-10f, 0}, 1), {0, 0, 0}, {0, 1, 0}).x == Approx(1e20).epsilon(1e-5));
 }
 
 TEST_CASE("shadow: lit before the occluder, shadowed behind it, lit beside it", "[shadow][VRSM Algorithm 4]") {
@@ -148,4 +150,53 @@ TEST_CASE("shadow: a plane does not shadow itself, whatever its slope", "[shadow
         CHECK(shadowed_with == 0);
         CHECK(shadowed_without > points / 10);  // the bias is what prevents it
     }
+}
+
+TEST_CASE("shadow: a plane does not shadow itself under a directional light either", "[shadow][acne]") {
+    // A map of 64 x 64 texels over [-1, 1]^2, looking along -z at the plane z = -2 - slope x - 0.3 y.
+    const int size = 64;
+    for (double slope : {0.5, 1.0, 4.0}) {
+        raster::Rsm map = plane_map(size, [](double, double) { return 0.0; });
+        map.view.forward = {0, 0, -1};
+        map.texel_scale = 2.0 / size;
+        map.position = Image4(size, size);
+        for (int y = 0; y < size; ++y)
+            for (int x = 0; x < size; ++x) {
+                const double u = (2 * x + 1.0) / size - 1, v = 1 - (2 * y + 1.0) / size;
+                map.position(x, y).w = float(10 + slope * u + 0.3 * v);
+            }
+        const glm::vec3 n = normalize3<float>(glm::vec3(float(slope), 0.3f, 1));
+        direct::ShadowParams with, without;
+        with.bias = without.bias = 1e-5f;
+        without.slope_bias = 0;
+        int shadowed_with = 0, shadowed_without = 0, points = 0;
+        for (double v = -0.9; v < 0.9; v += 0.0137)
+            for (double u = -0.9; u < 0.9; u += 0.0131, ++points) {
+                const glm::vec3 x(float(u), float(v), float(-10 - slope * u - 0.3 * v));
+                shadowed_with += visibility_at(map, x, n, with) == 0;
+                shadowed_without += visibility_at(map, x, n, without) == 0;
+            }
+        CAPTURE(slope, points);
+        CHECK(shadowed_with == 0);
+        CHECK(shadowed_without > points / 10);
+    }
+}
+
+TEST_CASE("shadow: max_slope ends the bias of surfaces at a grazing angle", "[shadow]") {
+    // At (0.5, 0.1, -2.5) before the map's depth of 2 the footprint is 2.5 * 2 / 64 m; a normal across the ray has no
+    // bound on its slope, so the bias is max_slope footprints: 0.078 m times 4 or 16.
+    raster::Rsm map = half_occluded(64);
+    const glm::vec3 x(0.5f, 0.1f, -2.5f), across = normalize3<float>(glm::vec3(2.5f, 0, 0.5f));
+    direct::ShadowParams params;
+    params.bias = 0;
+    params.max_slope = 4;
+    CHECK(visibility_at(map, x, across, params) == 0);
+    params.max_slope = 16;
+    CHECK(visibility_at(map, x, across, params) == 1);
+}
+
+TEST_CASE("shadow: where the map holds nothing, a point is lit", "[shadow]") {
+    raster::Rsm map = half_occluded(8);
+    for (glm::vec4& texel : map.position.texels) texel.w = 0;
+    CHECK(visibility_at(map, {-0.5f, 0.1f, -1.5f}, {0, 0, 1}) == 1);
 }

@@ -175,3 +175,35 @@ TEST_CASE("rsm.disc: the published weight converges elsewhere", "[rsm][LRA 4.3.3
     CHECK(to_truth.mean == Approx(apart).margin(0.01));
     CHECK(to_prediction.rms < 2e-3);
 }
+
+TEST_CASE("rsm.disc: row i of the table is the pattern turned by i / rotations of a circle", "[rsm][pattern]") {
+    const rsm::Pattern p = rsm::disc_pattern(disc_params(16, rsm::Sequence::hammersley), map_size, 1);
+    REQUIRE(p.rotations == 64);
+    auto offset = [&](int k, int i) {
+        const std::int32_t packed = p.offsets[std::size_t(k) * 64 + i];
+        return glm::ivec2(std::int16_t(packed & 0xffff), packed >> 16);
+    };
+    for (int k = 0; k < 16; ++k) {
+        // (sin, cos) turned by a quarter is (cos, -sin); offsets are rounded to whole texels.
+        const glm::ivec2 first = offset(k, 0), quarter = offset(k, 16), half = offset(k, 32);
+        CHECK(std::abs(quarter.x - first.y) <= 1);
+        CHECK(std::abs(quarter.y + first.x) <= 1);
+        CHECK(std::abs(half.x + first.x) <= 1);
+        CHECK(std::abs(half.y + first.y) <= 1);
+        const double r = double(radius) * map_size * (k + 0.5) / 16;
+        CHECK(std::sqrt(double(first.x * first.x + first.y * first.y)) == Approx(r).margin(0.71));
+    }
+}
+
+TEST_CASE("rsm.disc: a clamped projection keeps its centre inside the map", "[rsm][projection]") {
+    // Points beside the map on each side; the centre that explain tells is a texel of the map.
+    rsm::GatherParams params = disc_params(4, rsm::Sequence::hammersley);
+    params.projection = rsm::Projection::clamped;
+    const rsm::Pattern pattern = rsm::disc_pattern(params, map_size, 1);
+    const std::pair<glm::vec3, glm::ivec2> cases[] = {{{9, 9, 1}, {255, 0}}, {{-9, -9, 1}, {0, 255}}};
+    for (const auto& [x, centre] : cases) {
+        const Points point(x, {0, 0, -1});
+        for (const TapValue& v : rsm::explain(params, {&point.position, &point.normal, &map(), &pattern, 1}, {0, 0}))
+            if (v.name == "centre") CHECK(glm::ivec2(v.value[0], v.value[1]) == centre);
+    }
+}

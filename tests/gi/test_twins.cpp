@@ -1,0 +1,88 @@
+// A kernel's uniform struct and its twin's block are one layout written twice: names, order and std140 offsets are held
+// against each other, read from the text of the twin.
+#include <catch2/catch.hpp>
+#include <cstddef>
+#include <fstream>
+#include <regex>
+#include <sstream>
+
+#include "gi/compose/compose_kernel.h"
+#include "gi/compose/tonemap_kernel.h"
+#include "gi/direct/direct_kernel.h"
+#include "gi/direct/shadow_kernel.h"
+#include "gi/rsm/gather_kernel.h"
+
+using namespace plumb;
+
+namespace {
+
+struct Member {
+    std::string name;
+    std::size_t offset;
+    bool operator==(const Member& other) const { return name == other.name && offset == other.offset; }
+};
+std::ostream& operator<<(std::ostream& out, const Member& m) { return out << m.name << " at " << m.offset; }
+
+// The members between the braces that follow `opening` in the file, with their std140 offsets: float, int and uint take
+// 4 bytes, vec4 16 on a multiple of 16, vec3 12 on a multiple of 16 (OpenGL 4.6, 7.6.2.2).
+std::vector<Member> members_of_twin(const std::string& path, const std::string& opening) {
+    std::ifstream file(std::string(PLUMB_SOURCE_DIR) + "/" + path);
+    REQUIRE(file.good());
+    std::stringstream text;
+    text << file.rdbuf();
+    const std::string all = text.str();
+    const std::size_t at = all.find(opening);
+    REQUIRE(at != all.npos);
+    const std::size_t begin = all.find('{', at), end = all.find('}', begin);
+    const std::string body = all.substr(begin, end - begin);
+
+    std::vector<Member> members;
+    std::size_t next = 0;
+    const std::regex declaration(R"((float|int|uint|vec3|vec4)\s+(\w+)\s*;)");
+    for (std::sregex_iterator i(body.begin(), body.end(), declaration), none; i != none; ++i) {
+        const std::string type = (*i)[1];
+        const std::size_t alignment = type[0] == 'v' ? 16 : 4, size = type == "vec4" ? 16 : type == "vec3" ? 12 : 4;
+        next = (next + alignment - 1) / alignment * alignment;
+        members.push_back({(*i)[2], next});
+        next += size;
+    }
+    return members;
+}
+
+#define AT(type, member) Member{#member, offsetof(type, member)}
+
+}  // namespace
+
+TEST_CASE("twins: rsm.disc and rsm.all bind the kernel's uniforms", "[twins][std140]") {
+    using U = rsm::GatherUniforms;
+    const std::vector<Member> kernel{
+        AT(U, to_texel_x), AT(U, to_texel_y),  AT(U, to_texel_w), AT(U, least_w), AT(U, projection_low),
+        AT(U, projection_high), AT(U, least_distance2), AT(U, scale), AT(U, size), AT(U, samples), AT(U, rotations),
+        AT(U, width), AT(U, height), AT(U, seed), AT(U, padding)};
+    CHECK(members_of_twin("gi/rsm/gather_form.glsl", "struct GatherUniforms") == kernel);
+}
+
+TEST_CASE("twins: shadow and direct bind the kernels' uniforms", "[twins][std140]") {
+    using S = direct::ShadowUniforms;
+    const std::vector<Member> shadow{AT(S, to_texel_x), AT(S, to_texel_y), AT(S, to_texel_w), AT(S, eye), AT(S, forward),
+                                     AT(S, least_w), AT(S, footprint_scale), AT(S, footprint_base), AT(S, bias),
+                                     AT(S, slope_bias), AT(S, max_slope), AT(S, perspective), AT(S, size), AT(S, width),
+                                     AT(S, height)};
+    CHECK(members_of_twin("gi/direct/shadow.comp", "uniform ShadowUniforms") == shadow);
+    using D = direct::DirectUniforms;
+    const std::vector<Member> direct{AT(D, lights), AT(D, width), AT(D, height)};
+    CHECK(members_of_twin("gi/direct/direct.comp", "uniform DirectUniforms") == direct);
+    using L = raster::LightArgs;
+    const std::vector<Member> light{AT(L, position), AT(L, cos_outer), AT(L, direction),
+                                    AT(L, falloff_scale), AT(L, intensity), AT(L, directional)};
+    CHECK(members_of_twin("raster/light.glsl", "struct LightArgs") == light);
+}
+
+TEST_CASE("twins: compose and tonemap bind the kernels' uniforms", "[twins][std140]") {
+    using C = compose::ComposeUniforms;
+    const std::vector<Member> compose{AT(C, environment), AT(C, inv_pi), AT(C, width), AT(C, height), AT(C, padding)};
+    CHECK(members_of_twin("gi/compose/compose.comp", "uniform ComposeUniforms") == compose);
+    using T = compose::TonemapUniforms;
+    const std::vector<Member> tonemap{AT(T, op), AT(T, exposure), AT(T, width), AT(T, height)};
+    CHECK(members_of_twin("gi/compose/tonemap.comp", "uniform TonemapUniforms") == tonemap);
+}

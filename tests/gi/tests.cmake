@@ -1,0 +1,5 @@
+# Every floating-point operation of every twin is `precise`.
+find_program(SPIRV_DIS spirv-dis)
+if(PLUMB_COMPILE_TWINS AND GLSLANG AND SPIRV_DIS)
+  add_test(NAME twins_precise COMMAND ${CMAKE_CURRENT_LIST_DIR}/check_precise.sh ${CMAKE_BINARY_DIR}/twins)
+endif()
