@@ -235,7 +235,7 @@ TEST_CASE("mtl: malformed files are named with line and cause", "[io][robustness
     for (const auto& [text, message] : cases) {
         CAPTURE(text);
         std::vector<Texture> textures;
-        require_message(error_of([&] { parse_mtl("m.mtl", text, textures); }), {"m.mtl: ", message});
+        require_message(error_of([&, t = text] { parse_mtl("m.mtl", t, textures); }), {"m.mtl: ", message});
     }
 }
 
