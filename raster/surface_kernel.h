@@ -161,7 +161,9 @@ PLUMB_INLINE Surface<F> surface(const SurfaceArgs& in, index_t<F> triangle, cons
                          interpolate(n0.w, n1.w - n0.w, n2.w - n0.w, l)};
         tap("uv", uv, "(0, 0) is the top left of the image");
         const vec3<F> colour = sample_texture(in, texture, uv, tap); tap("texture", colour, "linear");
-        s.albedo = {reflectance.x * colour.x, reflectance.y * colour.y, reflectance.z * colour.z};
+        // Lanes without a texture take the reflectance itself: the white texel times coordinates that overflowed is NaN.
+        const vec3<F> tinted{reflectance.x * colour.x, reflectance.y * colour.y, reflectance.z * colour.z};
+        s.albedo = select3<F>(texture > I(0), tinted, reflectance);
     }
     tap("albedo", s.albedo, "rho");
     tap("emission", s.emission, "M, W/m2");
