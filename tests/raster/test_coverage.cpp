@@ -294,6 +294,59 @@ TEST_CASE("coverage: what is nearer than the near plane or beyond the far one is
     }
 }
 
+// Slivers that cross the near plane: their clipped polygons are narrower than what snapping moves a corner.
+TEST_CASE("coverage: no piece of a clipped triangle turns against the whole", "[raster][coverage][clip]") {
+    const glm::ivec2 size{64, 48};
+    const ClipVolume volume = clip_volume(size);
+    Random random(31);
+    int bent = 0;
+    for (int i = 0; i < 20000; ++i) {
+        const glm::vec4 a(random.vector(-1, 1), 1.5f), b(random.vector(-1, 1), 2);
+        const float along = float(random.uniform()), width = 4e-3f;
+        glm::vec4 corners[3] = {a, b, a + along * (b - a) + glm::vec4(random.vector(-width, width), 0)};
+        corners[i % 3].z = -0.7f;
+        std::int64_t whole = 0;
+        bool clockwise = false, counter = false;
+        const ClipPolygon polygon = clip(volume, corners);
+        for (int k = 0; k + 2 < polygon.count; ++k) {
+            ScreenTriangle piece{};
+            for (int c = 0; c < 3; ++c) {
+                const glm::dvec4 p = polygon.vertices[c ? k + c : 0].position;
+                piece.x[c] = snap(p.x, p.w, size.x), piece.y[c] = snap(p.y, p.w, size.y);
+            }
+            const std::int64_t area = area2(piece);
+            whole += area, clockwise |= area > 0, counter |= area < 0;
+        }
+        bent += clockwise && counter;
+        ScreenTriangles out;
+        append_triangle(out, corners, 0, size, volume);
+        for (const ScreenTriangle& t : out.triangles) REQUIRE((area2(t) > 0) == (whole > 0));
+    }
+    REQUIRE(bent > 50);
+}
+
+// A ceiling that meets the near plane at a row of centres. Its corners are so far off that the clipped w, which is the
+// near distance, is a small difference of large products: z / w exceeds 1 by more than a float's rounding.
+TEST_CASE("depth test: no depth exceeds 1, however far off the corners are", "[raster][depth][clip]") {
+    Camera camera;
+    camera.position = {0, 0, 0}, camera.look_at = {0, 0, -1};
+    camera.fov_y_deg = 90;
+    camera.near = 1.0 / 128, camera.far = INFINITY, camera.reversed_z = true;
+    const View view = make_view(camera, 1);
+    Random random(17);
+    int ones = 0;
+    for (int i = 0; i < 300; ++i) {
+        const float y = 0.75f / 128, far = float(random.between(1e8, 1e10)), behind = float(random.between(1e8, 1e10));
+        Geometry g;
+        add_triangle(g, at({0, y, -far}), at({-behind, y, behind}), at({behind, y, behind}));
+        for (float depth : draw_visibility(g, view, {4, 4}, {}).depth.texels) {
+            REQUIRE((depth >= 0 && depth <= 1));
+            ones += depth == 1;
+        }
+    }
+    REQUIRE(ones > 50);
+}
+
 TEST_CASE("depth test: of equal depths the earlier triangle stays", "[raster][depth]") {
     const glm::ivec2 size{8, 8};
     const Point corners[3] = {{-300, -300}, {5000, -300}, {-300, 5000}};
