@@ -74,8 +74,8 @@ std::vector<TapValue> explain_gbuffer(const Geometry& geometry, const Surfaces& 
         recorder("triangle", triangle, "nothing is seen");
         return recorder.values;
     }
-    recorder("object", geometry.object[std::size_t(triangle)]);
-    recorder("z", visible.depth(pixel.x, pixel.y), "of the depth buffer");
+    recorder("object", geometry.object[std::size_t(triangle)], "index, of the triangle");
+    recorder("z", visible.depth(pixel.x, pixel.y), "of the depth buffer, 0 to 1; not the linear depth");
     gbuffer<float>(args_of(geometry, surfaces, view, visible), triangle, visible.barycentrics(pixel.x, pixel.y),
                    recorder);
     return recorder.values;

@@ -111,8 +111,8 @@ std::vector<TapValue> explain_rsm(const Geometry& geometry, const Surfaces& surf
         recorder("triangle", triangle, "nothing is seen");
         return recorder.values;
     }
-    recorder("object", geometry.object[std::size_t(triangle)]);
-    recorder("z", visible.depth(texel.x, texel.y), "of the depth buffer");
+    recorder("object", geometry.object[std::size_t(triangle)], "index, of the triangle");
+    recorder("z", visible.depth(texel.x, texel.y), "of the depth buffer, 0 to 1; not the linear depth");
     rsm<float>(args_of(geometry, surfaces, light, light_view, visible), texel.x, texel.y, triangle,
                visible.barycentrics(texel.x, texel.y), recorder);
     return recorder.values;

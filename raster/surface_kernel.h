@@ -114,7 +114,7 @@ PLUMB_INLINE vec3<F> sample_texture(const SurfaceArgs& in, index_t<F> texture, c
     const I x0 = index_of(left, width), y0 = index_of(top, height);
     const I x1 = repeat<F>(x0 + I(1), width), y1 = repeat<F>(y0 + I(1), height);
     tap("texel", ivec2<I>{x0, y0}, "upper left of the texels that are read");
-    tap("texel_weight", vec2<F>{along_u, along_v});
+    tap("texel_weight", vec2<F>{along_u, along_v}, "of the right and the lower texels");
 
     auto read = [&](I column, I line) { return fetch_texel<F>(in, first + line * width + column, curve); };
     const vec3<F> a = read(x0, y0), b = read(x1, y0), c = read(x0, y1), d = read(x1, y1);
@@ -130,7 +130,7 @@ template <class F, class Tap>
 PLUMB_INLINE Surface<F> surface(const SurfaceArgs& in, index_t<F> triangle, const vec2<F>& l, Tap& tap) {
     using N = number<F>;
     using I = index_t<F>;
-    tap("triangle", triangle);
+    tap("triangle", triangle, "index of the triangle that is seen");
     tap("barycentrics", l, "l1, l2; l0 = 1 - l1 - l2");
     const I corner = triangle * I(3);
     const I v0 = N::fetch(in.triangles, corner) * I(2), v1 = N::fetch(in.triangles, corner + I(1)) * I(2),
@@ -150,7 +150,7 @@ PLUMB_INLINE Surface<F> surface(const SurfaceArgs& in, index_t<F> triangle, cons
     s.normal = viewed_normal(interpolated, face_normal(e1, e2), to_viewer);
     tap("normal", s.normal, "unit, on the side that is seen");
 
-    const I material = N::fetch(in.material, triangle);              tap("material", material);
+    const I material = N::fetch(in.material, triangle);              tap("material", material, "its index");
     const vec3<F> reflectance = xyz<F>(N::fetch4(in.materials, material * I(4)));
     s.emission = xyz<F>(N::fetch4(in.materials, material * I(4) + I(1)));
     tap("reflectance", reflectance, "of the material");
@@ -161,7 +161,7 @@ PLUMB_INLINE Surface<F> surface(const SurfaceArgs& in, index_t<F> triangle, cons
                          interpolate(n0.w, n1.w - n0.w, n2.w - n0.w, l)};
         tap("uv", uv, "(0, 0) is the top left of the image");
         const vec3<F> colour = sample_texture(in, texture, uv, tap); tap("texture", colour, "linear");
-        // Lanes without a texture take the reflectance itself: the white texel times coordinates that overflowed is NaN.
+        // Lanes without a texture take the reflectance itself: for them, coordinates that overflow would give NaN.
         const vec3<F> tinted{reflectance.x * colour.x, reflectance.y * colour.y, reflectance.z * colour.z};
         s.albedo = select3<F>(texture > I(0), tinted, reflectance);
     }

@@ -397,6 +397,10 @@ TEST_CASE("gbuffer: explain names the values of the picture", "[raster][gbuffer]
     for (int y = 0; y < size.y; y += 5)
         for (int x = 0; x < size.x; x += 5) {
             const auto taps = explain_gbuffer(g, surfaces, soup_view(), size, {x, y});
+            for (const TapValue& t : taps) {
+                CAPTURE(t.name);
+                CHECK(!t.equation.empty());
+            }
             REQUIRE(value(taps, "triangle") == std::vector<double>{double(out.id(x, y).y)});
             if (out.id(x, y).y < 0) continue;
             const glm::vec4 p = out.position(x, y), a = out.albedo(x, y);

@@ -281,6 +281,8 @@ TEST_CASE("rsm: explain multiplies up to the flux of the map", "[raster][rsm][ex
     const auto taps = explain_rsm(g, prepare(plain_scene(), g), light, view, {9, 13});
     std::vector<double> dw, intensity, albedo, flux;
     for (const TapValue& t : taps) {
+        CAPTURE(t.name);
+        CHECK(!t.equation.empty());
         if (t.name == "dw") dw = t.value;
         if (t.name == "intensity") intensity = t.value;
         if (t.name == "albedo") albedo = t.value;
