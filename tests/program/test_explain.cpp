@@ -94,10 +94,12 @@ TEST_CASE("explain: JSON has the contract's keys, text has the same numbers", "[
     REQUIRE(r.exit == 0);
     CHECK(r.err.empty());
     const Json all = Json::parse(r.out);
-    REQUIRE(all.is_array());
+    REQUIRE(keys(all) == Words{"pixel", "stages"});
+    CHECK(all["pixel"] == Json{30, 21});
     Words stages;
-    for (const Json& e : all) {
+    for (const Json& e : all["stages"]) {
         CHECK(keys(e) == Words{"stage", "pixel", "values"});
+        CHECK(e["pixel"] == all["pixel"]);
         for (const Json& v : e["values"])
             CHECK(keys(v) == (v.contains("sample") ? Words{"name", "sample", "value", "equation"}
                                                    : Words{"name", "value", "equation"}));
@@ -106,10 +108,10 @@ TEST_CASE("explain: JSON has the contract's keys, text has the same numbers", "[
     CHECK(stages == Words{"gbuffer", "shadow (key)", "rsm.disc (key)", "shadow (sun)", "rsm.disc (sun)", "direct",
                           "compose", "tonemap"});
 
-    // One stage alone is an object, and its numbers are those of the text, to the float.
+    // One stage alone is its object, and its numbers are those of the text, to the float.
     const Json one = Json::parse(run({"explain", scene, "--stage", "compose", "--pixel", "30,21", "--json"}).out);
     REQUIRE(one.is_object());
-    CHECK(one == all[6]);
+    CHECK(one == all["stages"][6]);
     const std::string text = run({"explain", scene, "--stage", "compose", "--pixel", "30,21"}).out;
     const Json radiance = named(one, "radiance").at(0)["value"];
     const std::size_t line = text.find("\nradiance");
@@ -148,4 +150,13 @@ TEST_CASE("make-scene: writes the same scene every time, and plan accepts it", "
     for (const std::string& name : files_in(folder + "/a"))
         CHECK(read(folder + "/a/" + name) == read(folder + "/b/" + name));
     CHECK(run({"plan", folder + "/a/cornell.toml"}).exit == 0);
+
+    // In JSON: the file that render takes, and all files.
+    const Result json = run({"make-scene", "cornell", "-o", folder + "/a", "--json"});
+    CHECK(json.exit == 0);
+    CHECK(json.err.empty());
+    const Json written = Json::parse(json.out);
+    CHECK(keys(written) == Words{"scene", "files"});
+    CHECK(written["scene"] == folder + "/a/cornell.toml");
+    CHECK(written["files"] == Json{folder + "/a/cornell.mtl", folder + "/a/cornell.obj", folder + "/a/cornell.toml"});
 }

@@ -1,6 +1,8 @@
 // Wrong usage and bad input: exit code 2, one line on standard error that names what is wrong, nothing else, no file.
 #include <catch2/catch.hpp>
 #include <filesystem>
+#include <map>
+#include <sstream>
 
 #include "tests/program/program.h"
 
@@ -49,6 +51,42 @@ TEST_CASE("usage: commands", "[program]") {
         CHECK(r.exit == 0);
         CHECK_THAT(r.out, Contains("--threads") && Contains("--isa"));
     }
+}
+
+TEST_CASE("usage: every command takes --json, --threads and --isa", "[program][contract]") {
+    const std::string folder = fresh_folder("common_options"), scene = small_scene(folder);
+    REQUIRE(run({"render", scene, "-o", folder + "/a"}).exit == 0);
+    const std::string picture = folder + "/a/small.exr";
+    const std::map<std::string, std::vector<std::string>> uses = {
+        {"render", {scene, "-o", folder + "/b"}}, {"plan", {scene}}, {"compare", {picture, picture}},
+        {"explain", {scene, "--pixel", "30,21"}}, {"stages", {}},    {"make-scene", {"cornell", "-o", folder + "/c"}}};
+
+    // The commands are those of the help, so that one to come is held to the same.
+    std::istringstream help(run({"--help"}).out);
+    std::string line;
+    while (std::getline(help, line) && line.rfind("Subcommands:", 0) != 0) {
+    }
+    std::size_t commands = 0;
+    while (std::getline(help, line) && line.rfind("  ", 0) == 0) {
+        std::istringstream words(line);
+        std::string command;
+        words >> command;
+        // What a long description goes on with stands further to the right.
+        if (line[2] == ' ') continue;
+        INFO(command);
+        REQUIRE(uses.count(command) == 1);
+        std::vector<std::string> arguments = uses.at(command);
+        arguments.insert(arguments.begin(), command);
+        arguments.insert(arguments.end(), {"--json", "--threads", "2", "--isa", "scalar"});
+        const Result r = run(arguments);
+        INFO(r.out << r.err);
+        CHECK(r.exit == 0);
+        CHECK(r.err.empty());
+        const auto json = nlohmann::ordered_json::parse(r.out);  // throws where anything else is printed
+        CHECK(json.is_object() == (command != "stages"));        // the stages are a list
+        ++commands;
+    }
+    CHECK(commands == uses.size());
 }
 
 TEST_CASE("usage: options and arguments", "[program]") {

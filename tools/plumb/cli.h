@@ -23,7 +23,6 @@ struct Common {
     RunOptions run_options() const;
 };
 void add_common(CLI::App& command, Common& common);
-void add_json(CLI::App& command, Common& common);
 
 // What to do once the whole command line has been read.
 using Action = std::function<int()>;

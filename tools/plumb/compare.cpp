@@ -188,7 +188,6 @@ void add_compare(CLI::App& program, Action& action) {
     command->add_option("-o,--output", given->difference, "write |A - B| as .exr, or clamped to 0..1 as .png")
         ->type_name("DIFF");
     command->add_option("--layer", given->layer, "compare this layer of the files only")->type_name("L");
-    add_json(*command, given->common);
     add_common(*command, given->common);
     command->footer(
         "A NaN, an infinity, other sizes or other channels are a disagreement, exit code 1. Where files have several\n"

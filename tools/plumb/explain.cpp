@@ -149,7 +149,7 @@ int explain(const ExplainOptions& given) {
     // Explain, and hold each stage's last value against the picture.
     const auto explanations = frame::explain(scene, settings, plan, frame, given.stage, light, pixel);
     const Checker checker{scene, settings, plan, frame, pixel};
-    Json json = Json::array();
+    Json stages = Json::array();
     if (!given.common.json) print_notes(scene);
     std::vector<Check> wrong;
     for (std::size_t i = 0; i < explanations.size(); ++i) {
@@ -160,11 +160,14 @@ int explain(const ExplainOptions& given) {
             if (!check.equal()) wrong.push_back(check);
         }
         if (given.common.json)
-            json.push_back(explain_json(e));
+            stages.push_back(explain_json(e));
         else
             std::fputs(text.c_str(), stdout);
     }
-    if (given.common.json) std::fputs(json_text(given.stage.empty() ? json : json.at(0)).c_str(), stdout);
+    if (given.common.json) {
+        const Json all = {{"pixel", {pixel.x, pixel.y}}, {"stages", stages}};
+        std::fputs(json_text(given.stage.empty() ? all : stages.at(0)).c_str(), stdout);
+    }
     for (const Check& check : wrong) std::fprintf(stderr, "plumb: %s", check_text(check).c_str());
     return wrong.empty() ? success : disagreement;
 }
@@ -181,9 +184,10 @@ void add_explain(CLI::App& program, Action& action) {
         ->type_name("X,Y");
     command->add_option("--light", given->light, "the light, for a stage that runs once a light; the first otherwise")
         ->type_name("NAME");
-    add_json(*command, given->common);
     add_common(*command, given->common);
-    command->footer("Each stage ends with a check: is its last value what the picture holds? Exit code 1 if not.");
+    command->footer(
+        "Each stage ends with a check: is its last value what the picture holds? Exit code 1 if not.\n"
+        "In JSON {stage, pixel, values}; without --stage {pixel, stages: [of these]}.");
     command->callback([given, &action] { action = [=] { return explain(*given); }; });
 }
 

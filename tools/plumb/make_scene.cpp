@@ -1,13 +1,28 @@
 // plumb make-scene: procedural scenes, the same everywhere.
 #include "io/make_scene.h"
 
+#include <algorithm>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "core/error.h"
+#include "io/file.h"
 #include "tools/plumb/cli.h"
 #include "tools/plumb/outputs.h"
+#include "tools/plumb/reports.h"
 
 namespace plumb::cli {
+
+namespace {
+
+// The file that render takes, and all that were written.
+Json written_json(const std::vector<std::string>& files) {
+    const auto scene = std::find_if(files.begin(), files.end(),
+                                    [](const std::string& file) { return io::extension_of(file) == "toml"; });
+    return {{"scene", scene == files.end() ? Json(nullptr) : Json(*scene)}, {"files", files}};
+}
+
+}  // namespace
 
 void add_make_scene(CLI::App& program, Action& action) {
     struct Given {
@@ -33,6 +48,10 @@ void add_make_scene(CLI::App& program, Action& action) {
             Outputs outputs(given->folder);
             outputs.write("", [&](const std::string& folder) { io::make_scene(given->name, folder); });
             outputs.commit();
+            if (given->common.json) {
+                std::fputs(json_text(written_json(outputs.files())).c_str(), stdout);
+                return int(success);
+            }
             for (const std::string& file : outputs.files()) std::printf("wrote %s\n", file.c_str());
             return int(success);
         };

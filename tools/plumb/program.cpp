@@ -90,15 +90,12 @@ RunOptions Common::run_options() const {
 }
 
 void add_common(CLI::App& command, Common& common) {
+    command.add_flag("--json", common.json, "print one JSON value to standard output and nothing else");
     command.add_option("--threads", common.threads, "threads that compute, 1 to 1024; all processors otherwise")
         ->check(CLI::Range(1, 1024).description(""))
         ->type_name("N");
     command.add_option("--isa", common.isa, "auto, scalar, sse, avx2 or avx512: never changes a bit of the result")
         ->type_name("ISA");
-}
-
-void add_json(CLI::App& command, Common& common) {
-    command.add_flag("--json", common.json, "print one JSON value to standard output and nothing else");
 }
 
 int run_program(int argc, char** argv) {

@@ -85,7 +85,6 @@ void add_render(CLI::App& program, Action& action) {
         ->type_name("DIR");
     command->add_flag("--dump", given->dump, "also write every stage's inputs and outputs, to DIR/dump");
     command->add_flag("--truth", given->truth, "also path trace the scene (comes with a later version)");
-    add_json(*command, given->common);
     add_common(*command, given->common);
     command->footer(
         "Files: <scene>.exr (32-bit float; layers color, direct, indirect, albedo, position, normal, depth, id,\n"

@@ -11,7 +11,6 @@ namespace plumb::cli {
 void add_stages(CLI::App& program, Action& action) {
     auto common = std::make_shared<Common>();
     CLI::App* command = program.add_subcommand("stages", "list every stage: inputs, outputs, parameters, twin, source");
-    add_json(*command, *common);
     add_common(*command, *common);
     command->callback([common, &action] {
         action = [common] {
