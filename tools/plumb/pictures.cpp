@@ -41,9 +41,11 @@ void write_pictures(const Scene& scene, const frame::Plan& plan, const frame::Fr
     // Everything of the camera's size goes into one file.
     const Buffer<float> id = id_floats(g.id);
     std::vector<io::Layer> layers = {
-        layer("color", rgb, frame.radiance), layer("direct", rgb, frame.direct), layer("indirect", rgb, frame.indirect),
-        layer("albedo", rgb, g.albedo),      layer("position", xyz, g.position), layer("normal", xyz, g.normal),
-        {"depth", {"Z"}, g.depth.data(), 1}, {"id", {"X", "Y"}, id.data(), 2},
+        layer("color", rgb, frame.radiance),    layer("direct", rgb, frame.direct),
+        layer("indirect", rgb, frame.indirect), layer("albedo", rgb, g.albedo),
+        layer("emission", rgb, g.emission),     layer("position", xyz, g.position),
+        layer("normal", xyz, g.normal),         {"depth", {"Z"}, &g.position.data()->w, 4},
+        {"zbuffer", {"Z"}, g.depth.data(), 1},  {"id", {"X", "Y"}, id.data(), 2},
     };
     for (int l = 0; l < int(lights.size()); ++l) {
         if (runs(plan, "shadow", l))

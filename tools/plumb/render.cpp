@@ -87,9 +87,11 @@ void add_render(CLI::App& program, Action& action) {
     command->add_flag("--truth", given->truth, "also path trace the scene (comes with a later version)");
     add_common(*command, given->common);
     command->footer(
-        "Files: <scene>.exr (32-bit float; layers color, direct, indirect, albedo, position, normal, depth, id,\n"
-        "shadow.<light>), <scene>.rsm.<light>.exr (rsm.<light>.position, normal, flux, depth: its size is its own),\n"
-        "<scene>.png (tone mapped), run.json (time and memory by stage). Equal pictures are equal files.");
+        "Files: <scene>.exr (32-bit float; layers color, direct, indirect, albedo, emission, position, normal,\n"
+        "depth: linear, in metres; zbuffer: the depth buffer, z/w; id, shadow.<light>), <scene>.rsm.<light>.exr\n"
+        "(rsm.<light>.position, normal, flux, depth: its size is its own), <scene>.png (tone mapped), run.json (time\n"
+        "and memory by stage). On a surface, color = (albedo (direct + indirect) + emission) / pi. Equal pictures are\n"
+        "equal files.");
     command->callback([given, &action] { action = [=] { return render(*given); }; });
 }
 
