@@ -127,7 +127,7 @@ struct number<Bounded> {
         return {widen(r.a), widen(r.b), widen(r.c)};
     }
     static void store(float* p, index i, Bounded value, mask active) {
-        if (active.value) p[i] = value.value;
+        number<float>::store(p, i, value.value, active.value);
     }
     static void store4(float* p, index i, const vec4<Bounded>& v, mask active) {
         if (active.value) number<float>::store4(p, i, {v.x.value, v.y.value, v.z.value, v.w.value}, true);

@@ -92,14 +92,15 @@ struct ScalarNumber {
         p += record_stride * std::ptrdiff_t(i);
         return {texel(p), texel(p + 4), texel(p + 8)};
     }
-    // Writes where `active`; rounds to float.
+    // Writes where `active`; rounds to float. Every NaN is stored as 7fc00000: compilers give it this sign or that.
     static PLUMB_INLINE void store(float* p, index i, T value, mask active) {
-        if (active) p[i] = float(value);
+        if (active) p[i] = value == value ? float(value) : __builtin_nanf("");
     }
     static PLUMB_INLINE void store4(float* p, index i, const vec4<T>& value, mask active) {
-        if (!active) return;
-        p += 4 * std::ptrdiff_t(i);
-        p[0] = float(value.x), p[1] = float(value.y), p[2] = float(value.z), p[3] = float(value.w);
+        store(p, 4 * i + 0, value.x, active);
+        store(p, 4 * i + 1, value.y, active);
+        store(p, 4 * i + 2, value.z, active);
+        store(p, 4 * i + 3, value.w, active);
     }
 
   private:

@@ -138,13 +138,14 @@ struct number<PLUMB_ISA::Wide> {
                 {F(t[8]), F(t[9]), F(t[10]), F(t[11])}};
     }
     static PLUMB_INLINE void store(float* p, index i, F value, mask active) {
-        const Lanes<float> v(value.v);
+        const Lanes<float> v(canonical(value).v);
         const Lanes<std::int32_t> at(i.v), on(select(active, index(-1), index(0)).v);
         for (int k = 0; k < width; ++k)
             if (on.lane[k]) p[at.lane[k]] = v.lane[k];
     }
     static PLUMB_INLINE void store4(float* p, index i, const vec4<F>& value, mask active) {
-        const Lanes<float> x(value.x.v), y(value.y.v), z(value.z.v), w(value.w.v);
+        const Lanes<float> x(canonical(value.x).v), y(canonical(value.y).v), z(canonical(value.z).v),
+            w(canonical(value.w).v);
         const Lanes<std::int32_t> at(i.v), on(select(active, index(-1), index(0)).v);
         for (int k = 0; k < width; ++k) {
             if (!on.lane[k]) continue;
@@ -154,6 +155,9 @@ struct number<PLUMB_ISA::Wide> {
     }
 
   private:
+    // Every NaN is stored as 7fc00000: compilers give it this sign or that.
+    static PLUMB_INLINE F canonical(F value) { return select(value == value, value, F(__builtin_nanf(""))); }
+
     template <class T>
     struct Lanes {
         alignas(64) T lane[width];

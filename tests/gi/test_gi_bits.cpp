@@ -193,6 +193,22 @@ TEST_CASE("compose, tonemap: the same bits for every instruction set and thread 
     }
 }
 
+TEST_CASE("a NaN is stored as 7fc00000, whatever its sign and payload were", "[bits]") {
+    Image4 radiance(17, 2, glm::vec4(1));
+    const std::uint32_t patterns[] = {0x7fc00000, 0xffc00000, 0x7f800001, 0xffffffff};
+    for (int i = 0; i < 4; ++i) std::memcpy(&radiance(3 * i, i % 2).y, &patterns[i], 4);
+    const Image4 one(17, 2, glm::vec4(1)), zero(17, 2);
+    for_all_options([&](const RunOptions& options) {
+        Image4 out;
+        compose::run({&one, &one, &zero, &radiance, &zero, glm::vec3(0)}, options, out);
+        for (int i = 0; i < 4; ++i) {
+            std::uint32_t bits;
+            std::memcpy(&bits, &out(3 * i, i % 2).y, 4);
+            CHECK(bits == 0x7fc00000);
+        }
+    });
+}
+
 TEST_CASE("explain: the last value of a gather is the picture's", "[rsm][explain]") {
     const raster::Rsm map = noise_map(24, false);
     Points points(8, 4);
