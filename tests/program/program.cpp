@@ -78,6 +78,10 @@ Result run_on_terminal(const std::vector<std::string>& arguments) {
     const pid_t child = forkpty(&terminal, nullptr, nullptr, &size);
     if (child == 0) execute(arguments);
     Result r;
+    if (child < 0) {
+        r.exit = no_terminal;
+        return r;
+    }
     char buffer[4096];
     for (ssize_t n; (n = ::read(terminal, buffer, sizeof buffer)) > 0;) r.out.append(buffer, std::size_t(n));
     close(terminal);

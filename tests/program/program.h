@@ -17,7 +17,9 @@ struct Result {
 // Neither stream is a terminal. `folder`: the working directory.
 Result run(const std::vector<std::string>& arguments, const std::string& folder = ".");
 
-// The same on a terminal of 80 columns; everything that it shows is in out.
+// The same on a terminal of 80 columns; everything that it shows is in out. exit is no_terminal where the system gives no
+// pseudo-terminal, as in a chroot without /dev/pts.
+inline constexpr int no_terminal = -1;
 Result run_on_terminal(const std::vector<std::string>& arguments);
 
 // Sends `signal` once a file whose name starts with `prefix` is in `folder`. Fails if the program ends before.
