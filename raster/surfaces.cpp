@@ -64,7 +64,7 @@ Surfaces prepare(const Scene& scene, const Geometry& geometry) {
 
 SurfaceArgs surface_args(const Geometry& geometry, const Surfaces& surfaces, const View& view) {
     SurfaceArgs a{};
-    a.vertices = &geometry.vertices.data()->position.x;
+    a.vertices = reinterpret_cast<const float*>(geometry.vertices.data());  // null where there is none
     a.triangles = reinterpret_cast<const std::int32_t*>(geometry.triangles.data());
     a.material = geometry.material.data();
     a.materials = surfaces.materials.data();
