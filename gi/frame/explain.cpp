@@ -37,7 +37,8 @@ struct Explainer {
         if (stage.name == "direct")
             return direct::explain({&g.position, &g.normal, &lights, &frame.visibility}, pixel);
         if (stage.name == "rsm.disc" || stage.name == "rsm.all") {
-            const rsm::Pattern pattern = rsm::disc_pattern(settings.rsm, frame.rsms[l].size, settings.seed);
+            rsm::Pattern pattern;  // rsm.all reads none
+            if (stage.name == "rsm.disc") pattern = rsm::disc_pattern(settings.rsm, frame.rsms[l].size, settings.seed);
             return rsm::explain(settings.rsm, {&g.position, &g.normal, &frame.rsms[l], &pattern, settings.seed}, pixel);
         }
         if (stage.name == "compose")

@@ -94,7 +94,8 @@ Frame execute(const Scene& scene, const Settings& settings, const Plan& plan, co
             direct::run({&f.gbuffer.position, &f.gbuffer.normal, &lights, &f.visibility}, options, f.direct);
             run.bytes = bytes_of(f.direct);
         } else if (stage.name == "rsm.disc" || stage.name == "rsm.all") {
-            const rsm::Pattern pattern = rsm::disc_pattern(settings.rsm, f.rsms[l].size, settings.seed);
+            rsm::Pattern pattern;  // rsm.all reads none
+            if (stage.name == "rsm.disc") pattern = rsm::disc_pattern(settings.rsm, f.rsms[l].size, settings.seed);
             Image4 irradiance;
             rsm::run(settings.rsm, {&f.gbuffer.position, &f.gbuffer.normal, &f.rsms[l], &pattern, settings.seed},
                      options, irradiance);

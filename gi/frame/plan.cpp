@@ -8,7 +8,7 @@ namespace plumb::frame {
 
 namespace {
 
-// Milliseconds for a million turns of a stage's inner loop on one core with AVX-512, measured by `tools/bench`
+// Milliseconds for a million turns of a stage's inner loop on one core with AVX-512, measured by plumb_bench
 // on a 2.x GHz server core. They order stages by cost; they promise nothing.
 constexpr double ms_pixels = 60, ms_shadow = 8, ms_direct = 6, ms_disc = 4.2, ms_all = 0.55,
                  ms_compose = 5, ms_tonemap = 25;
