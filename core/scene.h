@@ -22,25 +22,35 @@ struct Vertex {
 };
 static_assert(sizeof(Vertex) == 32);
 
+// Textures are indices into Scene::textures; -1: none.
 struct Material {
     std::string name;
     glm::vec3 reflectance{0.5f};  // rho, diffuse, 0..1; multiplied by the texture where there is one
-    glm::vec3 emission{0};        // radiant exitance, W/m2
-    int texture = -1;             // index into Scene::textures
+    glm::vec3 emission{0};        // radiant exitance, W/m2; multiplied by its texture where there is one
+    int texture = -1;
+    int emission_texture = -1;
+    int normal_texture = -1;      // tangent space, x right, y up, as glTF stores it; never sRGB
+    float normal_scale = 1;       // of the normal map's x and y
+    float alpha = 1;              // multiplied by the texture's alpha
+    float alpha_cutoff = 0;       // above 0: where alpha is below it, there is no surface (glTF: alphaMode MASK)
 };
 
 enum class Filter : int { bilinear, nearest };
+enum class Wrap : int { repeat, mirrored_repeat, clamp_to_edge };
 
 struct Texture {
     std::string name;
     Image<std::uint32_t> texels;  // RGBA8, red in the lowest byte, first row on top
-    bool srgb = true;             // decode red, green and blue by the exact table
+    bool srgb = true;             // decode red, green and blue by the exact table; alpha is linear always
     Filter filter = Filter::bilinear;
+    Wrap wrap_u = Wrap::repeat, wrap_v = Wrap::repeat;
+    bool mips = false;            // choose a level of detail; off: level 0 everywhere
 };
 
 struct Mesh {
     std::string name;
     std::vector<Vertex> vertices;  // in the mesh's own space
+    std::vector<glm::vec4> tangents;     // xyz unit, w +1 or -1: side of the bitangent; a vertex each, or none at all
     std::vector<glm::uvec3> triangles;
     std::vector<std::int32_t> material;  // of each triangle: index into Scene::materials
     glm::dmat4 transform{1};             // to world space
@@ -93,6 +103,7 @@ struct Scene {
 // the meshes.
 struct Geometry {
     Buffer<Vertex> vertices;
+    Buffer<glm::vec4> tangents;  // a vertex each (0, 0, 0, 0 where its mesh has none); empty where no mesh has any
     std::vector<glm::uvec3> triangles;
     std::vector<std::int32_t> material;  // of each triangle
     std::vector<std::int32_t> object;    // of each triangle: index into Scene::meshes

@@ -29,8 +29,8 @@ void quantise_rows(Image4& image, int first, int last) {
 
 }  // namespace
 
-void draw_gbuffer(const Geometry& geometry, const Surfaces& surfaces, const View& view, glm::ivec2 size, Layout layout,
-                  const RunOptions& options, GBuffer& out) {
+void draw_gbuffer(const Geometry& geometry, const Surfaces& surfaces, const View& view, glm::ivec2 size,
+                  const Layout& layout, const RunOptions& options, GBuffer& out) {
     RunOptions half = options;
     if (options.progress) half.progress = [&](double share) { options.progress(0.5 * share); };
     VisibilityBuffer visible = draw_visibility(geometry, view, size, half);

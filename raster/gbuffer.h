@@ -23,9 +23,9 @@ struct GBuffer {
     Image<glm::ivec2> id;  // object, triangle; -1, -1 where there is nothing
 };
 
-// Allocates `out`. Layout::rgba16f rounds position, normal, albedo and emission to half.
-void draw_gbuffer(const Geometry& geometry, const Surfaces& surfaces, const View& view, glm::ivec2 size, Layout layout,
-                  const RunOptions& options, GBuffer& out);
+// Allocates `out`. Buffers are rounded as the layout says.
+void draw_gbuffer(const Geometry& geometry, const Surfaces& surfaces, const View& view, glm::ivec2 size,
+                  const Layout& layout, const RunOptions& options, GBuffer& out);
 
 // Every named value of one pixel, in the order in which the kernel computes them, before rounding to the layout.
 std::vector<TapValue> explain_gbuffer(const Geometry& geometry, const Surfaces& surfaces, const View& view,

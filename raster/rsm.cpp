@@ -59,7 +59,7 @@ void pack(Rsm& rsm, std::size_t first, std::size_t last) {
 }  // namespace
 
 void draw_rsm(const Geometry& geometry, const Surfaces& surfaces, const Light& light, const View& light_view,
-              Layout layout, const RunOptions& options, Rsm& out) {
+              const Layout& layout, const RunOptions& options, Rsm& out) {
     validate(light);
     RunOptions half = options;
     if (options.progress) half.progress = [&](double share) { options.progress(0.5 * share); };
@@ -71,7 +71,7 @@ void draw_rsm(const Geometry& geometry, const Surfaces& surfaces, const Light& l
     out.size = size;
     out.view = light_view;
     out.type = light.type;
-    out.half = layout == Layout::rgba16f;
+    out.half = layout.half_records();
     out.texel_scale = 2 * half_width(light_view) / size;
     for (Image4* image : {&out.position, &out.normal, &out.flux}) *image = Image4(size, size, glm::vec4(0));
     const std::size_t components = std::size_t(size) * std::size_t(size) * record_stride;

@@ -28,10 +28,10 @@ struct Rsm {
     double texel_scale = 0;     // side of a texel: spot: at depth 1 m, m/m; directional: m
 };
 
-// light.rsm_size texels a side, through light_view() of raster/light_view.h. Allocates `out`. Layout::rgba16f rounds
-// the three images to half. Throws InputError for a point light, which needs six maps.
+// light.rsm_size texels a side, through light_view() of raster/light_view.h. Allocates `out`. Images are rounded as
+// the layout says. Throws InputError for a point light, which needs six maps.
 void draw_rsm(const Geometry& geometry, const Surfaces& surfaces, const Light& light, const View& light_view,
-              Layout layout, const RunOptions& options, Rsm& out);
+              const Layout& layout, const RunOptions& options, Rsm& out);
 
 // Every named value of one texel, in the order in which the kernel computes them, before rounding to the layout.
 std::vector<TapValue> explain_rsm(const Geometry& geometry, const Surfaces& surfaces, const Light& light,

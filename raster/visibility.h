@@ -23,6 +23,9 @@ struct VisibilityBuffer {
     Image<glm::vec2> barycentrics;  // l1, l2 of the whole, unclipped triangle, perspective-correct; l0 = 1 - l1 - l2
 };
 
+// Memory that passes keep from one frame to the next; what it holds never changes a result.
+struct Workspace;
+
 // Throws InputError for a size outside 1..max_frame_side and for vertices that are not finite.
 VisibilityBuffer draw_visibility(const Geometry& geometry, const View& view, glm::ivec2 size,
                                  const RunOptions& options);

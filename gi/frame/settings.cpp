@@ -35,7 +35,9 @@ Method parse_method(const std::string& name, const std::string& place) {
 }
 
 raster::Layout parse_layout(const std::string& name, const std::string& place) {
-    return parse_choice<raster::Layout>("layout", {"fp32", "rgba16f"}, name, place);
+    enum class Preset : int { fp32, rgba16f };
+    return parse_choice<Preset>("layout", {"fp32", "rgba16f"}, name, place) == Preset::fp32 ? raster::Layout::fp32
+                                                                                          : raster::Layout::rgba16f;
 }
 
 Settings settings_of(const Scene& scene) {

@@ -49,7 +49,7 @@ struct Checker {
 
     // Targets of half floats hold rounded values; the kernel's are explained as they were.
     std::vector<double> stored(std::vector<double> values) const {
-        if (settings.layout == raster::Layout::rgba16f)
+        if (settings.layout.half_records())
             for (double& v : values) v = half_to_float(float_to_half(float(v)));
         return values;
     }

@@ -43,7 +43,7 @@ Json settings_json(const frame::Settings& settings) {
     frame::Settings s = settings;
     Json json;
     json["method"] = s.method == frame::Method::rsm ? "rsm" : "direct";
-    json["layout"] = s.layout == raster::Layout::fp32 ? "fp32" : "rgba16f";
+    json["layout"] = s.layout.name;
     json["seed"] = s.seed;
     json["pruning"] = s.pruning;
     for (const std::string& table : frame::method_tables()) {

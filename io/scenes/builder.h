@@ -1,0 +1,82 @@
+// What procedural scenes are built from: parts that are appended to one mesh, and noise for their textures.
+//
+// Deterministic: double precision, core/host_math.h instead of the C library, integer hashes instead of random numbers.
+// The same bytes come out on every machine. Metres, +Y up, front faces counter-clockwise seen from outside.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <glm/glm.hpp>
+#include <string>
+#include <vector>
+
+#include "core/scene.h"
+
+namespace plumb::io::scenes {
+
+using Point = glm::dvec3;
+using Place = glm::dmat4;  // where a part goes: translation, turn, scale
+
+Place move(const Point& by);
+Place turn_y(double degrees);  // counter-clockwise seen from above: +z towards +x
+Place scale(const Point& by);
+
+// A point (u, v) of a surface patch, both 0..1; the front is where d/du x d/dv points.
+using Patch = std::function<Point(double u, double v)>;
+
+struct Grid {
+    int columns = 1, rows = 1;          // quads along u and v
+    glm::dvec2 texture{1, 1};           // texture coordinates at u = 1, v = 1; (0, 0) lies at u = 0, v = 0
+    bool smooth = true;                 // shared vertices and smooth normals; false: each quad flat
+    bool closed_u = false;              // u = 1 is u = 0: the normals of the seam agree (its texture coordinates do not)
+};
+
+class Builder {
+  public:
+    explicit Builder(std::string scene_name);
+
+    // Adds a material or a texture and returns its index.
+    int material(const Material& material);
+    int texture(const Texture& texture);
+
+    // Triangles that follow belong to a new mesh of that name: an object of its own in the picture.
+    void object(const std::string& name);
+
+    // Appends parts. A degenerate quad (a pole) becomes one triangle; a triangle of no area is left out.
+    void grid(int material, const Place& place, const Grid& grid, const Patch& patch);
+    // Corners counter-clockwise from the front; cut into columns x rows; texture coordinates in metres / `texture_size`.
+    void quad(int material, const Place& place, const Point corners[4], int columns = 1, int rows = 1,
+              double texture_size = 1);
+    // The box [low, high], outside in front; texture coordinates in metres / texture_size. cells: along each axis.
+    void box(int material, const Place& place, const Point& low, const Point& high, double texture_size = 1,
+             const glm::ivec3& cells = {1, 1, 1});
+    // A profile of (radius, height) turned about the y axis, from bottom to top; corners sharper than `crease_deg` stay
+    // sharp. Closed where the radius is 0.
+    void lathe(int material, const Place& place, const std::vector<glm::dvec2>& profile, int segments,
+               double texture_size = 1, double crease_deg = 40);
+    // A triangle with flat normal, for what nothing above fits.
+    void triangle(int material, const Place& place, const Point& a, const Point& b, const Point& c);
+
+    std::int64_t triangles() const { return triangles_; }  // so far
+
+    // What has been built: meshes, materials, textures. Camera, lights and settings are the scene's own.
+    Scene take();
+
+  private:
+    std::uint32_t vertex(const Place& place, const Point& position, const Point& normal, double u, double v);
+    void face(int material, const Place& place, std::uint32_t a, std::uint32_t b, std::uint32_t c);
+
+    Scene scene_;
+    std::int64_t triangles_ = 0;
+};
+
+// Noise of the plane for textures and for variety, 0..1: white from a hash of integers; smooth, with that many periods
+// across the unit square so that it tiles; and a sum of octaves of it.
+double white_noise(int x, int y, std::uint32_t seed);
+double smooth_noise(double u, double v, int periods, std::uint32_t seed);
+double fractal_noise(double u, double v, int periods, int octaves, std::uint32_t seed);
+
+// A texture of side x side texels from linear colours 0..1 at texel centres, sRGB-encoded.
+Texture paint(const std::string& name, int side, const std::function<glm::dvec3(double u, double v)>& colour);
+
+}  // namespace plumb::io::scenes
