@@ -75,20 +75,25 @@ void Builder::object(const std::string& name) {
     scene_.meshes.back().name = name;
 }
 
-std::uint32_t Builder::vertex(const Place& place, const Point& position, const Point& normal, double u, double v) {
+Builder::Mapping::Mapping(const Place& p)
+    : place(p),
+      normals(glm::transpose(glm::inverse(glm::dmat3(p)))),
+      mirrored(glm::determinant(glm::dmat3(p)) < 0) {}
+
+std::uint32_t Builder::vertex(const Mapping& mapping, const Point& position, const Point& normal, double u, double v) {
     Mesh& mesh = scene_.meshes.back();
-    const Point p(place * glm::dvec4(position, 1));
-    const Point n = unit(glm::transpose(glm::inverse(glm::dmat3(place))) * normal);
+    const Point p(mapping.place * glm::dvec4(position, 1));
+    const Point n = unit(mapping.normals * normal);
     mesh.vertices.push_back({glm::vec3(p), float(u), glm::vec3(n), float(v)});
     return std::uint32_t(mesh.vertices.size()) - 1;
 }
 
-void Builder::face(int material, const Place& place, std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+void Builder::face(int material, const Mapping& mapping, std::uint32_t a, std::uint32_t b, std::uint32_t c) {
     Mesh& mesh = scene_.meshes.back();
     const Point pa(mesh.vertices[a].position), pb(mesh.vertices[b].position), pc(mesh.vertices[c].position);
     const Point normal = cross(pb - pa, pc - pa);
     if (!(dot(normal, normal) > 0)) return;
-    if (glm::determinant(glm::dmat3(place)) < 0) std::swap(b, c);
+    if (mapping.mirrored) std::swap(b, c);
     mesh.triangles.push_back({a, b, c});
     mesh.material.push_back(material);
     ++triangles_;
@@ -97,7 +102,9 @@ void Builder::face(int material, const Place& place, std::uint32_t a, std::uint3
 void Builder::grid(int material, const Place& place, const Grid& g, const Patch& patch) {
     if (scene_.meshes.empty()) object(scene_.name);
     const int stride = g.columns + 1;
-    std::vector<Point> points(std::size_t(stride) * (g.rows + 1));
+    const Mapping mapping(place);
+    std::vector<Point>&points = points_, &normals = normals_;
+    points.resize(std::size_t(stride) * (g.rows + 1));
     for (int j = 0; j <= g.rows; ++j)
         for (int i = 0; i <= g.columns; ++i)
             points[std::size_t(j) * stride + i] = patch(double(i) / g.columns, double(j) / g.rows);
@@ -109,18 +116,18 @@ void Builder::grid(int material, const Place& place, const Grid& g, const Patch&
         for (int j = 0; j < g.rows; ++j)
             for (int i = 0; i < g.columns; ++i) {
                 const Point n = cross(at(i + 1, j + 1) - at(i, j), at(i, j + 1) - at(i + 1, j));
-                const std::uint32_t a = vertex(place, at(i, j), n, u_of(i), v_of(j));
-                const std::uint32_t b = vertex(place, at(i + 1, j), n, u_of(i + 1), v_of(j));
-                const std::uint32_t c = vertex(place, at(i + 1, j + 1), n, u_of(i + 1), v_of(j + 1));
-                const std::uint32_t d = vertex(place, at(i, j + 1), n, u_of(i), v_of(j + 1));
-                face(material, place, a, b, c);
-                face(material, place, a, c, d);
+                const std::uint32_t a = vertex(mapping, at(i, j), n, u_of(i), v_of(j));
+                const std::uint32_t b = vertex(mapping, at(i + 1, j), n, u_of(i + 1), v_of(j));
+                const std::uint32_t c = vertex(mapping, at(i + 1, j + 1), n, u_of(i + 1), v_of(j + 1));
+                const std::uint32_t d = vertex(mapping, at(i, j + 1), n, u_of(i), v_of(j + 1));
+                face(material, mapping, a, b, c);
+                face(material, mapping, a, c, d);
             }
         return;
     }
 
     // The normal of a vertex is the sum of the cross products of the quads around it.
-    std::vector<Point> normals(points.size(), Point(0));
+    normals.assign(points.size(), Point(0));
     for (int j = 0; j < g.rows; ++j)
         for (int i = 0; i < g.columns; ++i) {
             const Point n = cross(at(i + 1, j + 1) - at(i, j), at(i, j + 1) - at(i + 1, j));
@@ -134,12 +141,12 @@ void Builder::grid(int material, const Place& place, const Grid& g, const Patch&
     const std::uint32_t first = std::uint32_t(scene_.meshes.back().vertices.size());
     for (int j = 0; j <= g.rows; ++j)
         for (int i = 0; i <= g.columns; ++i)
-            vertex(place, at(i, j), normals[std::size_t(j) * stride + i], u_of(i), v_of(j));
+            vertex(mapping, at(i, j), normals[std::size_t(j) * stride + i], u_of(i), v_of(j));
     for (int j = 0; j < g.rows; ++j)
         for (int i = 0; i < g.columns; ++i) {
             const std::uint32_t a = first + std::uint32_t(j * stride + i), b = a + 1, d = a + std::uint32_t(stride);
-            face(material, place, a, b, d + 1);
-            face(material, place, a, d + 1, d);
+            face(material, mapping, a, b, d + 1);
+            face(material, mapping, a, d + 1, d);
         }
 }
 
@@ -200,9 +207,10 @@ void Builder::lathe(int material, const Place& place, const std::vector<glm::dve
 
 void Builder::triangle(int material, const Place& place, const Point& a, const Point& b, const Point& c) {
     if (scene_.meshes.empty()) object(scene_.name);
+    const Mapping mapping(place);
     const Point n = cross(b - a, c - a);
-    const std::uint32_t i = vertex(place, a, n, 0, 0), j = vertex(place, b, n, 1, 0), k = vertex(place, c, n, 0, 1);
-    face(material, place, i, j, k);
+    const std::uint32_t i = vertex(mapping, a, n, 0, 0), j = vertex(mapping, b, n, 1, 0), k = vertex(mapping, c, n, 0, 1);
+    face(material, mapping, i, j, k);
 }
 
 Scene Builder::take() {

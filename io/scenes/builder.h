@@ -63,11 +63,19 @@ class Builder {
     Scene take();
 
   private:
-    std::uint32_t vertex(const Place& place, const Point& position, const Point& normal, double u, double v);
-    void face(int material, const Place& place, std::uint32_t a, std::uint32_t b, std::uint32_t c);
+    // A place as its vertices need it, worked out once a part.
+    struct Mapping {
+        explicit Mapping(const Place& place);
+        Place place;
+        glm::dmat3 normals;  // the inverse transpose
+        bool mirrored;       // turns the order of corners around
+    };
+    std::uint32_t vertex(const Mapping& mapping, const Point& position, const Point& normal, double u, double v);
+    void face(int material, const Mapping& mapping, std::uint32_t a, std::uint32_t b, std::uint32_t c);
 
     Scene scene_;
     std::int64_t triangles_ = 0;
+    std::vector<Point> points_, normals_;  // of the grid at hand: kept, since a scene has a million of them
 };
 
 // Noise of the plane for textures and for variety, 0..1: white from a hash of integers; smooth, with that many periods
