@@ -1,6 +1,7 @@
 #include "io/scenes/builder.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/hash.h"
@@ -29,9 +30,18 @@ glm::dvec2 sin_cos(double degrees) {
     return {host::sin(radians), host::cos(radians)};
 }
 
-double encode_srgb(double c) {
-    c = std::min(std::max(c, 0.0), 1.0);
-    return c <= 0.0031308 ? 12.92 * c : 1.055 * host::pow(c, 1 / 2.4) - 0.055;  // IEC 61966-2-1
+// The byte that stands for a linear value: rounded to nearest on the sRGB curve (IEC 61966-2-1). A table of the values
+// where the byte changes takes the place of a power a texel.
+std::uint32_t encode_srgb(double c) {
+    static const std::array<double, 255> steps = [] {
+        std::array<double, 255> s;
+        for (int k = 0; k < 255; ++k) {
+            const double encoded = (k + 0.5) / 255;
+            s[std::size_t(k)] = encoded <= 0.04045 ? encoded / 12.92 : host::pow((encoded + 0.055) / 1.055, 2.4);
+        }
+        return s;
+    }();
+    return std::uint32_t(std::upper_bound(steps.begin(), steps.end(), c) - steps.begin());
 }
 
 }  // namespace
@@ -160,6 +170,23 @@ void Builder::quad(int material, const Place& place, const Point corners[4], int
          [&](double u, double v) { return (1 - v) * ((1 - u) * a + u * b) + v * ((1 - u) * d + u * c); });
 }
 
+void Builder::sheet(int material, const Place& place, const std::vector<double>& across, const std::vector<double>& up,
+                    const std::function<bool(int, int)>& open, double texture_size) {
+    if (scene_.meshes.empty()) object(scene_.name);
+    const Mapping mapping(place);
+    const int stride = int(across.size()), rows = int(up.size());
+    const std::uint32_t first = std::uint32_t(scene_.meshes.back().vertices.size());
+    for (double y : up)
+        for (double x : across) vertex(mapping, {x, y, 0}, {0, 0, 1}, x / texture_size, -y / texture_size);
+    for (int j = 0; j + 1 < rows; ++j)
+        for (int i = 0; i + 1 < stride; ++i) {
+            if (open && open(i, j)) continue;
+            const std::uint32_t a = first + std::uint32_t(j * stride + i), d = a + std::uint32_t(stride);
+            face(material, mapping, a, a + 1, d + 1);
+            face(material, mapping, a, d + 1, d);
+        }
+}
+
 void Builder::box(int material, const Place& place, const Point& low, const Point& high, double texture_size,
                   const glm::ivec3& cells) {
     // Each side spans axes a and b, which turn counter-clockwise about the side's outward normal.
@@ -248,8 +275,7 @@ Texture paint(const std::string& name, int side, const std::function<glm::dvec3(
         for (int x = 0; x < side; ++x) {
             const glm::dvec3 c = colour((x + 0.5) / side, (y + 0.5) / side);
             std::uint32_t texel = 0xff000000u;
-            for (int k = 0; k < 3; ++k)
-                texel |= std::uint32_t(std::floor(255 * encode_srgb(c[k]) + 0.5)) << (8 * k);
+            for (int k = 0; k < 3; ++k) texel |= encode_srgb(c[k]) << (8 * k);
             texture.texels(x, y) = texel;
         }
     return texture;

@@ -47,6 +47,10 @@ class Builder {
     // Corners counter-clockwise from the front; cut into columns x rows; texture coordinates in metres / `texture_size`.
     void quad(int material, const Place& place, const Point corners[4], int columns = 1, int rows = 1,
               double texture_size = 1);
+    // A wall with openings: the rectangle between the first and last lines at x = across, y = up in the plane z = 0, its
+    // front towards +z, cut at all lines; a cell (column, row) for which `open` is true is left out.
+    void sheet(int material, const Place& place, const std::vector<double>& across, const std::vector<double>& up,
+               const std::function<bool(int, int)>& open, double texture_size = 1);
     // The box [low, high], outside in front; texture coordinates in metres / texture_size. cells: along each axis.
     void box(int material, const Place& place, const Point& low, const Point& high, double texture_size = 1,
              const glm::ivec3& cells = {1, 1, 1});
