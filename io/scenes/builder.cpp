@@ -6,6 +6,7 @@
 
 #include "core/hash.h"
 #include "core/host_math.h"
+#include "core/parallel.h"
 
 namespace plumb::io::scenes {
 namespace {
@@ -67,7 +68,7 @@ Place scale(const Point& by) {
     return m;
 }
 
-Builder::Builder(std::string scene_name) { scene_.name = std::move(scene_name); }
+Builder::Builder(std::string scene_name, bool counting) : counting_(counting) { scene_.name = std::move(scene_name); }
 
 int Builder::material(const Material& material) {
     scene_.materials.push_back(material);
@@ -90,6 +91,10 @@ Builder::Mapping::Mapping(const Place& p)
       normals(glm::transpose(glm::inverse(glm::dmat3(p)))),
       mirrored(glm::determinant(glm::dmat3(p)) < 0) {}
 
+void Builder::begin_mesh() {
+    if (scene_.meshes.empty()) object(scene_.name);
+}
+
 std::uint32_t Builder::vertex(const Mapping& mapping, const Point& position, const Point& normal, double u, double v) {
     Mesh& mesh = scene_.meshes.back();
     const Point p(mapping.place * glm::dvec4(position, 1));
@@ -110,7 +115,11 @@ void Builder::face(int material, const Mapping& mapping, std::uint32_t a, std::u
 }
 
 void Builder::grid(int material, const Place& place, const Grid& g, const Patch& patch) {
-    if (scene_.meshes.empty()) object(scene_.name);
+    if (counting_) {
+        triangles_ += std::int64_t(g.columns) * (2 * g.rows - (g.pole ? 1 : 0));
+        return;
+    }
+    begin_mesh();
     const int stride = g.columns + 1;
     const Mapping mapping(place);
     std::vector<Point>&points = points_, &normals = normals_;
@@ -119,18 +128,20 @@ void Builder::grid(int material, const Place& place, const Grid& g, const Patch&
         for (int i = 0; i <= g.columns; ++i)
             points[std::size_t(j) * stride + i] = patch(double(i) / g.columns, double(j) / g.rows);
     auto at = [&](int i, int j) -> const Point& { return points[std::size_t(j) * stride + i]; };
-    auto u_of = [&](int i) { return g.texture.x * i / g.columns; };
-    auto v_of = [&](int j) { return g.texture.y * j / g.rows; };
+    auto add = [&](int i, int j, const Point& normal) {
+        const glm::dvec2 t = g.projection
+                                 ? g.projection(at(i, j))
+                                 : glm::dvec2(g.texture.x * i / g.columns, g.texture.y * j / g.rows);
+        return vertex(mapping, at(i, j), normal, t.x, t.y);
+    };
 
     if (!g.smooth) {
         for (int j = 0; j < g.rows; ++j)
             for (int i = 0; i < g.columns; ++i) {
                 const Point n = cross(at(i + 1, j + 1) - at(i, j), at(i, j + 1) - at(i + 1, j));
-                const std::uint32_t a = vertex(mapping, at(i, j), n, u_of(i), v_of(j));
-                const std::uint32_t b = vertex(mapping, at(i + 1, j), n, u_of(i + 1), v_of(j));
-                const std::uint32_t c = vertex(mapping, at(i + 1, j + 1), n, u_of(i + 1), v_of(j + 1));
-                const std::uint32_t d = vertex(mapping, at(i, j + 1), n, u_of(i), v_of(j + 1));
-                face(material, mapping, a, b, c);
+                const std::uint32_t a = add(i, j, n), b = add(i + 1, j, n);
+                const std::uint32_t c = add(i + 1, j + 1, n), d = add(i, j + 1, n);
+                if (!g.pole || j > 0) face(material, mapping, a, b, c);
                 face(material, mapping, a, c, d);
             }
         return;
@@ -150,12 +161,11 @@ void Builder::grid(int material, const Place& place, const Grid& g, const Patch&
         }
     const std::uint32_t first = std::uint32_t(scene_.meshes.back().vertices.size());
     for (int j = 0; j <= g.rows; ++j)
-        for (int i = 0; i <= g.columns; ++i)
-            vertex(mapping, at(i, j), normals[std::size_t(j) * stride + i], u_of(i), v_of(j));
+        for (int i = 0; i <= g.columns; ++i) add(i, j, normals[std::size_t(j) * stride + i]);
     for (int j = 0; j < g.rows; ++j)
         for (int i = 0; i < g.columns; ++i) {
             const std::uint32_t a = first + std::uint32_t(j * stride + i), b = a + 1, d = a + std::uint32_t(stride);
-            face(material, mapping, a, b, d + 1);
+            if (!g.pole || j > 0) face(material, mapping, a, b, d + 1);
             face(material, mapping, a, d + 1, d);
         }
 }
@@ -172,9 +182,14 @@ void Builder::quad(int material, const Place& place, const Point corners[4], int
 
 void Builder::sheet(int material, const Place& place, const std::vector<double>& across, const std::vector<double>& up,
                     const std::function<bool(int, int)>& open, double texture_size) {
-    if (scene_.meshes.empty()) object(scene_.name);
-    const Mapping mapping(place);
     const int stride = int(across.size()), rows = int(up.size());
+    if (counting_) {
+        for (int j = 0; j + 1 < rows; ++j)
+            for (int i = 0; i + 1 < stride; ++i) triangles_ += open && open(i, j) ? 0 : 2;
+        return;
+    }
+    begin_mesh();
+    const Mapping mapping(place);
     const std::uint32_t first = std::uint32_t(scene_.meshes.back().vertices.size());
     for (double y : up)
         for (double x : across) vertex(mapping, {x, y, 0}, {0, 0, 1}, x / texture_size, -y / texture_size);
@@ -203,37 +218,93 @@ void Builder::box(int material, const Place& place, const Point& low, const Poin
         }
 }
 
-void Builder::lathe(int material, const Place& place, const std::vector<glm::dvec2>& profile, int segments,
-                    double texture_size, double crease_deg) {
+void Builder::sweep(int material, const Place& place, const Profile& profile, int columns, double length,
+                    double texture_size, const Sweep& path, bool closed_u) {
     // Cut the profile where it bends sharply; each stretch is a smooth grid of its own.
-    const double crease = sin_cos(crease_deg).y;
+    const std::vector<glm::dvec2>& points = profile.points;
+    const double crease = sin_cos(profile.crease_deg).y;
     std::size_t first = 0;
-    for (std::size_t i = 1; i < profile.size(); ++i) {
-        bool sharp = i + 1 == profile.size();
+    for (std::size_t i = 1; i < points.size(); ++i) {
+        bool sharp = i + 1 == points.size();
         if (!sharp) {
-            const glm::dvec2 a = profile[i] - profile[i - 1], b = profile[i + 1] - profile[i];
+            const glm::dvec2 a = points[i] - points[i - 1], b = points[i + 1] - points[i];
             sharp = a.x * b.x + a.y * b.y < crease * std::sqrt((a.x * a.x + a.y * a.y) * (b.x * b.x + b.y * b.y));
         }
         if (!sharp) continue;
-        double length = 0, widest = 0;
-        for (std::size_t k = first; k <= i; ++k) {
-            if (k > first) length += std::sqrt(glm::dot(profile[k] - profile[k - 1], profile[k] - profile[k - 1]));
-            widest = std::max(widest, profile[k].x);
-        }
+        double width = 0;
+        for (std::size_t k = first + 1; k <= i; ++k)
+            width += std::sqrt(glm::dot(points[k] - points[k - 1], points[k] - points[k - 1]));
         Grid g;
-        g.columns = segments, g.rows = int(i - first);
-        g.texture = {std::max(1.0, std::floor(2 * host::pi * widest / texture_size + 0.5)), length / texture_size};
-        g.closed_u = true;
-        grid(material, place, g, [&](double u, double v) {
-            const glm::dvec2 p = profile[first + std::size_t(v * g.rows + 0.5)], sc = sin_cos(360 * u);
-            return Point(p.x * sc.x, p.y, p.x * sc.y);
-        });
+        g.columns = columns, g.rows = int(i - first);
+        g.texture = {length / texture_size, width / texture_size};
+        g.closed_u = closed_u;
+        grid(material, place, g,
+             [&](double u, double v) { return path(u, points[first + std::size_t(v * g.rows + 0.5)]); });
         first = i;
     }
 }
 
+void Builder::lathe(int material, const Place& place, const std::vector<glm::dvec2>& profile, int segments,
+                    double texture_size, double crease_deg) {
+    // The texture closes around: the widest girth is a whole number of periods.
+    double widest = 0;
+    for (const glm::dvec2& p : profile) widest = std::max(widest, p.x);
+    const double periods = std::max(1.0, std::floor(2 * host::pi * widest / texture_size + 0.5));
+    // The quads at a pole are triangles.
+    if (counting_) triangles_ -= segments * ((profile.front().x == 0 ? 1 : 0) + (profile.back().x == 0 ? 1 : 0));
+    sweep(
+        material, place, {profile, crease_deg}, segments, periods * texture_size, texture_size,
+        [](double u, const glm::dvec2& p) {
+            const glm::dvec2 sc = sin_cos(360 * u);
+            return Point(p.x * sc.x, p.y, p.x * sc.y);
+        },
+        true);
+}
+
+void Builder::frame(int material, const Place& place, const Profile& profile, const glm::dvec2& half,
+                    const glm::ivec2& columns, double texture_size) {
+    for (int side = 0; side < 4; ++side) {
+        const bool along_x = side % 2 == 0;
+        const double sign = side < 2 ? 1 : -1, length = 2 * (along_x ? half.x : half.y);
+        // Seen from the middle, u runs from left to right.
+        sweep(material, place, profile, along_x ? columns.x : columns.y, length, texture_size,
+              [&](double u, const glm::dvec2& p) {
+                  const double x = half.x - p.x, z = half.y - p.x;
+                  return along_x ? Point(sign * x * (1 - 2 * u), p.y, sign * z)
+                                 : Point(sign * x, p.y, sign * z * (2 * u - 1));
+              });
+    }
+}
+
+void Builder::cloth(int material, const Place& place, const Grid& g, const Point& thickness, const Patch& patch) {
+    grid(material, place, g, patch);
+    Grid back = g;
+    back.texture.x = -g.texture.x;
+    // The same corners as those of the front, from right to left.
+    auto at = [&](int i, int j) { return patch(double(i) / g.columns, double(j) / g.rows); };
+    grid(material, place, back, [&](double u, double v) {
+        return at(g.columns - int(u * g.columns + 0.5), int(v * g.rows + 0.5)) - thickness;
+    });
+    Grid edge;
+    edge.texture = {0.01, 0.01};
+    for (int end = 0; end < 2; ++end) {
+        edge.columns = 1, edge.rows = g.rows;
+        grid(material, place, edge, [&](double u, double v) {
+            return at(end * g.columns, int(v * g.rows + 0.5)) - ((end == 0) == (u == 0) ? thickness : Point(0));
+        });
+        edge.columns = g.columns, edge.rows = 1;
+        grid(material, place, edge, [&](double u, double v) {
+            return at(int(u * g.columns + 0.5), end * g.rows) - ((end == 0) == (v == 0) ? thickness : Point(0));
+        });
+    }
+}
+
 void Builder::triangle(int material, const Place& place, const Point& a, const Point& b, const Point& c) {
-    if (scene_.meshes.empty()) object(scene_.name);
+    if (counting_) {
+        ++triangles_;
+        return;
+    }
+    begin_mesh();
     const Mapping mapping(place);
     const Point n = cross(b - a, c - a);
     const std::uint32_t i = vertex(mapping, a, n, 0, 0), j = vertex(mapping, b, n, 1, 0), k = vertex(mapping, c, n, 0, 1);
@@ -267,18 +338,38 @@ double fractal_noise(double u, double v, int periods, int octaves, std::uint32_t
     return sum / total;
 }
 
-Texture paint(const std::string& name, int side, const std::function<glm::dvec3(double u, double v)>& colour) {
+double fit_detail(std::int64_t triangles, double low, double high,
+                  const std::function<void(Builder& builder, double detail)>& build) {
+    auto count = [&](double detail) {
+        Builder builder("", true);
+        build(builder, detail);
+        return builder.triangles();
+    };
+    for (int step = 0; step < 24; ++step) {
+        const double middle = std::sqrt(low * high);
+        (count(middle) <= triangles ? low : high) = middle;
+    }
+    return triangles - count(low) <= count(high) - triangles ? low : high;
+}
+
+Texture paint_masked(const std::string& name, int side, const std::function<glm::dvec4(double u, double v)>& colour) {
     Texture texture;
     texture.name = name;
     texture.texels = Image<std::uint32_t>(side, side);
-    for (int y = 0; y < side; ++y)
-        for (int x = 0; x < side; ++x) {
-            const glm::dvec3 c = colour((x + 0.5) / side, (y + 0.5) / side);
-            std::uint32_t texel = 0xff000000u;
-            for (int k = 0; k < 3; ++k) texel |= encode_srgb(c[k]) << (8 * k);
-            texture.texels(x, y) = texel;
-        }
+    parallel_bands(side, 16, 0, [&](int first, int last) {
+        for (int y = first; y < last; ++y)
+            for (int x = 0; x < side; ++x) {
+                const glm::dvec4 c = colour((x + 0.5) / side, (y + 0.5) / side);
+                const double alpha = std::min(std::max(c.w, 0.0), 1.0);
+                texture.texels(x, y) = encode_srgb(c.x) | encode_srgb(c.y) << 8 | encode_srgb(c.z) << 16 |
+                                       std::uint32_t(std::floor(255 * alpha + 0.5)) << 24;
+            }
+    });
     return texture;
+}
+
+Texture paint(const std::string& name, int side, const std::function<glm::dvec3(double u, double v)>& colour) {
+    return paint_masked(name, side, [&](double u, double v) { return glm::dvec4(colour(u, v), 1); });
 }
 
 }  // namespace plumb::io::scenes

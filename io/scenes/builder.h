@@ -29,11 +29,23 @@ struct Grid {
     glm::dvec2 texture{1, 1};           // texture coordinates at u = 1, v = 1; (0, 0) lies at u = 0, v = 0
     bool smooth = true;                 // shared vertices and smooth normals; false: each quad flat
     bool closed_u = false;              // u = 1 is u = 0: the normals of the seam agree (its texture coordinates do not)
+    bool pole = false;                  // v = 0 is one point: its row is of triangles
+    std::function<glm::dvec2(const Point&)> projection = {};  // texture coordinates of a position, instead of `texture`
 };
+
+// A curve in a plane that sweeps out a surface. It bends sharply where it turns by more than crease_deg.
+struct Profile {
+    std::vector<glm::dvec2> points;
+    double crease_deg = 40;
+};
+// A point of a swept surface: how far along (0..1), and which point of the profile. The front is where d/d along x
+// d/d profile points.
+using Sweep = std::function<Point(double along, const glm::dvec2& point)>;
 
 class Builder {
   public:
-    explicit Builder(std::string scene_name);
+    // counting: nothing is built, triangles() alone goes up.
+    explicit Builder(std::string scene_name, bool counting = false);
 
     // Adds a material or a texture and returns its index.
     int material(const Material& material);
@@ -58,6 +70,15 @@ class Builder {
     // sharp. Closed where the radius is 0.
     void lathe(int material, const Place& place, const std::vector<glm::dvec2>& profile, int segments,
                double texture_size = 1, double crease_deg = 40);
+    // A profile moved along a path, cut into `columns`; `length` of the path in metres, for the texture.
+    void sweep(int material, const Place& place, const Profile& profile, int columns, double length,
+               double texture_size, const Sweep& path, bool closed_u = false);
+    // The same around the rectangle |x| <= half.x, |z| <= half.y with mitred corners: profile points are (inwards from
+    // the rectangle, height), from bottom to top for a front that faces the middle; columns: along x, along z.
+    void frame(int material, const Place& place, const Profile& profile, const glm::dvec2& half,
+               const glm::ivec2& columns, double texture_size);
+    // A patch with a back `thickness` behind it and four edges: closed.
+    void cloth(int material, const Place& place, const Grid& grid, const Point& thickness, const Patch& patch);
     // A triangle with flat normal, for what nothing above fits.
     void triangle(int material, const Place& place, const Point& a, const Point& b, const Point& c);
 
@@ -74,13 +95,20 @@ class Builder {
         glm::dmat3 normals;  // the inverse transpose
         bool mirrored;       // turns the order of corners around
     };
+    void begin_mesh();
     std::uint32_t vertex(const Mapping& mapping, const Point& position, const Point& normal, double u, double v);
     void face(int material, const Mapping& mapping, std::uint32_t a, std::uint32_t b, std::uint32_t c);
 
     Scene scene_;
     std::int64_t triangles_ = 0;
+    bool counting_ = false;
     std::vector<Point> points_, normals_;  // of the grid at hand: kept, since a scene has a million of them
 };
+
+// The detail in [low, high] with which `build` makes about so many triangles, by bisection of its logarithm: more detail
+// has to mean more triangles, apart from small steps.
+double fit_detail(std::int64_t triangles, double low, double high,
+                  const std::function<void(Builder& builder, double detail)>& build);
 
 // Noise of the plane for textures and for variety, 0..1: white from a hash of integers; smooth, with that many periods
 // across the unit square so that it tiles; and a sum of octaves of it.
@@ -88,7 +116,9 @@ double white_noise(int x, int y, std::uint32_t seed);
 double smooth_noise(double u, double v, int periods, std::uint32_t seed);
 double fractal_noise(double u, double v, int periods, int octaves, std::uint32_t seed);
 
-// A texture of side x side texels from linear colours 0..1 at texel centres, sRGB-encoded.
+// A texture of side x side texels from linear colours 0..1 at texel centres, sRGB-encoded; with alpha from the second.
+// `colour` is called by several threads.
 Texture paint(const std::string& name, int side, const std::function<glm::dvec3(double u, double v)>& colour);
+Texture paint_masked(const std::string& name, int side, const std::function<glm::dvec4(double u, double v)>& colour);
 
 }  // namespace plumb::io::scenes
