@@ -108,13 +108,17 @@ glm::dmat4 orthographic_matrix(const OrthographicBox& box, Convention convention
     return assemble(1 / box.half_width, 1 / box.half_height, depth, false, convention);
 }
 
-View make_view(const Camera& camera, double aspect) {
+View make_view(const Camera& camera, double aspect) { return make_view(camera, aspect, Convention::vulkan, {1, 1}); }
+
+View make_view(const Camera& camera, double aspect, Convention convention, glm::ivec2 size) {
     View view;
-    view.world_to_view = view_matrix(camera);
-    view.view_to_clip = projection_matrix(camera, aspect);
+    view.world_to_view = view_matrix(camera, convention);
+    view.view_to_clip = half_pixel_shift(size, convention) * projection_matrix(camera, aspect, convention);
+    view.to_canonical = to_canonical(size, convention);
     view.eye = camera.position;
     view.forward = axes(camera).forward;
     view.reversed_z = camera.reversed_z;
+    view.far = camera.far;
     return view;
 }
 

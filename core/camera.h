@@ -45,8 +45,10 @@ struct OrthographicBox {
 };
 glm::dmat4 orthographic_matrix(const OrthographicBox& box, Convention convention = Convention::vulkan);
 
-// All of it at once, canonical.
+// All of it at once: canonical, or with the matrices that a program of `convention` would upload for a frame of `size`
+// pixels (which only Direct3D 9 needs, for its half-pixel shift). Every convention sees the same picture.
 View make_view(const Camera& camera, double aspect);
+View make_view(const Camera& camera, double aspect, Convention convention, glm::ivec2 size);
 
 struct Ray {
     glm::dvec3 origin, direction;  // direction is unit

@@ -1,5 +1,5 @@
-// Conventions of the graphics interfaces, as data. Everything here computes in the first; the others change matrices
-// and addressing when a program of theirs is read or checked, never a kernel.
+// Conventions of the graphics interfaces, as data. Kernels compute in the first; the others change matrices and
+// addressing, so that one scene gives one picture through the matrices of any of them.
 //
 //     view space                       clip space after the division by w    rows of the framebuffer
 //
@@ -26,6 +26,7 @@
 #include <string>
 
 #include "core/error.h"
+#include "core/image.h"
 
 namespace plumb {
 
@@ -85,6 +86,42 @@ inline glm::dmat4 half_pixel_shift(glm::ivec2 size, Convention convention) {
     shift[3][0] = 2 * pixels / size.x;
     shift[3][1] = -2 * pixels / size.y;
     return shift;
+}
+
+// From the clip space of a program that follows `convention`, half-pixel shift included, to the canonical one. Exact but
+// for depth -1..1, which costs half a unit in the last place of w.
+inline glm::dmat4 to_canonical(glm::ivec2 size, Convention convention) {
+    const ConventionRules& r = rules(convention);
+    const glm::dmat4 shift = half_pixel_shift(size, convention);
+    glm::dmat4 m(1);
+    m[3][0] = -shift[3][0];
+    if (r.clip_y_up) m[1][1] = -1, m[3][1] = shift[3][1];
+    if (r.depth_from_minus_1) m[2][2] = m[3][2] = 0.5;
+    return m;
+}
+
+// What a device of that convention holds where this project holds a canonical value, for dumps to and from it.
+
+// Depth after the division by w: what a shader multiplies by an inverse projection. The depth buffer itself holds 0..1
+// in all of them, since glDepthRange maps OpenGL's -1..1 there.
+inline double clip_depth_from_depth_buffer(double depth, Convention convention) {
+    return rules(convention).depth_from_minus_1 ? 2 * depth - 1 : depth;
+}
+inline double depth_buffer_from_clip_depth(double depth, Convention convention) {
+    return rules(convention).depth_from_minus_1 ? 0.5 * depth + 0.5 : depth;
+}
+
+// The row of memory in which row `y` from the top lies; its own inverse.
+inline int memory_row(int y, int height, Convention convention) {
+    return rules(convention).rows_from_bottom ? height - 1 - y : y;
+}
+// The image with its rows in the order of the convention's memory; its own inverse.
+template <class T>
+Image<T> in_memory_order(const Image<T>& image, Convention convention) {
+    Image<T> out = image;
+    for (int y = 0; y < image.height; ++y)
+        for (int x = 0; x < image.width; ++x) out(x, memory_row(y, image.height, convention)) = image(x, y);
+    return out;
 }
 
 }  // namespace plumb
