@@ -9,6 +9,14 @@ namespace plumb::io {
 
 const std::vector<GeneratedScene>& generated_scenes() {
     static const std::vector<GeneratedScene> scenes = {
+        {"box", "an empty box with a lamp in its ceiling (HEM plate C.9); 12 n^2 triangles", 1200, 12, 10'000'000,
+         scenes::box},
+        {"shapes", "a box with a sphere and a torus (HEM plate C.10)", 8'000, 38, 10'000'000, scenes::shapes},
+        {"furnace", "a closed sphere that emits and reflects: B = M / (1 - rho) everywhere", 5'120, 20, 10'000'000,
+         scenes::furnace},
+        {"furnace_cube", "a closed cube that emits and reflects: B = M / (1 - rho) everywhere", 1'200, 12, 10'000'000,
+         scenes::furnace_cube},
+        {"stress", "degenerate and extreme triangles, a case a cell", 20'000, 2'000, 4'000'000, scenes::stress},
     };
     return scenes;
 }

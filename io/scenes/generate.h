@@ -33,6 +33,7 @@ namespace scenes {
 Scene box(const GenerateOptions& options);
 Scene shapes(const GenerateOptions& options);
 Scene furnace(const GenerateOptions& options);
+Scene furnace_cube(const GenerateOptions& options);
 Scene atrium(const GenerateOptions& options);
 Scene hall(const GenerateOptions& options);
 Scene city(const GenerateOptions& options);
