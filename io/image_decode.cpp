@@ -44,8 +44,7 @@ const std::vector<Format>& formats() {
     return list;
 }
 
-const Format& format_of(const std::string& path) {
-    const std::string extension = extension_of(path);
+const Format& format_of(const std::string& path, const std::string& extension) {
     std::string known;
     for (const Format& f : formats()) {
         if (extension == f.extension) return f;
@@ -153,9 +152,14 @@ std::string reason(std::string message) {
 }
 
 Raw read_raw(const std::string& path) {
-    // The file goes into memory whole: its size and its first bytes are known before a decoder sees it.
-    const Format& format = format_of(path);
-    std::vector<unsigned char> file = read_bytes(path);
+    const std::string extension = extension_of(path);
+    format_of(path, extension);
+    return decode_raw(path, extension, read_bytes(path));
+}
+
+Raw decode_raw(const std::string& path, const std::string& extension, std::vector<unsigned char> file) {
+    // The file is in memory whole: its size and its first bytes are known before a decoder sees it.
+    const Format& format = format_of(path, extension);
     if (file.empty()) throw InputError(shown(path), "", "is empty; expected a picture");
     const std::string_view head(reinterpret_cast<const char*>(file.data()), std::min<std::size_t>(file.size(), 16));
     if (!format.magics.empty() && std::none_of(format.magics.begin(), format.magics.end(),
@@ -173,6 +177,7 @@ Raw read_raw(const std::string& path) {
     input->set_ioproxy(&memory);
 
     Raw raw;
+    raw.normalise = extension != "exr";
     try {
         if (!input->open(path, raw.spec, wish)) throw InputError(shown(path), "header", reason(input->geterror()));
         check_size(path, raw.spec, file.size());
@@ -196,7 +201,6 @@ Raw read_raw(const std::string& path) {
 
 compare::Picture to_float(const std::string& path, const Raw& raw) {
     const OIIO::ImageSpec& spec = raw.spec;
-    const bool normalise = extension_of(path) != "exr";
     compare::Picture picture{{spec.channelnames.begin(), spec.channelnames.end()}, spec.width, spec.height, {}};
     for (std::size_t c = 0; c < picture.channels.size(); ++c)
         for (std::size_t d = 0; d < c; ++d)
@@ -220,7 +224,7 @@ compare::Picture to_float(const std::string& path, const Raw& raw) {
     float* out = picture.data.data();
     for (std::size_t i = 0; i < pixels; ++i)
         for (std::size_t c = 0; c < types.size(); ++c)
-            *out++ = value_of(raw.bytes.data() + i * pixel_bytes + offsets[c], types[c], normalise);
+            *out++ = value_of(raw.bytes.data() + i * pixel_bytes + offsets[c], types[c], raw.normalise);
     return picture;
 }
 

@@ -19,10 +19,13 @@ inline constexpr int max_channels = 1024;
 struct Raw {
     OIIO::ImageSpec spec;
     std::vector<unsigned char> bytes;
+    bool normalise = true;  // unsigned integers stand for 0..1
 };
 
 // Throws InputError for what is not one whole, flat picture within the limits.
 Raw read_raw(const std::string& path);
+// The same of a file in memory: `extension` chooses the reader, `name` is for messages.
+Raw decode_raw(const std::string& name, const std::string& extension, std::vector<unsigned char> file);
 
 // Unsigned integers become 0..1, but for EXR, where they keep their value.
 compare::Picture to_float(const std::string& path, const Raw& raw);

@@ -18,8 +18,8 @@ namespace {
 
 constexpr std::int64_t max_texels = std::int64_t(1) << 28;
 
-// Encodes into memory, then writes the file in one go.
-void encode(const std::string& path, const char* format, const OIIO::ImageSpec& spec, const void* pixels) {
+std::vector<unsigned char> encode(const std::string& path, const char* format, const OIIO::ImageSpec& spec,
+                                  const void* pixels) {
     std::vector<unsigned char> file;
     OIIO::Filesystem::IOVecOutput memory(file);
     const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create(format);
@@ -27,6 +27,10 @@ void encode(const std::string& path, const char* format, const OIIO::ImageSpec& 
     output->set_ioproxy(&memory);
     const bool done = output->open(path, spec) && output->write_image(spec.format, pixels) && output->close();
     if (!done) throw InputError(shown(path), "", "cannot be written: " + reason(output->geterror()));
+    return file;
+}
+
+void write_encoded(const std::string& path, const std::vector<unsigned char>& file) {
     write_file(path, {{reinterpret_cast<const char*>(file.data()), file.size()}});
 }
 
@@ -81,14 +85,14 @@ void write_exr(const std::string& path, int width, int height, const std::vector
     spec.channelnames = {names.begin(), names.end()};
     spec.attribute("compression", "zip");
     spec.attribute("DateTime", "");  // without it OpenImageIO writes the time of day
-    encode(path, "openexr", spec, values.data());
+    write_encoded(path, encode(path, "openexr", spec, values.data()));
 }
 
 void write_png(const std::string& path, int width, int height, const std::uint8_t* rgb) {
     check_writable(path, width, height, 3);
     OIIO::ImageSpec spec(width, height, 3, OIIO::TypeDesc::UINT8);
     spec.attribute("oiio:ColorSpace", "sRGB");
-    encode(path, "png", spec, rgb);
+    write_encoded(path, encode(path, "png", spec, rgb));
 }
 
 FloatPicture read_picture(const std::string& path) { return to_float(path, read_raw(path)); }
@@ -119,8 +123,9 @@ FloatPicture select_layer(const FloatPicture& picture, const std::string& layer,
     return selected;
 }
 
-Texture read_texture(const std::string& path) {
-    const Raw raw = read_raw(path);
+namespace {
+
+Texture to_texture(const std::string& path, const Raw& raw) {
     const std::int64_t width = raw.spec.width, height = raw.spec.height;
     if (width * height > max_texels)
         throw InputError(shown(path), "header", fmt::format("{} x {} texels; the limit is 2^28", width, height));
@@ -150,6 +155,27 @@ Texture read_texture(const std::string& path) {
         texture.texels.data()[i] = red | green << 8 | blue << 16 | alpha << 24;
     }
     return texture;
+}
+
+}  // namespace
+
+Texture read_texture(const std::string& path) { return to_texture(path, read_raw(path)); }
+
+Texture decode_texture(const std::string& name, const std::vector<unsigned char>& file) {
+    const bool is_jpeg = file.size() > 1 && file[0] == 0xff && file[1] == 0xd8;
+    return to_texture(name, decode_raw(name, is_jpeg ? "jpg" : "png", file));
+}
+
+std::vector<unsigned char> encode_png(const std::string& name, const Image<std::uint32_t>& texels) {
+    check_writable(name, texels.width, texels.height, 4);
+    std::vector<unsigned char> bytes;
+    bytes.reserve(texels.size() * 4);
+    for (std::uint32_t texel : texels.texels)
+        for (int c = 0; c < 4; ++c) bytes.push_back(static_cast<unsigned char>(texel >> 8 * c & 255));
+    OIIO::ImageSpec spec(texels.width, texels.height, 4, OIIO::TypeDesc::UINT8);
+    spec.alpha_channel = 3;
+    spec.attribute("oiio:UnassociatedAlpha", 1);  // colours stay as they are, where alpha is 0 too
+    return encode(name, "png", spec, bytes.data());
 }
 
 }  // namespace plumb::io

@@ -43,5 +43,10 @@ std::vector<std::string> layer_names(const FloatPicture& picture);  // in the fi
 // A texture of 8 bits a channel. Integer files are taken as sRGB; files of floats as linear, rounded to 8 bits: a value
 // that is not in 0..1 (NaN too) is an error that names its pixel. Grey becomes RGB, a missing alpha 1.
 Texture read_texture(const std::string& path);
+// The same of a PNG or JPEG in memory, told apart by its first bytes; `name` is for messages.
+Texture decode_texture(const std::string& name, const std::vector<unsigned char>& file);
+
+// The bytes of a PNG of 8 bits, RGBA, straight alpha: decode_texture() returns the same texels. Throws InputError.
+std::vector<unsigned char> encode_png(const std::string& name, const Image<std::uint32_t>& texels);
 
 }  // namespace plumb::io

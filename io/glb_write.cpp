@@ -1,0 +1,283 @@
+#include "io/glb_write.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+#include "core/host_math.h"
+#include "io/file.h"
+#include "io/image_file.h"
+
+namespace plumb::io {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+enum Component : int { u32 = 5125, f32 = 5126 };
+enum Target : int { no_target = 0, vertices = 34962, indices = 34963 };
+
+// Floats are written as the doubles that they are, which JSON gives in full.
+Json numbers(const glm::vec3& v) { return {double(v.x), double(v.y), double(v.z)}; }
+
+Json columns(const glm::dmat4& m) {
+    Json out = Json::array();
+    for (int i = 0; i < 16; ++i) out.push_back(m[i / 4][i % 4]);
+    return out;
+}
+
+class GlbWriter {
+  public:
+    GlbWriter(const std::string& path, const Scene& scene) : path_(path), scene_(scene) {}
+
+    void write() {
+        json_["asset"] = {{"version", "2.0"}, {"generator", "plumb"}};
+        json_["scene"] = 0;
+        json_["scenes"] = Json::array({{{"nodes", Json::array()}}});
+        for (const char* list : {"nodes", "cameras", "materials", "meshes", "textures", "samplers", "images", "accessors",
+                                 "bufferViews"})
+            json_[list] = Json::array();
+        for (const Material& material : scene_.materials) json_["materials"].push_back(material_json(material));
+        for (const Texture& texture : scene_.textures) add_texture(texture);
+        for (const Mesh& mesh : scene_.meshes)
+            if (!mesh.triangles.empty()) add_mesh(mesh);
+        add_camera();
+        add_lights();
+        write_chunks();
+    }
+
+  private:
+    [[noreturn]] void fail(const std::string& cause) const {
+        throw InputError(shown(path_), "", "cannot be written: " + cause);
+    }
+
+    // A list of glTF's may not be empty.
+    void write_chunks() {
+        for (auto at = json_.begin(); at != json_.end();)
+            at = at.value().is_array() && at.value().empty() ? json_.erase(at) : at + 1;
+        if (!extensions_.empty()) json_["extensionsUsed"] = extensions_;
+        if (bytes_ > 0) json_["buffers"] = Json::array({{{"byteLength", bytes_}}});
+        std::string text;
+        try {
+            text = json_.dump();
+        } catch (const Json::exception&) {
+            fail("a name is not UTF-8");
+        }
+        text.append((4 - text.size() % 4) % 4, ' ');
+        const std::size_t total = 12 + 8 + text.size() + (bytes_ > 0 ? 8 + bytes_ : 0);
+        if (total > 0xffffffffu) fail("more than 4 GiB");
+        std::string head = "glTF" + word(2) + word(total) + word(text.size()) + "JSON";
+        std::vector<std::string_view> parts = {head, text};
+        const std::string binary = word(bytes_) + std::string("BIN\0", 4);
+        if (bytes_ > 0) parts.push_back(binary);
+        parts.insert(parts.end(), parts_.begin(), parts_.end());
+        write_file(path_, parts);
+    }
+
+    static std::string word(std::size_t n) {
+        std::string bytes;
+        for (int i = 0; i < 4; ++i) bytes += char(n >> 8 * i & 255);
+        return bytes;
+    }
+
+    void use_extension(const char* name) {
+        if (std::find(extensions_.begin(), extensions_.end(), name) == extensions_.end()) extensions_.push_back(name);
+    }
+
+    // Appends bytes to the buffer, zeros up to a multiple of 4, and returns the index of their view.
+    std::size_t add_view(std::string bytes, int target) {
+        Json view = {{"buffer", 0}, {"byteOffset", bytes_}, {"byteLength", bytes.size()}};
+        if (target != no_target) view["target"] = target;
+        bytes.append((4 - bytes.size() % 4) % 4, '\0');
+        bytes_ += bytes.size();
+        parts_.push_back(std::move(bytes));
+        json_["bufferViews"].push_back(std::move(view));
+        return json_["bufferViews"].size() - 1;
+    }
+
+    template <class T>
+    std::size_t add_accessor(const std::vector<T>& values, const char* type, int component, int target) {
+        std::string bytes(values.size() * sizeof(T), '\0');
+        std::memcpy(bytes.data(), values.data(), bytes.size());
+        const std::size_t view = add_view(std::move(bytes), target);
+        json_["accessors"].push_back(
+            {{"bufferView", view}, {"componentType", component}, {"count", values.size()}, {"type", type}});
+        return json_["accessors"].size() - 1;
+    }
+
+    Json attributes_json(const Mesh& mesh) {
+        const std::size_t n = mesh.vertices.size();
+        std::vector<glm::vec3> positions(n), normals(n);
+        std::vector<glm::vec2> coordinates(n);
+        glm::vec3 low(mesh.vertices[0].position), high = low;
+        for (std::size_t i = 0; i < n; ++i) {
+            const Vertex& v = mesh.vertices[i];
+            if (!std::isfinite(v.position.x + v.position.y + v.position.z) || !std::isfinite(v.u + v.v) ||
+                !std::isfinite(v.normal.x + v.normal.y + v.normal.z))
+                fail(fmt::format("vertex {} of mesh \"{}\" is not finite", i, printable(mesh.name)));
+            positions[i] = v.position, normals[i] = v.normal, coordinates[i] = {v.u, v.v};
+            for (int c = 0; c < 3; ++c)
+                low[c] = std::min(low[c], v.position[c]), high[c] = std::max(high[c], v.position[c]);
+        }
+        Json out;
+        out["POSITION"] = add_accessor(positions, "VEC3", f32, vertices);
+        json_["accessors"].back()["min"] = numbers(low);
+        json_["accessors"].back()["max"] = numbers(high);
+        out["NORMAL"] = add_accessor(normals, "VEC3", f32, vertices);
+        out["TEXCOORD_0"] = add_accessor(coordinates, "VEC2", f32, vertices);
+        if (mesh.tangents.size() == n) out["TANGENT"] = add_accessor(mesh.tangents, "VEC4", f32, vertices);
+        return out;
+    }
+
+    // One primitive a material, all on the same vertices. Where materials take turns, an accessor of numbers says where
+    // in the mesh each triangle stands: programs that do not know it draw the same surface.
+    void add_mesh(const Mesh& mesh) {
+        const Json attributes = attributes_json(mesh);
+        std::vector<std::int32_t> order;  // of first appearance
+        std::vector<int> rank(scene_.materials.size(), -1);
+        bool in_runs = true;
+        for (std::size_t t = 0; t < mesh.material.size(); ++t) {
+            int& r = rank[std::size_t(mesh.material[t])];
+            if (r < 0) {
+                r = int(order.size());
+                order.push_back(mesh.material[t]);
+            } else if (mesh.material[t] != mesh.material[t - 1]) {
+                in_runs = false;
+            }
+        }
+        std::vector<std::vector<glm::uvec3>> triangles(order.size());
+        std::vector<std::vector<std::uint32_t>> places(order.size());
+        for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+            const std::size_t r = std::size_t(rank[std::size_t(mesh.material[t])]);
+            triangles[r].push_back(mesh.triangles[t]);
+            if (!in_runs) places[r].push_back(std::uint32_t(t));
+        }
+        Json primitives = Json::array();
+        for (std::size_t r = 0; r < order.size(); ++r) {
+            const std::size_t accessor = add_accessor(triangles[r], "SCALAR", u32, indices);
+            json_["accessors"].back()["count"] = 3 * triangles[r].size();
+            Json primitive = {{"attributes", attributes}, {"indices", accessor}, {"material", order[r]}};
+            if (!in_runs)
+                primitive["extras"]["plumb"]["order"] = add_accessor(places[r], "SCALAR", u32, no_target);
+            primitives.push_back(std::move(primitive));
+        }
+        json_["meshes"].push_back({{"name", mesh.name}, {"primitives", std::move(primitives)}});
+
+        Json node = {{"name", mesh.name}, {"mesh", json_["meshes"].size() - 1}};
+        if (mesh.transform != glm::dmat4(1)) node["matrix"] = columns(mesh.transform);
+        if (mesh.dynamic) node["extras"]["plumb"]["dynamic"] = true;
+        if (mesh.share != 1) node["extras"]["plumb"]["share"] = mesh.share;
+        add_node(std::move(node));
+    }
+
+    void add_node(Json node) {
+        json_["scenes"][0]["nodes"].push_back(json_["nodes"].size());
+        json_["nodes"].push_back(std::move(node));
+    }
+
+    Json material_json(const Material& m) {
+        Json out = {{"name", m.name}};
+        Json base = numbers(m.reflectance);
+        base.push_back(double(m.alpha));
+        Json& pbr = out["pbrMetallicRoughness"] = {{"baseColorFactor", base}, {"metallicFactor", 0.0}};
+        if (m.texture >= 0) pbr["baseColorTexture"] = {{"index", m.texture}};
+
+        // Exitance over pi is a radiance. Read back as factor * (pi * strength) in double, it rounds to the same floats.
+        const double largest = double(std::max({m.emission.x, m.emission.y, m.emission.z})) / host::pi;
+        const double strength = std::max(1.0, largest);
+        if (largest > 0) {
+            Json factor = Json::array();
+            for (int c = 0; c < 3; ++c) factor.push_back(double(m.emission[c]) / host::pi / strength);
+            out["emissiveFactor"] = factor;
+        }
+        if (strength > 1) {
+            use_extension("KHR_materials_emissive_strength");
+            out["extensions"]["KHR_materials_emissive_strength"]["emissiveStrength"] = strength;
+        }
+        if (m.emission_texture >= 0) out["emissiveTexture"] = {{"index", m.emission_texture}};
+        if (m.normal_texture >= 0)
+            out["normalTexture"] = {{"index", m.normal_texture}, {"scale", double(m.normal_scale)}};
+        if (m.alpha_cutoff > 0) out["alphaMode"] = "MASK", out["alphaCutoff"] = double(m.alpha_cutoff);
+        out["doubleSided"] = true;
+        return out;
+    }
+
+    void add_texture(const Texture& texture) {
+        const std::vector<unsigned char> png = encode_png(path_ + ": " + texture.name, texture.texels);
+        const std::size_t view = add_view(std::string(png.begin(), png.end()), no_target);
+        json_["images"].push_back({{"name", texture.name}, {"mimeType", "image/png"}, {"bufferView", view}});
+        constexpr std::array<int, 3> wrap = {10497, 33648, 33071};
+        json_["samplers"].push_back({{"magFilter", texture.filter == Filter::nearest ? 9728 : 9729},
+                                     {"wrapS", wrap[std::size_t(texture.wrap_u)]},
+                                     {"wrapT", wrap[std::size_t(texture.wrap_v)]}});
+        const std::size_t number = json_["images"].size() - 1;
+        Json out = {{"name", texture.name}, {"source", number}, {"sampler", number}};
+        out["extras"]["plumb"] = {{"srgb", texture.srgb}, {"mips", texture.mips}};
+        json_["textures"].push_back(std::move(out));
+    }
+
+    // glTF's cameras and lights look along -z of their node.
+    static glm::dmat4 looking(const glm::dvec3& position, const glm::dvec3& forward, const glm::dvec3& up) {
+        const CameraAxes a = axes(forward, up);
+        glm::dmat4 m(1);
+        m[0] = glm::dvec4(a.right, 0), m[1] = glm::dvec4(a.up, 0);
+        m[2] = glm::dvec4(-forward, 0), m[3] = glm::dvec4(position, 1);
+        return m;
+    }
+
+    void add_camera() {
+        const Camera& c = scene_.camera;
+        Json perspective = {{"yfov", c.fov_y_deg * (host::pi / 180)}, {"znear", c.near}};
+        if (std::isfinite(c.far)) perspective["zfar"] = c.far;
+        json_["cameras"].push_back({{"type", "perspective"}, {"perspective", perspective}});
+        const glm::dmat4 place = looking(c.position, axes(c).forward, c.up);
+        add_node({{"name", "camera"}, {"camera", 0}, {"matrix", columns(place)}});
+    }
+
+    void add_lights() {
+        Json lights = Json::array();
+        for (const Light& light : scene_.lights) {
+            constexpr std::array<const char*, 3> types = {"spot", "point", "directional"};
+            // Photometric: candela and lux. Read back as colour * intensity / 683 in double, it rounds to the same.
+            const double largest = double(std::max({light.intensity.x, light.intensity.y, light.intensity.z}));
+            Json colour = Json::array();
+            for (int c = 0; c < 3; ++c) colour.push_back(largest > 0 ? double(light.intensity[c]) / largest : 1.0);
+            Json out = {{"type", types[std::size_t(light.type)]}, {"color", colour}, {"intensity", largest * 683}};
+            if (light.type == LightType::spot) {
+                // The inner angle has to be smaller: by one step of a double, which no float sees.
+                const double outer = double(light.cone_outer_deg) * (host::pi / 180);
+                const double inner = double(light.cone_inner_deg) * (host::pi / 180);
+                out["spot"] = {{"innerConeAngle", std::min(inner, std::nextafter(outer, 0.0))},
+                               {"outerConeAngle", outer}};
+            }
+            out["extras"]["plumb"] = {{"on", light.on}, {"rsm_size", light.rsm_size}};
+            const glm::dvec3 d(light.direction);
+            const glm::dvec3 up = std::fabs(d.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(0, 0, 1);
+            Json node = {{"name", light.name}};
+            node["matrix"] = columns(looking(glm::dvec3(light.position), d, up));
+            node["extensions"]["KHR_lights_punctual"]["light"] = lights.size();
+            lights.push_back(std::move(out));
+            add_node(std::move(node));
+        }
+        if (lights.empty()) return;
+        use_extension("KHR_lights_punctual");
+        json_["extensions"]["KHR_lights_punctual"]["lights"] = lights;
+    }
+
+    const std::string& path_;
+    const Scene& scene_;
+    Json json_;
+    std::vector<std::string> extensions_;
+    std::vector<std::string> parts_;  // of the buffer, each a multiple of 4 bytes
+    std::size_t bytes_ = 0;           // of all of them
+};
+
+}  // namespace
+
+void write_glb(const std::string& path, const Scene& scene) { GlbWriter(path, scene).write(); }
+
+}  // namespace plumb::io

@@ -1,0 +1,121 @@
+#include "io/gltf.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+#include "io/file.h"
+#include "io/gltf_document.h"
+
+namespace plumb::io {
+namespace {
+
+// Names of lights become names of layers: 1 to 64 letters, digits, _ or -, each once.
+std::string layer_name(std::string name, const std::vector<Light>& others) {
+    for (char& c : name) {
+        const bool plain =
+            (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
+        if (!plain) c = '_';
+    }
+    if (name.empty()) name = fmt::format("light{}", others.size());
+    name = name.substr(0, 64);
+    const auto taken = [&](const std::string& n) {
+        return std::any_of(others.begin(), others.end(), [&](const Light& light) { return light.name == n; });
+    };
+    for (std::size_t i = others.size(); taken(name); ++i) name = name.substr(0, 50) + fmt::format("_{}", i);
+    return name;
+}
+
+class ModelReader {
+  public:
+    ModelReader(GltfDocument& document, const GltfOptions& options) : document_(document), options_(options) {}
+
+    GltfModel read() {
+        coordinates_ = read_gltf_materials(document_, model_);
+        cache_.resize(document_.list("meshes").size());
+        const JsonValue nodes = document_.list("nodes");
+        const std::vector<GltfNode> order = read_gltf_nodes(document_);
+        for (const GltfNode& node : order)
+            if (const auto mesh = nodes[node.index]["mesh"].index(cache_.size(), "meshes")) ++cache_[*mesh].uses;
+        for (const GltfNode& node : order) add_node(nodes[node.index], node.to_world);
+        if (triangles_ == 0) throw InputError(shown(document_.path), "", "holds no triangle");
+        model_.notes = std::move(document_.notes);
+        return std::move(model_);
+    }
+
+  private:
+    struct Cached {
+        std::optional<GltfMesh> read;  // once a node has asked for it
+        std::size_t uses = 0;          // by nodes that are still to come
+    };
+
+    void add_node(const JsonValue& node, const glm::dmat4& to_world) {
+        const auto mesh = node["mesh"].index(cache_.size(), "meshes");
+        const JsonValue cameras = document_.list("cameras");
+        const auto camera = node["camera"].index(cameras.size(), "cameras");
+        const JsonValue lights = document_.list("extensions")["KHR_lights_punctual"]["lights"];
+        const auto light = node["extensions"]["KHR_lights_punctual"]["light"].index(lights.size(), "lights");
+        if (!mesh && !camera && !light) return;
+
+        double largest = 0;
+        for (int i = 0; i < 16; ++i) largest = std::max(largest, std::fabs(to_world[i / 4][i % 4]));
+        const double determinant = glm::determinant(glm::dmat3(to_world));
+        if (!(largest < 1e37) || !(std::fabs(determinant) > 0) || !std::isfinite(determinant))
+            node.fail("its transform to the world cannot be inverted");
+        if (mesh) add_mesh(node, *mesh, to_world);
+        if (camera) add_camera(cameras[*camera], to_world);
+        if (light) {
+            Light read = read_gltf_light(lights[*light], to_world, options_, document_);
+            read.name = layer_name(node["name"].text(read.name), model_.lights);
+            model_.lights.push_back(std::move(read));
+        }
+    }
+
+    void add_mesh(const JsonValue& node, std::size_t index, const glm::dmat4& to_world) {
+        Cached& cached = cache_[index];
+        if (!cached.read) cached.read = read_gltf_mesh(document_, index, model_, coordinates_);
+        triangles_ += cached.read->mesh.triangles.size(), vertices_ += cached.read->mesh.vertices.size();
+        if (triangles_ > max_gltf_total || vertices_ > max_gltf_total)
+            node.fail(fmt::format("more than {} triangles or vertices in all", max_gltf_total));
+        if (cached.read->mesh.triangles.empty()) return;
+        // The last node takes the mesh, the others a copy of it.
+        const bool has_texture_coordinates = cached.read->has_texture_coordinates;
+        Mesh mesh = --cached.uses == 0 ? std::move(cached.read->mesh) : cached.read->mesh;
+        mesh.name = node["name"].text(mesh.name);
+        mesh.transform = to_world;
+        mesh.dynamic = node.own()["dynamic"].flag(false);
+        mesh.share = node.own()["share"].number(0, 1, 1);
+        model_.meshes.push_back(std::move(mesh));
+        model_.has_texture_coordinates.push_back(has_texture_coordinates);
+    }
+
+    void add_camera(const JsonValue& json, const glm::dmat4& to_world) {
+        const std::string type = json["type"].text();
+        if (type == "orthographic") return document_.note("orthographic cameras are not read");
+        if (type != "perspective") json["type"].fail("expected perspective or orthographic");
+        if (json["perspective"]["aspectRatio"]) document_.note("a camera's aspectRatio gives way to the frame's");
+        const Camera camera = read_gltf_camera(json, to_world);
+        if (model_.has_camera) return document_.note("of several cameras the first is taken");
+        model_.has_camera = true, model_.camera = camera;
+    }
+
+    GltfDocument& document_;
+    const GltfOptions& options_;
+    GltfModel model_;
+    std::vector<TextureCoordinates> coordinates_;
+    std::vector<Cached> cache_;  // of each mesh
+    std::size_t triangles_ = 0, vertices_ = 0;
+};
+
+}  // namespace
+
+GltfModel read_gltf(const std::string& path, const GltfOptions& options) {
+    GltfDocument document;
+    document.path = path;
+    open_gltf(document);
+    return ModelReader(document, options).read();
+}
+
+}  // namespace plumb::io

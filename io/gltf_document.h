@@ -1,0 +1,99 @@
+// A glTF file taken apart: its JSON, its buffers, its accessors. Private to io/.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/scene.h"
+#include "io/gltf.h"
+#include "io/gltf_json.h"
+
+namespace plumb::io {
+
+inline constexpr std::size_t max_gltf_elements = std::size_t(1) << 28;  // of an accessor
+inline constexpr std::size_t max_gltf_total = std::size_t(1) << 28;     // triangles, and vertices, of all meshes
+inline constexpr double unbounded_number = 1.7976931348623157e308;
+
+// Part of a file: bytes that somebody else owns.
+struct ByteSpan {
+    const unsigned char* data = nullptr;
+    std::size_t size = 0;
+};
+
+struct GltfDocument {
+    std::string path;
+    std::vector<unsigned char> file;
+    GltfJson json;
+    std::vector<std::vector<unsigned char>> loaded;  // buffers that are not part of the file
+    std::vector<ByteSpan> buffers;                   // each of its declared length
+    std::vector<std::string> notes;
+
+    JsonValue root() const { return JsonValue(path, json); }
+    JsonValue list(const char* name) const { return root()[name]; }
+    // Says something once.
+    void note(const std::string& text);
+};
+
+// Reads the file and its buffers and checks the version and the extensions that it requires.
+void open_gltf(GltfDocument& document);
+
+// The bytes of a bufferView, `index` being where it is named.
+ByteSpan view_bytes(const GltfDocument& document, const JsonValue& index);
+// The bytes of a data: URI; none where it is another URI. `uri` gives the place of what is wrong.
+std::optional<std::vector<unsigned char>> decode_data_uri(const JsonValue& uri, std::string_view text);
+// The path of the file that a relative URI names, beside the document.
+std::string file_of_uri(const GltfDocument& document, const JsonValue& uri, std::string_view text);
+
+// All numbers of an accessor, element after element, `components` of them in each: 1 to 4. Floats, or integers that
+// are normalised (`integers` lists the component types that may be). `index` is where the accessor is named.
+struct FloatsWanted {
+    int components = 3;
+    std::vector<int> integers{};
+};
+std::vector<float> read_floats(const GltfDocument& document, const JsonValue& index, const FloatsWanted& wanted);
+// Unsigned integers, each below `limit`.
+std::vector<std::uint32_t> read_integers(const GltfDocument& document, const JsonValue& index, std::size_t limit,
+                                         const char* things);
+std::size_t accessor_count(const GltfDocument& document, const JsonValue& index);
+
+// How a material takes its texture coordinates.
+struct TextureCoordinates {
+    int set = 0;                                      // TEXCOORD_<set>
+    glm::dvec2 offset{0}, scale{1};
+    double rotation = 0;                              // radians
+    friend bool operator==(const TextureCoordinates& a, const TextureCoordinates& b) {
+        return a.set == b.set && a.offset == b.offset && a.scale == b.scale && a.rotation == b.rotation;
+    }
+};
+
+// Fills the model's materials and textures; one TextureCoordinates for each material.
+std::vector<TextureCoordinates> read_gltf_materials(GltfDocument& document, GltfModel& model);
+
+// One mesh without its transform, as often as nodes ask for it.
+struct GltfMesh {
+    Mesh mesh;
+    bool has_texture_coordinates = false;
+};
+GltfMesh read_gltf_mesh(GltfDocument& document, std::size_t index, GltfModel& model,
+                        const std::vector<TextureCoordinates>& coordinates);
+
+// The nodes of the default scene, parents first, each with its transform to world space.
+struct GltfNode {
+    std::size_t index;
+    glm::dmat4 to_world;
+};
+std::vector<GltfNode> read_gltf_nodes(GltfDocument& document);
+
+// What stands at a node.
+Camera read_gltf_camera(const JsonValue& camera, const glm::dmat4& to_world);
+Light read_gltf_light(const JsonValue& light, const glm::dmat4& to_world, const GltfOptions& options,
+                      GltfDocument& document);
+
+// v, or v made unit where it is not within what rounding to floats does; the zero vector stays.
+glm::vec3 made_unit(const glm::dvec3& v);
+
+}  // namespace plumb::io
