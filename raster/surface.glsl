@@ -3,11 +3,16 @@
 layout(std430, binding = 1) readonly buffer Vertices { vec4 vertices[]; };    // [vertex][2]: position m, u; normal, v
 layout(std430, binding = 2) readonly buffer Triangles { int triangles[]; };   // [triangle][3]
 layout(std430, binding = 3) readonly buffer TriangleMaterial { int triangle_material[]; };
-layout(std430, binding = 4) readonly buffer Materials { vec4 materials[]; };  // [material][4]: reflectance; emission
-layout(std430, binding = 5) readonly buffer MaterialTexture { int material_texture[]; };
+layout(std430, binding = 4) readonly buffer Materials { vec4 materials[]; };  // [material][4]: surface_kernel.h
+layout(std430, binding = 5) readonly buffer Tangents { vec4 tangents[]; };    // [vertex]; w: side of the bitangent
 layout(std430, binding = 6) readonly buffer Textures { ivec4 textures[]; };   // first texel, width, height, flags
 layout(std430, binding = 7) readonly buffer Texels { int texels[]; };         // RGBA8
 layout(std430, binding = 8) readonly buffer Decode { float decode[]; };       // [2][256]
+
+const int flag_nearest = 1;
+const int flag_srgb = 2;
+const int wrap_u_shift = 2;
+const int wrap_v_shift = 4;
 
 struct Surface {
     vec3 position;
@@ -41,79 +46,159 @@ vec3 face_normal(vec3 e1, vec3 e2) {
 
 float side_of(float x) { return x < 0.0 ? -1.0 : 1.0; }
 
-vec3 viewed_normal(vec3 interpolated, vec3 face, vec3 to_viewer) {
-    bool given = dot3(interpolated, interpolated) > 0.0;
-    vec3 n = given ? interpolated : face;
+float viewed_side(vec3 face, vec3 n, vec3 to_viewer) {
+    precise float side = side_of(dot3(face, to_viewer)) * side_of(dot3(face, n));
+    return side;
+}
+
+vec3 normalised(vec3 n) {
     precise float length_n = max(sqrt(dot3(n, n)), 1e-30);
-    float side = side_of(dot3(face, to_viewer)) * side_of(dot3(face, n));
-    precise vec3 unit = vec3(n.x / length_n * side, n.y / length_n * side, n.z / length_n * side);
+    precise vec3 unit = vec3(n.x / length_n, n.y / length_n, n.z / length_n);
     return unit;
 }
 
-int repeat(int i, int size) {
-    int up = i < 0 ? i + size : i;
-    return up >= size ? up - size : up;
+struct MaterialRow {
+    vec4 reflectance_alpha;
+    vec4 emission_cutoff;
+    int base;
+    int emission;
+    int normal;
+    float normal_scale;
+};
+
+MaterialRow fetch_material(int material) {
+    vec4 rows = materials[material * 4 + 2];
+    return MaterialRow(materials[material * 4], materials[material * 4 + 1], int(rows.x), int(rows.y), int(rows.z),
+                       rows.w);
 }
 
-vec3 fetch_texel(int at, int curve) {
-    int texel = texels[at];
-    return vec3(decode[curve + (texel & 255)], decode[curve + ((texel >> 8) & 255)],
-                decode[curve + ((texel >> 16) & 255)]);
-}
-
-float texture_coordinate(float u, int size, bool nearest) {
-    precise float along = (u - floor(u)) * float(size);
+float texel_coordinate(float u, int size, int wrap, bool nearest) {
+    bool mirrored = wrap == 1;
+    bool clamped = wrap == 2;
+    precise float periods = u * (mirrored ? 0.5 : 1.0);
+    precise float within = clamped ? min(max(u, 0.0), 1.0) : periods - floor(periods);
+    precise float along = within * float(mirrored ? size + size : size);
     precise float coordinate = nearest ? floor(along) : along - 0.5;
-    return coordinate;
+    return abs(u) <= 3.40282347e+38 ? coordinate : 0.0;
 }
 
-float filter_texels(float a, float b, float c, float d, float along_u, float along_v) {
-    precise float upper = a + along_u * (b - a);
-    precise float lower = c + along_u * (d - c);
-    precise float value = upper + along_v * (lower - upper);
-    return value;
+int wrap_index(int i, int size, int wrap) {
+    bool mirrored = wrap == 1;
+    bool clamped = wrap == 2;
+    int below = mirrored ? -1 - i : i + size;
+    int above = mirrored ? size + size - 1 - i : i - size;
+    int folded = i < 0 ? below : (i < size ? i : above);
+    return min(max(clamped ? i : folded, 0), size - 1);
 }
 
-vec3 sample_texture(int row, vec2 uv) {
+struct TexelQuad {
+    int a;
+    int b;
+    int c;
+    int d;
+    float along_u;
+    float along_v;
+    int curve;
+};
+
+TexelQuad fetch_quad(int row, vec2 uv) {
     int first = textures[row].x;
     int width = textures[row].y;
     int height = textures[row].z;
     int flags = textures[row].w;
-    int curve = (flags & 2) << 7;
-    bool nearest = (flags & 1) > 0;
+    int wrap_u = (flags >> wrap_u_shift) & 3;
+    int wrap_v = (flags >> wrap_v_shift) & 3;
+    bool nearest = (flags & flag_nearest) > 0;
 
-    float x = texture_coordinate(uv.x, width, nearest);
-    float y = texture_coordinate(uv.y, height, nearest);
+    float x = texel_coordinate(uv.x, width, wrap_u, nearest);
+    float y = texel_coordinate(uv.y, height, wrap_v, nearest);
     float left = floor(x);
     float top = floor(y);
+    int i = int(left);
+    int j = int(top);
+    int x0 = wrap_index(i, width, wrap_u);
+    int x1 = wrap_index(i + 1, width, wrap_u);
+    int upper = first + wrap_index(j, height, wrap_v) * width;
+    int lower = first + wrap_index(j + 1, height, wrap_v) * width;
     precise float along_u = x - left;
     precise float along_v = y - top;
+    return TexelQuad(texels[upper + x0], texels[upper + x1], texels[lower + x0], texels[lower + x1], along_u, along_v,
+                     (flags & flag_srgb) << 7);
+}
 
-    int x0 = repeat(min(max(int(left), -1), width), width);
-    int y0 = repeat(min(max(int(top), -1), height), height);
-    int x1 = repeat(x0 + 1, width);
-    int y1 = repeat(y0 + 1, height);
+float filter_channel(TexelQuad q, int curve, int channel) {
+    float a = decode[curve + ((q.a >> (8 * channel)) & 255)];
+    float b = decode[curve + ((q.b >> (8 * channel)) & 255)];
+    float c = decode[curve + ((q.c >> (8 * channel)) & 255)];
+    float d = decode[curve + ((q.d >> (8 * channel)) & 255)];
+    precise float upper = a + q.along_u * (b - a);
+    precise float lower = c + q.along_u * (d - c);
+    precise float value = upper + q.along_v * (lower - upper);
+    return value;
+}
+vec3 filter_rgb(TexelQuad q, int curve) {
+    return vec3(filter_channel(q, curve, 0), filter_channel(q, curve, 1), filter_channel(q, curve, 2));
+}
 
-    vec3 a = fetch_texel(first + y0 * width + x0, curve);
-    vec3 b = fetch_texel(first + y0 * width + x1, curve);
-    vec3 c = fetch_texel(first + y1 * width + x0, curve);
-    vec3 d = fetch_texel(first + y1 * width + x1, curve);
-    return vec3(filter_texels(a.x, b.x, c.x, d.x, along_u, along_v),
-                filter_texels(a.y, b.y, c.y, d.y, along_u, along_v),
-                filter_texels(a.z, b.z, c.z, d.z, along_u, along_v));
+vec3 times3(vec3 a, vec3 b) {
+    precise vec3 product = a * b;
+    return product;
+}
+
+vec3 mapped_normal(MaterialRow m, int v0, int v1, int v2, vec2 uv, vec2 l, vec3 n) {
+    vec4 t0 = tangents[v0];
+    vec4 t1 = tangents[v1];
+    vec4 t2 = tangents[v2];
+    precise vec4 dt1 = t1 - t0;
+    precise vec4 dt2 = t2 - t0;
+    vec3 tangent = interpolate3(t0.xyz, dt1.xyz, dt2.xyz, l);
+    float side = interpolate(t0.w, dt1.w, dt2.w, l);
+
+    TexelQuad q = fetch_quad(m.normal, uv);
+    vec3 texel = filter_rgb(q, 0);
+    precise float x = (2.0 * texel.x - 1.0) * m.normal_scale;
+    precise float y = (2.0 * texel.y - 1.0) * m.normal_scale;
+    precise float z = 2.0 * texel.z - 1.0;
+    precise float w = y * side;
+    precise vec3 across = vec3(n.y * tangent.z - n.z * tangent.y, n.z * tangent.x - n.x * tangent.z,
+                               n.x * tangent.y - n.y * tangent.x);
+    precise vec3 mapped = vec3((x * tangent.x + w * across.x) + z * n.x, (x * tangent.y + w * across.y) + z * n.y,
+                               (x * tangent.z + w * across.z) + z * n.z);
+    return mapped;
+}
+
+vec2 interpolate_uv(vec2 a, vec2 b, vec2 c, vec2 l) {
+    precise vec2 d1 = b - a;
+    precise vec2 d2 = c - a;
+    return vec2(interpolate(a.x, d1.x, d2.x, l), interpolate(a.y, d1.y, d2.y, l));
+}
+
+// Whether there is a surface at all. A fragment stage that draws a masked material discards where there is none.
+bool passes_alpha(int triangle, vec2 l) {
+    MaterialRow m = fetch_material(triangle_material[triangle]);
+    int v0 = triangles[triangle * 3] * 2;
+    int v1 = triangles[triangle * 3 + 1] * 2;
+    int v2 = triangles[triangle * 3 + 2] * 2;
+    vec2 uv = interpolate_uv(vec2(vertices[v0].w, vertices[v0 + 1].w), vec2(vertices[v1].w, vertices[v1 + 1].w),
+                             vec2(vertices[v2].w, vertices[v2 + 1].w), l);
+    TexelQuad q = fetch_quad(m.base, uv);
+    precise float alpha = m.reflectance_alpha.w * filter_channel(q, 0, 3);
+    float cutoff = m.emission_cutoff.w;
+    return !(cutoff > 0.0) || alpha >= cutoff;
 }
 
 // viewer: xyz m, w 1: where the viewer is; w 0: the direction towards it.
 Surface surface(int triangle, vec2 l, vec4 viewer) {
-    int v0 = triangles[triangle * 3] * 2;
-    int v1 = triangles[triangle * 3 + 1] * 2;
-    int v2 = triangles[triangle * 3 + 2] * 2;
-    vec4 p0 = vertices[v0];
-    vec4 p1 = vertices[v1];
-    vec4 p2 = vertices[v2];
-    vec4 n0 = vertices[v0 + 1];
-    vec4 n1 = vertices[v1 + 1];
-    vec4 n2 = vertices[v2 + 1];
+    int v0 = triangles[triangle * 3];
+    int v1 = triangles[triangle * 3 + 1];
+    int v2 = triangles[triangle * 3 + 2];
+    vec4 p0 = vertices[v0 * 2];
+    vec4 p1 = vertices[v1 * 2];
+    vec4 p2 = vertices[v2 * 2];
+    vec4 n0 = vertices[v0 * 2 + 1];
+    vec4 n1 = vertices[v1 * 2 + 1];
+    vec4 n2 = vertices[v2 * 2 + 1];
+    MaterialRow m = fetch_material(triangle_material[triangle]);
 
     Surface s;
     precise vec3 e1 = p1.xyz - p0.xyz;
@@ -124,20 +209,30 @@ Surface surface(int triangle, vec2 l, vec4 viewer) {
     precise vec3 dn1 = n1.xyz - n0.xyz;
     precise vec3 dn2 = n2.xyz - n0.xyz;
     vec3 interpolated = interpolate3(n0.xyz, dn1, dn2, l);
-    s.normal = viewed_normal(interpolated, face_normal(e1, e2), to_viewer);
+    vec3 face = face_normal(e1, e2);
+    bool given = dot3(interpolated, interpolated) > 0.0;
+    vec3 n = given ? interpolated : face;
+    float side = viewed_side(face, n, to_viewer);
 
-    int material = triangle_material[triangle];
-    vec3 reflectance = materials[material * 4].xyz;
-    s.emission = materials[material * 4 + 1].xyz;
-    s.albedo = reflectance;
-    int row = material_texture[material];
-    if (row > 0) {
-        precise vec2 du = vec2(p1.w - p0.w, p2.w - p0.w);
-        precise vec2 dv = vec2(n1.w - n0.w, n2.w - n0.w);
-        vec2 uv = vec2(interpolate(p0.w, du.x, du.y, l), interpolate(n0.w, dv.x, dv.y, l));
-        vec3 colour = sample_texture(row, uv);
-        precise vec3 albedo = reflectance * colour;
-        s.albedo = albedo;
+    vec2 uv = vec2(0.0);
+    if ((m.base | m.emission | m.normal) > 0)
+        uv = interpolate_uv(vec2(p0.w, n0.w), vec2(p1.w, n1.w), vec2(p2.w, n2.w), l);
+    if (m.normal > 0) {
+        vec3 unit = given ? n : normalised(face);
+        n = mapped_normal(m, v0, v1, v2, uv, l, unit);
+    }
+    precise vec3 seen = normalised(n) * side;
+    s.normal = seen;
+
+    s.albedo = m.reflectance_alpha.xyz;
+    if (m.base > 0) {
+        TexelQuad q = fetch_quad(m.base, uv);
+        s.albedo = times3(s.albedo, filter_rgb(q, q.curve));
+    }
+    s.emission = m.emission_cutoff.xyz;
+    if (m.emission > 0) {
+        TexelQuad q = fetch_quad(m.emission, uv);
+        s.emission = times3(s.emission, filter_rgb(q, q.curve));
     }
     return s;
 }

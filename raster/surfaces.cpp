@@ -2,16 +2,24 @@
 
 #include <fmt/format.h>
 
+#include <cstring>
+
 #include "core/error.h"
 #include "core/host_math.h"
 
 namespace plumb::raster {
 namespace {
 
-void append_texture(Surfaces& s, const Image<std::uint32_t>& image, bool nearest, bool srgb) {
-    s.textures.insert(s.textures.end(), {std::int32_t(s.texels.size()), image.width, image.height,
-                                         (nearest ? 1 : 0) | (srgb ? 2 : 0)});
-    for (const std::uint32_t texel : image.texels) s.texels.push_back(std::int32_t(texel));
+void append_texture(Surfaces& s, const Image<std::uint32_t>& image, std::int32_t flags) {
+    s.textures.insert(s.textures.end(), {std::int32_t(s.texels.size()), image.width, image.height, flags});
+    const std::size_t first = s.texels.size();
+    s.texels.resize(first + image.size());
+    std::memcpy(s.texels.data() + first, image.texels.data(), 4 * image.size());
+}
+
+std::int32_t flags_of(const Texture& t) {
+    return (t.filter == Filter::nearest ? flag_nearest : 0) | (t.srgb ? flag_srgb : 0) |
+           int(t.wrap_u) << wrap_u_shift | int(t.wrap_v) << wrap_v_shift;
 }
 
 // Texels are addressed by 32-bit indices, and their coordinates must be exact in a float.
@@ -23,6 +31,25 @@ void check(const Texture& texture, std::size_t texels_so_far) {
     if (image.width > (1 << 22) || image.height > (1 << 22) || texels_so_far + image.size() >= (std::size_t(1) << 31))
         throw InputError(fmt::format("texture \"{}\": {} x {} texels, after {} of others: at most 2^31 fit in all",
                                      texture.name, image.width, image.height, texels_so_far));
+}
+
+// The row of a material's texture, as a kernel reads it from a record of floats: exact below 2^24.
+float row_of(const Material& m, const char* field, int texture, std::size_t textures) {
+    if (texture < -1 || texture >= int(textures))
+        throw InputError(fmt::format("material \"{}\": {} = {}: the scene has {}", m.name, field, texture, textures));
+    return float(texture + 1);
+}
+
+void append_material(Surfaces& s, const Material& m, std::size_t textures, bool tangents) {
+    const float base = row_of(m, "texture", m.texture, textures);
+    const float emission = row_of(m, "emission_texture", m.emission_texture, textures);
+    const float normal = row_of(m, "normal_texture", m.normal_texture, textures);
+    s.materials.insert(s.materials.end(), {m.reflectance.x, m.reflectance.y, m.reflectance.z, m.alpha,    //
+                                           m.emission.x, m.emission.y, m.emission.z, m.alpha_cutoff,      //
+                                           base, emission, tangents ? normal : 0.0f, m.normal_scale,      //
+                                           0, 0, 0, 0});
+    s.masked.push_back(m.alpha_cutoff > 0 ? 1 : 0);
+    s.any_masked = s.any_masked || m.alpha_cutoff > 0;
 }
 
 }  // namespace
@@ -41,20 +68,15 @@ Buffer<float> decode_table() {
 Surfaces prepare(const Scene& scene, const Geometry& geometry) {
     Surfaces s;
     s.decode = decode_table();
-    append_texture(s, Image<std::uint32_t>(1, 1, 0xffffffffu), true, false);
+    append_texture(s, Image<std::uint32_t>(1, 1, 0xffffffffu), flag_nearest);
+    if (scene.textures.size() >= (std::size_t(1) << 24))
+        throw InputError(fmt::format("{} textures: at most 2^24 - 1", scene.textures.size()));
     for (const Texture& texture : scene.textures) {
         check(texture, s.texels.size());
-        append_texture(s, texture.texels, texture.filter == Filter::nearest, texture.srgb);
+        append_texture(s, texture.texels, flags_of(texture));
     }
-    for (const Material& m : scene.materials) {
-        if (m.texture < -1 || m.texture >= int(scene.textures.size()))
-            throw InputError(fmt::format("material \"{}\": texture = {}: the scene has {}", m.name, m.texture,
-                                         scene.textures.size()));
-        s.materials.insert(s.materials.end(), {m.reflectance.x, m.reflectance.y, m.reflectance.z, 0,  //
-                                               m.emission.x, m.emission.y, m.emission.z, 0,           //
-                                               0, 0, 0, 0, 0, 0, 0, 0});
-        s.material_texture.push_back(m.texture + 1);
-    }
+    for (const Material& m : scene.materials)
+        append_material(s, m, scene.textures.size(), !geometry.tangents.empty());
     for (std::size_t t = 0; t < geometry.material.size(); ++t)
         if (geometry.material[t] < 0 || geometry.material[t] >= int(scene.materials.size()))
             throw InputError(fmt::format("triangle {}: material = {}: the scene has {}", t, geometry.material[t],
@@ -65,10 +87,10 @@ Surfaces prepare(const Scene& scene, const Geometry& geometry) {
 SurfaceArgs surface_args(const Geometry& geometry, const Surfaces& surfaces, const View& view) {
     SurfaceArgs a{};
     a.vertices = reinterpret_cast<const float*>(geometry.vertices.data());  // null where there is none
+    a.tangents = reinterpret_cast<const float*>(geometry.tangents.data());
     a.triangles = reinterpret_cast<const std::int32_t*>(geometry.triangles.data());
     a.material = geometry.material.data();
     a.materials = surfaces.materials.data();
-    a.material_texture = surfaces.material_texture.data();
     a.textures = surfaces.textures.data();
     a.texels = surfaces.texels.data();
     a.decode = surfaces.decode.data();
@@ -82,11 +104,13 @@ std::vector<Port> surface_ports() {
         {"vertices", "buffer vec4", "m", "[vertex][2]: position, u; normal, v"},
         {"triangles", "buffer i32", "", "[triangle][3] vertices"},
         {"material", "buffer i32", "", "[triangle] material"},
-        {"materials", "buffer vec4", "W/m2", "[material][4]: reflectance; emission; padding"},
-        {"material_texture", "buffer i32", "", "[material] texture, 0 = none"},
-        {"textures", "buffer i32", "", "[texture][4]: first texel, width, height, 1 nearest | 2 sRGB"},
+        {"materials", "buffer vec4", "W/m2",
+         "[material][4]: reflectance, alpha; emission, alpha cutoff; textures (base, emission, normal), normal scale"},
+        {"textures", "buffer i32", "",
+         "[texture][4]: first texel, width, height, 1 nearest | 2 sRGB | 4 wrap u | 16 wrap v; 0 is white"},
         {"texels", "buffer i32", "", "RGBA8 texels of all textures"},
         {"decode", "buffer f32", "", "[2][256]: byte to linear value, plain and sRGB"},
+        {"tangents", "buffer vec4", "", "[vertex]: tangent, side of the bitangent; empty where no map reads them"},
     };
 }
 

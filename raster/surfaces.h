@@ -13,15 +13,18 @@
 namespace plumb::raster {
 
 struct Surfaces {
-    Buffer<float> materials;                // [material][16]: reflectance rgb 0, emission rgb 0 (W/m2), padding
-    Buffer<std::int32_t> material_texture;  // [material]: row of `textures`
-    Buffer<std::int32_t> textures;          // [texture][4]: first texel, width, height, 1 nearest | 2 sRGB
-    Buffer<std::int32_t> texels;            // RGBA8, red in the lowest byte
-    Buffer<float> decode;                   // [2][256]: byte / 255, and the exact sRGB curve, each rounded once
+    Buffer<float> materials;        // [material][16]: reflectance, alpha; emission (W/m2), alpha cutoff; rows of
+                                    // `textures` (base, emission, normal; 0: none), scale of the normal; padding
+    Buffer<std::int32_t> masked;    // [material]: 1 where the alpha cutoff is above 0
+    bool any_masked = false;
+    Buffer<std::int32_t> textures;  // [texture][4]: first texel, width, height, flags (surface_kernel.h)
+    Buffer<std::int32_t> texels;    // RGBA8, red in the lowest byte
+    Buffer<float> decode;           // [2][256]: byte / 255, and the exact sRGB curve, each rounded once
 };
 
-// Row 0 of `textures` is one white texel, for materials that have none; texture i of the scene is row i + 1. Throws
-// InputError for indices out of range and for textures without texels.
+// Row 0 of `textures` is one white texel, for materials that have none; texture i of the scene is row i + 1. A normal
+// map is dropped where the geometry has no tangents. Throws InputError for indices out of range and for textures without
+// texels.
 Surfaces prepare(const Scene& scene, const Geometry& geometry);
 
 // [2][256], as above.

@@ -60,7 +60,7 @@ struct Dump {
 
     // What the two raster passes read.
     Json surface_inputs() {
-        const std::int64_t triangles = geometry.triangles.size(), materials = surfaces.material_texture.size();
+        const std::int64_t triangles = geometry.triangles.size(), materials = surfaces.masked.size();
         return {
             {"vertices", files.array("scene.vertices", {std::int64_t(geometry.vertices.size()), 8},
                                      reinterpret_cast<const float*>(geometry.vertices.data()))},
@@ -68,11 +68,12 @@ struct Dump {
                                       reinterpret_cast<const std::uint32_t*>(geometry.triangles.data()))},
             {"material", files.array("scene.material", {triangles}, geometry.material.data())},
             {"materials", files.array("scene.materials", {materials, 16}, surfaces.materials.data())},
-            {"material_texture", files.array("scene.material_texture", {materials}, surfaces.material_texture.data())},
             {"textures",
              files.array("scene.textures", {std::int64_t(surfaces.textures.size() / 4), 4}, surfaces.textures.data())},
             {"texels", files.array("scene.texels", {std::int64_t(surfaces.texels.size())}, surfaces.texels.data())},
-            {"decode", files.array("scene.decode", {2, 256}, surfaces.decode.data())}};
+            {"decode", files.array("scene.decode", {2, 256}, surfaces.decode.data())},
+            {"tangents", files.array("scene.tangents", {std::int64_t(geometry.tangents.size()), 4},
+                                     reinterpret_cast<const float*>(geometry.tangents.data()))}};
     }
 
     Json gbuffer_outputs() {
