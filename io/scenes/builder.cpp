@@ -62,6 +62,15 @@ Place turn_y(double degrees) {
     return m;
 }
 
+Place turn_x(double degrees) {
+    const glm::dvec2 sc = sin_cos(degrees);
+    Place m(1);
+    m[1][1] = m[2][2] = sc.y;
+    m[1][2] = sc.x;
+    m[2][1] = -sc.x;
+    return m;
+}
+
 Place scale(const Point& by) {
     Place m(1);
     for (int axis = 0; axis < 3; ++axis) m[axis][axis] = by[axis];

@@ -21,6 +21,8 @@ Place move(const Point& by);
 Place turn_y(double degrees);  // counter-clockwise seen from above: +z towards +x
 Place scale(const Point& by);
 
+Place turn_x(double degrees);  // counter-clockwise seen from the right: +y towards +z
+
 // A point (u, v) of a surface patch, both 0..1; the front is where d/du x d/dv points.
 using Patch = std::function<Point(double u, double v)>;
 

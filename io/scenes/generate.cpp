@@ -16,6 +16,8 @@ const std::vector<GeneratedScene>& generated_scenes() {
          scenes::furnace},
         {"furnace_cube", "a closed cube that emits and reflects: B = M / (1 - rho) everywhere", 1'200, 12, 10'000'000,
          scenes::furnace_cube},
+        {"atrium", "a courtyard with arcades, curtains and a fountain: the kind of place that VRSM calls Sponza", 262'000,
+         8'000, 4'000'000, scenes::atrium},
         {"city", "a historic city by a river, 600 m wide (the scale of LRA 7.1's Rome)", 4'000'000, 1'000, 20'000'000,
          scenes::city},
         {"stress", "degenerate and extreme triangles, a case a cell", 20'000, 2'000, 4'000'000, scenes::stress},
