@@ -11,3 +11,10 @@ find_package(CLI11 REQUIRED)
 # OpenImageIO's CMake package names a path of OpenCV that Debian 12 does not have, so its pkg-config file is used.
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(OpenImageIO REQUIRED IMPORTED_TARGET OpenImageIO)
+
+# Optional: for tools/vulkan, which runs scenes and twins on a Vulkan device (libvulkan-dev; mesa-vulkan-drivers is a
+# software device).
+find_package(Vulkan QUIET)
+if(NOT TARGET Vulkan::Vulkan)
+  message(STATUS "Vulkan not found (libvulkan-dev): built without comparisons against Vulkan devices")
+endif()
