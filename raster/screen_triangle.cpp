@@ -67,19 +67,26 @@ Buffer<glm::vec4> clip_positions(const Geometry& geometry, const View& view, int
     std::vector<int> wrong(std::size_t(n / chunk + 1), n);
     parallel_bands(n, chunk, threads, [&](int first, int last) {
         for (int i = last - 1; i >= first; --i) {
-            const glm::dvec3 p(geometry.vertices[i].position);
-            for (int r = 0; r < 4; ++r)
-                clip[i][r] = float(m[0][r] * p.x + m[1][r] * p.y + m[2][r] * p.z + m[3][r]);
+            clip[i] = clip_position(m, geometry.vertices[i].position);
             if (!finite(clip[i])) wrong[first / chunk] = i;
         }
     });
     const int i = *std::min_element(wrong.begin(), wrong.end());
-    if (i < n) {
-        const glm::vec3 p = geometry.vertices[i].position;
-        throw InputError(fmt::format("raster: vertex {} at ({}, {}, {}) m: its clip position is not finite in a float",
-                                     i, p.x, p.y, p.z));
-    }
+    if (i < n) throw_not_finite(geometry, i);
     return clip;
+}
+
+glm::vec4 clip_position(const glm::dmat4& m, const glm::vec3& position) {
+    const glm::dvec3 p(position);
+    glm::vec4 clip;
+    for (int r = 0; r < 4; ++r) clip[r] = float(m[0][r] * p.x + m[1][r] * p.y + m[2][r] * p.z + m[3][r]);
+    return clip;
+}
+
+void throw_not_finite(const Geometry& geometry, int i) {
+    const glm::vec3 p = geometry.vertices[i].position;
+    throw InputError(fmt::format("raster: vertex {} at ({}, {}, {}) m: its clip position is not finite in a float", i,
+                                 p.x, p.y, p.z));
 }
 
 void append_triangle(ScreenTriangles& out, const glm::vec4 corners[3], std::int32_t triangle, glm::ivec2 size,
@@ -95,7 +102,11 @@ void append_triangle(ScreenTriangles& out, const glm::vec4 corners[3], std::int3
 }
 
 ScreenTriangles screen_triangles(const Geometry& geometry, const View& view, glm::ivec2 size, int threads) {
-    const Buffer<glm::vec4> positions = clip_positions(geometry, view, threads);
+    return screen_triangles(geometry, clip_positions(geometry, view, threads), size, threads);
+}
+
+ScreenTriangles screen_triangles(const Geometry& geometry, const Buffer<glm::vec4>& positions, glm::ivec2 size,
+                                 int threads) {
     const ClipVolume volume = clip_volume(size);
     const int n = int(geometry.triangles.size());
     std::vector<ScreenTriangles> chunks(std::size_t((n + chunk - 1) / chunk));
@@ -135,11 +146,11 @@ void covered_columns(const EdgeRow edges[3], std::int64_t& first, std::int64_t& 
     }
 }
 
-glm::vec2 barycentrics(const ScreenTriangle& t, const std::vector<PieceCorners>& corners, const double e[3]) {
+glm::vec2 barycentrics(const ScreenTriangle& t, const PieceCorners* corners, const double e[3]) {
     const double q[3] = {e[0] * t.inverse_w[0], e[1] * t.inverse_w[1], e[2] * t.inverse_w[2]};
     const double sum = q[0] + q[1] + q[2];
     if (t.corners < 0) return {float(q[1] / sum), float(q[2] / sum)};
-    const glm::dvec2* l = corners[std::size_t(t.corners)].barycentrics;
+    const glm::dvec2* l = corners[t.corners].barycentrics;
     return {float((q[0] * l[0].x + q[1] * l[1].x + q[2] * l[2].x) / sum),
             float((q[0] * l[0].y + q[1] * l[1].y + q[2] * l[2].y) / sum)};
 }

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/image.h"
+#include "core/number.h"
 #include "core/scene.h"
 #include "core/view.h"
 #include "raster/clip.h"
@@ -38,12 +39,18 @@ struct ScreenTriangles {
 // Clip-space positions, computed in double and rounded once: where a GPU's twin starts too. Throws InputError for the
 // first one that is not finite.
 Buffer<glm::vec4> clip_positions(const Geometry& geometry, const View& view, int threads);
+glm::vec4 clip_position(const glm::dmat4& world_to_clip, const glm::vec3& position);
+
+// The error about vertex i.
+[[noreturn]] void throw_not_finite(const Geometry& geometry, int i);
 
 // Appends what is seen of one triangle: itself, or the pieces of its clipped polygon, or nothing.
 void append_triangle(ScreenTriangles& out, const glm::vec4 corners[3], std::int32_t triangle, glm::ivec2 size,
                      const ClipVolume& volume);
 
 // All triangles, in their order, whatever the number of threads.
+ScreenTriangles screen_triangles(const Geometry& geometry, const Buffer<glm::vec4>& clip_positions, glm::ivec2 size,
+                                 int threads);
 ScreenTriangles screen_triangles(const Geometry& geometry, const View& view, glm::ivec2 size, int threads);
 
 // Round to nearest even of (X - 0.5) 256 for the window coordinate X = (clip / w + 1) side / 2.
@@ -54,7 +61,7 @@ ScreenTriangles screen_triangles(const Geometry& geometry, const View& view, glm
 std::int32_t snap(double clip, double w, int side);
 
 // Twice the signed area, in (1/256 pixel)^2; positive where the corners turn clockwise as seen on the screen.
-inline std::int64_t area2(const ScreenTriangle& t) {
+PLUMB_INLINE std::int64_t area2(const ScreenTriangle& t) {
     return std::int64_t(t.x[1] - t.x[0]) * (t.y[2] - t.y[0]) - std::int64_t(t.y[1] - t.y[0]) * (t.x[2] - t.x[0]);
 }
 
@@ -63,7 +70,7 @@ inline std::int64_t area2(const ScreenTriangle& t) {
 struct EdgeRow {
     std::int64_t value, step, least;
 };
-inline EdgeRow edge_row(const ScreenTriangle& t, bool clockwise, int i, int row) {
+PLUMB_INLINE EdgeRow edge_row(const ScreenTriangle& t, bool clockwise, int i, int row) {
     const int a = (i + 1) % 3, b = (i + 2) % 3, sign = clockwise ? 1 : -1;
     const std::int64_t dx = sign * (t.x[b] - t.x[a]), dy = sign * (t.y[b] - t.y[a]);
     // With y down and the inside to the right of its direction, a left edge runs up and a top edge runs to the right.
@@ -75,7 +82,7 @@ inline EdgeRow edge_row(const ScreenTriangle& t, bool clockwise, int i, int row)
 void covered_columns(const EdgeRow edges[3], std::int64_t& first, std::int64_t& last);
 
 // l1, l2 of the whole triangle at a point with edge functions e, perspective-correct:
-// l_k = sum e_i l_ki / w_i / sum e_i / w_i.
-glm::vec2 barycentrics(const ScreenTriangle& t, const std::vector<PieceCorners>& corners, const double e[3]);
+// l_k = sum e_i l_ki / w_i / sum e_i / w_i. `corners` is ScreenTriangles::corners.
+glm::vec2 barycentrics(const ScreenTriangle& t, const PieceCorners* corners, const double e[3]);
 
 }  // namespace plumb::raster

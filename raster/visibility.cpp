@@ -3,124 +3,241 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 
 #include "core/error.h"
 #include "core/parallel.h"
-#include "raster/screen_triangle.h"
+#include "raster/surfaces.h"
+#include "raster/visibility_kernel.h"
+#include "raster/visibility_reference.h"
+#include "raster/workspace.h"
 
 namespace plumb::raster {
 namespace {
 
-constexpr int band_rows = 32;
+constexpr int max_tiles = 4096;
+constexpr int few_tiles = 16;         // a triangle that touches more is `large`
+constexpr std::size_t max_triangles = std::size_t(chunk_triangles) << (31 - chunk_bits);
 
-// Which triangles touch which band of rows: entries[start[b]..start[b + 1]), in drawing order.
-struct Bins {
-    std::vector<std::size_t> start;
-    std::vector<std::int32_t> entries;
+// The frame cut into squares of 64 pixels, larger where there would be too many.
+struct Tiles {
+    int shift = 6;
+    glm::ivec2 count;
+    explicit Tiles(glm::ivec2 size) {
+        while (true) {
+            count = {((size.x - 1) >> shift) + 1, ((size.y - 1) >> shift) + 1};
+            if (count.x * count.y <= max_tiles) break;
+            ++shift;
+        }
+    }
+    int total() const { return count.x * count.y; }
+    int side() const { return 1 << shift; }
 };
 
-// Rows whose centres lie within the triangle's extent, clipped to [first, last); empty: first >= last.
-struct Rows {
-    int first, last;
+// What a call draws: a view's picture of the geometry, or clip positions that are given.
+struct Source {
+    const Geometry& geometry;
+    const Surfaces* surfaces;
+    glm::dmat4 world_to_clip;
+    const Buffer<glm::vec4>* clip;
+    bool reversed_z;
+
+    glm::vec4 position(std::uint32_t vertex) const {
+        return clip ? (*clip)[vertex] : clip_position(world_to_clip, geometry.vertices[vertex].position);
+    }
+    bool is_masked(std::int32_t triangle) const {
+        if (!surfaces || !surfaces->any_masked) return false;
+        return surfaces->masked[std::size_t(geometry.material[std::size_t(triangle)])] != 0;
+    }
 };
-Rows touched_rows(const ScreenTriangle& t, int first, int last) {
-    const int low = std::min({t.y[0], t.y[1], t.y[2]}), high = std::max({t.y[0], t.y[1], t.y[2]});
-    return {std::max(first, (low + 255) >> 8), std::min(last, (high >> 8) + 1)};
+
+// Transforms all vertices. Throws for the first that is not finite.
+void transform_vertices(const Source& source, glm::ivec2 size, const RunOptions& options, Workspace& memory) {
+    const std::size_t n = source.clip ? source.clip->size() : source.geometry.vertices.size();
+    VertexArgs args{};
+    if (source.clip)
+        args.clip = n ? &source.clip->data()->x : nullptr;
+    else
+        args.vertices = n ? &source.geometry.vertices.data()->position.x : nullptr;
+    for (int c = 0; c < 4; ++c)
+        for (int r = 0; r < 4; ++r) args.world_to_clip[c][r] = source.world_to_clip[c][r];
+    args.size = size;
+    const ClipVolume volume = clip_volume(size);
+    for (int axis = 0; axis < 2; ++axis) args.guard[axis] = float(volume.guard[axis] * (1 - 0x1p-20));
+    args.window = memory.window.reserve(n);
+    args.depths = memory.depths.reserve(n);
+
+    std::atomic<int> wrong{INT_MAX};
+    dispatch(options.isa, [&](auto isa) {
+        parallel_bands(int(n), 4096, options.threads, [&](int first, int last) {
+            const int here = VisibilityKernels<isa()>::window_vertices(args, first, last);
+            for (int now = wrong; here < now && !wrong.compare_exchange_weak(now, here);) {}
+        });
+    });
+    if (wrong == INT_MAX) return;
+    if (source.clip)
+        throw InputError(fmt::format("raster: vertex {}: its clip position is not finite", wrong.load()));
+    throw_not_finite(source.geometry, wrong);
 }
 
-Bins sort_into_bands(const std::vector<ScreenTriangle>& triangles, int first, int last) {
-    Bins bins;
-    bins.start.assign(std::size_t((last - first + band_rows - 1) / band_rows) + 1, 0);
-    auto for_each_band = [&](auto&& visit) {
-        for (std::size_t i = 0; i < triangles.size(); ++i) {
-            const Rows rows = touched_rows(triangles[i], first, last);
-            if (rows.first >= rows.last) continue;
-            for (int b = (rows.first - first) / band_rows; b <= (rows.last - 1 - first) / band_rows; ++b) visit(b, i);
+// A triangle that needs no clipping, from vertices that are in window space already.
+ScreenTriangle window_triangle(const WindowVertex* window, const VertexDepth* depths, const glm::uvec3& corners,
+                               std::int32_t triangle) {
+    ScreenTriangle t;
+    for (int i = 0; i < 3; ++i) {
+        t.x[i] = window[corners[i]].x, t.y[i] = window[corners[i]].y;
+        t.z[i] = depths[corners[i]].z, t.inverse_w[i] = depths[corners[i]].inverse_w;
+    }
+    t.triangle = triangle;
+    t.corners = -1;
+    return t;
+}
+
+// Lists what may be seen of triangles [first, last), in their order: as append_triangle does it, but for triangles that
+// cover no pixel centre.
+void collect(const Source& source, glm::ivec2 size, const WindowVertex* window, const VertexDepth* depths,
+             const std::int32_t* kept, int count, ScreenTriangles& out) {
+    const ClipVolume volume = clip_volume(size);
+    out.triangles.clear();
+    out.corners.clear();
+    for (int k = 0; k < count; ++k) {
+        const std::int32_t i = kept[k] < 0 ? -1 - kept[k] : kept[k];
+        const glm::uvec3& c = source.geometry.triangles[std::size_t(i)];
+        if (kept[k] < 0) {
+            const glm::vec4 corners[3] = {source.position(c.x), source.position(c.y), source.position(c.z)};
+            append_triangle(out, corners, i, size, volume);
+        } else if (const ScreenTriangle t = window_triangle(window, depths, c, i); area2(t) != 0) {
+            out.triangles.push_back(t);
+        }
+    }
+}
+
+// Sorts a chunk's triangles into the tiles that their boxes touch.
+void sort_into_tiles(const Source& source, const Tiles& tiles, glm::ivec2 size, VisibleChunk& chunk) {
+    auto pixels = [](const std::int32_t c[3], int side) {
+        const int low = std::min({c[0], c[1], c[2]}), high = std::max({c[0], c[1], c[2]});
+        return glm::ivec2(std::max(0, (low + 255) >> 8), std::min(side - 1, high >> 8));
+    };
+    auto for_each_tile = [&](auto&& visit, auto&& visit_large) {
+        for (std::size_t k = 0; k < chunk.screen.triangles.size(); ++k) {
+            const ScreenTriangle& t = chunk.screen.triangles[k];
+            const glm::ivec2 columns = pixels(t.x, size.x), rows = pixels(t.y, size.y);
+            if (columns[0] > columns[1] || rows[0] > rows[1]) continue;
+            const std::uint16_t entry = std::uint16_t(k | (source.is_masked(t.triangle) ? masked : 0));
+            const int left = columns[0] >> tiles.shift, right = columns[1] >> tiles.shift;
+            const int top = rows[0] >> tiles.shift, bottom = rows[1] >> tiles.shift;
+            if ((right - left + 1) * (bottom - top + 1) > few_tiles) {
+                visit_large(entry);
+                continue;
+            }
+            for (int y = top; y <= bottom; ++y)
+                for (int x = left; x <= right; ++x) visit(std::size_t(y * tiles.count.x + x), entry);
         }
     };
-    for_each_band([&](int b, std::size_t) { ++bins.start[std::size_t(b) + 1]; });
-    for (std::size_t b = 1; b < bins.start.size(); ++b) bins.start[b] += bins.start[b - 1];
-    bins.entries.resize(bins.start.back());
-    std::vector<std::size_t> next(bins.start.begin(), bins.start.end() - 1);
-    for_each_band([&](int b, std::size_t i) { bins.entries[next[std::size_t(b)]++] = std::int32_t(i); });
-    return bins;
+    // Counts are kept two places further on and starts one, so that filling moves each start to where it belongs.
+    chunk.large.clear();
+    chunk.start.assign(std::size_t(tiles.total()) + 2, 0);
+    for_each_tile([&](std::size_t tile, std::uint16_t) { ++chunk.start[tile + 2]; },
+                  [&](std::uint16_t entry) { chunk.large.push_back(entry); });
+    for (std::size_t i = 1; i < chunk.start.size(); ++i) chunk.start[i] += chunk.start[i - 1];
+    chunk.entries.resize(chunk.start.back());
+    for_each_tile([&](std::size_t tile, std::uint16_t entry) { chunk.entries[chunk.start[tile + 1]++] = entry; },
+                  [](std::uint16_t) {});
 }
 
-// Draws one triangle into rows [first, last): depth, and who won it.
-void draw_triangle(const ScreenTriangle& t, std::int32_t index, bool reversed_z, int first, int last,
-                   VisibilityBuffer& out, Image<std::int32_t>& winner, int winner_row) {
-    const std::int64_t area = area2(t);
-    const bool clockwise = area > 0;
-    const double scale = 1 / double(clockwise ? area : -area);
-    const double z[3] = {t.z[0] * scale, t.z[1] * scale, t.z[2] * scale};
-    const int low = std::min({t.x[0], t.x[1], t.x[2]}), high = std::max({t.x[0], t.x[1], t.x[2]});
-    const Rows rows = touched_rows(t, first, last);
-    for (int y = rows.first; y < rows.last; ++y) {
-        const EdgeRow edges[3] = {edge_row(t, clockwise, 0, y), edge_row(t, clockwise, 1, y),
-                                  edge_row(t, clockwise, 2, y)};
-        std::int64_t x = std::max(0, (low + 255) >> 8), end = std::min(out.depth.width - 1, high >> 8);
-        covered_columns(edges, x, end);
-        for (; x <= end; ++x) {
-            // Depth is affine in the window: the weights are exact, and one rounding to float ends the sum.
-            double depth = 0;
-            for (int i = 0; i < 3; ++i) depth += double(edges[i].value + edges[i].step * x) * z[i];
-            const float d = std::min(float(depth), 1.0f);
-            float& nearest = out.depth(int(x), y);
-            if (reversed_z ? d > nearest : d < nearest) {
-                nearest = d;
-                winner(int(x), y - winner_row) = index;
-            }
-        }
-    }
+// Fills the workspace's chunks with all triangles that may be seen.
+void set_up_triangles(const Source& source, const Tiles& tiles, glm::ivec2 size, const RunOptions& options,
+                      Workspace& memory) {
+    const std::size_t n = source.geometry.triangles.size();
+    if (n > max_triangles) throw InputError(fmt::format("raster: {} triangles: expected {} at most", n, max_triangles));
+    const std::size_t chunks = (n + chunk_triangles - 1) / chunk_triangles;
+    if (memory.chunks.size() < chunks) memory.chunks.resize(chunks);
+    const WindowVertex* window = memory.window.reserve(0);
+    const VertexDepth* depths = memory.depths.reserve(0);
+    const CullArgs args{reinterpret_cast<const std::int32_t*>(source.geometry.triangles.data()), window, size};
+    dispatch(options.isa, [&](auto isa) {
+        parallel_bands(int(n), chunk_triangles, options.threads, [&](int first, int last) {
+            VisibleChunk& chunk = memory.chunks[std::size_t(first / chunk_triangles)];
+            std::int32_t kept[chunk_triangles];
+            const int count = VisibilityKernels<isa()>::cull(args, first, last, kept);
+            collect(source, size, window, depths, kept, count, chunk.screen);
+            sort_into_tiles(source, tiles, size, chunk);
+        });
+    });
 }
 
-// Names the triangle of each pixel and where in it the pixel's centre lies.
-void resolve_winners(const ScreenTriangles& screen, const Image<std::int32_t>& winner, int first, int last,
-                     VisibilityBuffer& out) {
-    for (int y = first; y < last; ++y) {
-        for (int x = 0; x < out.triangle.width; ++x) {
-            const std::int32_t w = winner(x, y - first);
-            if (w < 0) continue;
-            const ScreenTriangle& t = screen.triangles[std::size_t(w)];
-            const bool clockwise = area2(t) > 0;
-            double e[3];
-            for (int i = 0; i < 3; ++i) {
-                const EdgeRow edge = edge_row(t, clockwise, i, y);
-                e[i] = double(edge.value + edge.step * x);
-            }
-            out.triangle(x, y) = t.triangle;
-            out.barycentrics(x, y) = barycentrics(t, screen.corners, e);
-        }
+void draw_tiles(const Source& source, const Tiles& tiles, glm::ivec2 size, const RunOptions& options,
+                Workspace& memory, VisibilityBuffer& out) {
+    std::vector<ChunkView> views;
+    const std::size_t chunks = (source.geometry.triangles.size() + chunk_triangles - 1) / chunk_triangles;
+    for (std::size_t i = 0; i < chunks; ++i) {
+        const VisibleChunk& c = memory.chunks[i];
+        if (c.entries.empty() && c.large.empty()) continue;
+        views.push_back({c.screen.triangles.data(), c.screen.corners.data(), c.start.data(), c.entries.data(),
+                         c.large.data(), std::int32_t(c.large.size())});
     }
+    const SurfaceArgs surfaces =
+        source.surfaces ? surface_args(source.geometry, *source.surfaces, View()) : SurfaceArgs();
+    const TileArgs args{views.data(), int(views.size()), size, tiles.side(), source.reversed_z, &surfaces,
+                        out.triangle.data(), out.depth.data(), &out.barycentrics.data()->x};
+    dispatch(options.isa, [&](auto isa) {
+        parallel_bands(tiles.total(), 1, options, [&](int tile, int) {
+            const std::size_t pixels = std::size_t(tiles.side()) * std::size_t(tiles.side());
+            Scratch<float> nearest;
+            Scratch<std::int32_t> winner;
+            const glm::ivec2 origin{tile % tiles.count.x * tiles.side(), tile / tiles.count.x * tiles.side()};
+            VisibilityKernels<isa()>::draw_tile(args, tile, origin, nearest.reserve(pixels), winner.reserve(pixels));
+        });
+    });
+}
+
+void draw(const Source& source, glm::ivec2 size, const RunOptions& options, VisibilityBuffer& out,
+          Workspace* workspace) {
+    check_frame_size(size);
+    if (out.depth.width != size.x || out.depth.height != size.y)
+        out = {Image<std::int32_t>(size.x, size.y), Image1(size.x, size.y), Image<glm::vec2>(size.x, size.y)};
+    Workspace fresh;
+    Workspace& memory = workspace ? *workspace : fresh;
+    const Tiles tiles(size);
+    transform_vertices(source, size, options, memory);
+    set_up_triangles(source, tiles, size, options, memory);
+    draw_tiles(source, tiles, size, options, memory, out);
 }
 
 }  // namespace
 
-VisibilityBuffer draw_visibility_rows(const Geometry& geometry, const View& view, glm::ivec2 size, int first, int last,
-                                      const RunOptions& options) {
+void check_frame_size(glm::ivec2 size) {
     if (size.x < 1 || size.y < 1 || size.x > max_frame_side || size.y > max_frame_side)
         throw InputError(fmt::format("raster: size = {} x {}: expected 1 to {} pixels a side", size.x, size.y,
                                      max_frame_side));
-    VisibilityBuffer out{Image<std::int32_t>(size.x, size.y, -1), Image1(size.x, size.y, view.reversed_z ? 0.0f : 1.0f),
-                         Image<glm::vec2>(size.x, size.y, glm::vec2(0))};
-    const ScreenTriangles screen = screen_triangles(geometry, view, size, options.threads);
-    const Bins bins = sort_into_bands(screen.triangles, first, last);
-    parallel_bands(last - first, band_rows, options, [&](int from, int to) {
-        const std::size_t band = std::size_t(from / band_rows);
-        Image<std::int32_t> winner(size.x, to - from, -1);
-        for (std::size_t k = bins.start[band]; k < bins.start[band + 1]; ++k) {
-            const std::int32_t i = bins.entries[k];
-            draw_triangle(screen.triangles[std::size_t(i)], i, view.reversed_z, first + from, first + to, out, winner,
-                          first + from);
-        }
-        resolve_winners(screen, winner, first + from, first + to, out);
-    });
-    return out;
+}
+
+void draw_visibility(const Geometry& geometry, const Surfaces* surfaces, const View& view, glm::ivec2 size,
+                     const RunOptions& options, VisibilityBuffer& out, Workspace* workspace) {
+    draw({geometry, surfaces, view.world_to_clip(), nullptr, view.reversed_z}, size, options, out, workspace);
+}
+
+void draw_visibility(const Geometry& geometry, const Surfaces* surfaces, const Buffer<glm::vec4>& clip_positions,
+                     bool reversed_z, glm::ivec2 size, const RunOptions& options, VisibilityBuffer& out,
+                     Workspace* workspace) {
+    draw({geometry, surfaces, glm::dmat4(1), &clip_positions, reversed_z}, size, options, out, workspace);
 }
 
 VisibilityBuffer draw_visibility(const Geometry& geometry, const View& view, glm::ivec2 size,
                                  const RunOptions& options) {
-    return draw_visibility_rows(geometry, view, size, 0, size.y, options);
+    VisibilityBuffer out;
+    draw_visibility(geometry, nullptr, view, size, options, out);
+    return out;
+}
+
+VisibilityBuffer draw_visibility_rows(const Geometry& geometry, const View& view, glm::ivec2 size, int first, int last,
+                                      const RunOptions& options) {
+    return reference_visibility(geometry, nullptr, view, size, first, last, options);
+}
+
+VisibilityBuffer draw_visibility_rows(const Geometry& geometry, const Surfaces* surfaces, const View& view,
+                                      glm::ivec2 size, int first, int last, const RunOptions& options) {
+    return reference_visibility(geometry, surfaces, view, size, first, last, options);
 }
 
 }  // namespace plumb::raster

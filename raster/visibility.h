@@ -12,6 +12,7 @@
 #include "core/isa.h"
 #include "core/scene.h"
 #include "core/view.h"
+#include "raster/surfaces.h"
 
 namespace plumb::raster {
 
@@ -23,15 +24,30 @@ struct VisibilityBuffer {
     Image<glm::vec2> barycentrics;  // l1, l2 of the whole, unclipped triangle, perspective-correct; l0 = 1 - l1 - l2
 };
 
-// Memory that passes keep from one frame to the next; what it holds never changes a result.
+// Memory that passes keep from one frame to the next (raster/workspace.h); what it holds never changes a result.
 struct Workspace;
 
-// Throws InputError for a size outside 1..max_frame_side and for vertices that are not finite.
+// Draws what the view sees. With surfaces, nothing is drawn, no depth either, where a material's alpha is below its
+// cutoff. The memory of `out` is used again if it has the size. Throws InputError for a size outside 1..max_frame_side
+// and for vertices that are not finite.
+void draw_visibility(const Geometry& geometry, const Surfaces* surfaces, const View& view, glm::ivec2 size,
+                     const RunOptions& options, VisibilityBuffer& out, Workspace* workspace = nullptr);
+
+// The same from clip positions, one a vertex.
+void draw_visibility(const Geometry& geometry, const Surfaces* surfaces, const Buffer<glm::vec4>& clip_positions,
+                     bool reversed_z, glm::ivec2 size, const RunOptions& options, VisibilityBuffer& out,
+                     Workspace* workspace = nullptr);
+
+// The same without alpha masks.
 VisibilityBuffer draw_visibility(const Geometry& geometry, const View& view, glm::ivec2 size,
                                  const RunOptions& options);
 
-// The same for rows [first, last) alone; the other rows see nothing.
+// The same for rows [first, last) alone, slowly; the other rows see nothing.
+VisibilityBuffer draw_visibility_rows(const Geometry& geometry, const Surfaces* surfaces, const View& view,
+                                      glm::ivec2 size, int first, int last, const RunOptions& options);
 VisibilityBuffer draw_visibility_rows(const Geometry& geometry, const View& view, glm::ivec2 size, int first, int last,
                                       const RunOptions& options);
+
+void check_frame_size(glm::ivec2 size);
 
 }  // namespace plumb::raster

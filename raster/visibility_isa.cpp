@@ -1,0 +1,377 @@
+#include "raster/visibility_kernel.h"
+#include "raster/wide_double.h"
+
+namespace plumb::raster {
+namespace {
+
+using namespace PLUMB_ISA;
+using F = PLUMB_ISA::Real;
+using D = PLUMB_ISA::Doubles;
+using N = number<F>;
+using I = index_t<F>;
+using M = mask_t<F>;
+constexpr int width = N::width;
+
+template <class T>
+struct Lanes {
+    alignas(64) T lane[width];
+};
+
+// ---- vertices ---------------------------------------------------------------------------------------------------------
+
+PLUMB_INLINE vec4<F> clip_position(const VertexArgs& in, I i) {
+    if (!in.vertices) return N::fetch4(in.clip, i);
+    const vec4<F> p = N::fetch4(in.vertices, i * I(2));
+    const D x = widen(p.x), y = widen(p.y), z = widen(p.z);
+    const auto& m = in.world_to_clip;
+    auto row = [&](int r) { return narrow(D(m[0][r]) * x + D(m[1][r]) * y + D(m[2][r]) * z + D(m[3][r])); };
+    return {row(0), row(1), row(2), row(3)};
+}
+
+PLUMB_INLINE M finite(const vec4<F>& p) {
+    const F zero(0.0f);
+    return M((p.x - p.x == zero) & (p.y - p.y == zero) & (p.z - p.z == zero) & (p.w - p.w == zero));
+}
+
+PLUMB_INLINE I bit_where(M m, int bit) { return select(m, I(bit), I(0)); }
+
+// Comparing is exact, so the frame's planes are. The guard band's are not: a vertex within a few 2^-20 of them, or with
+// a w that a float hardly holds, is left to the clipping, which then finds it inside.
+PLUMB_INLINE I planes_beyond(const VertexArgs& in, const vec4<F>& p) {
+    const F zero(0.0f), lowest_w(0x1p-100f);
+    const I frame = bit_where(p.z < zero, 1) | bit_where(p.w < p.z, 2) | bit_where(p.x < -p.w, 4) |
+                    bit_where(p.w < p.x, 8) | bit_where(p.y < -p.w, 16) | bit_where(p.w < p.y, 32);
+    const M simple = M((p.z >= zero) & (p.w >= p.z) & (p.w >= lowest_w) & (abs(p.x) <= F(in.guard[0]) * p.w) &
+                       (abs(p.y) <= F(in.guard[1]) * p.w));
+    return frame | select(simple, I(0), I(may_need_clipping));
+}
+
+// As snap() does it.
+PLUMB_INLINE I snap_lanes(D clip, D w, int side) {
+    return round_to_index(clip * D(128.0 * side) / w) + I(128 * (side - 1));
+}
+
+// ---- culling ----------------------------------------------------------------------------------------------------------
+
+struct Span {
+    I low, high;    // of the corners, 1/256 pixel
+    I first, last;  // pixels whose centres lie within, clipped to the frame
+};
+PLUMB_INLINE Span span(const I c[3], int side) {
+    const I low = min(min(c[0], c[1]), c[2]), high = max(max(c[0], c[1]), c[2]);
+    return {low, high, max((low + I(255)) >> 8, I(0)), min(high >> 8, I(side - 1))};
+}
+
+// Whether triangles less than 64 pixels wide and high cover the centre of a pixel within their box: products of
+// differences are below 2^28.
+PLUMB_INLINE M covers(const I x[3], const I y[3], I column, I row) {
+    const I area = (x[1] - x[0]) * (y[2] - y[0]) - (y[1] - y[0]) * (x[2] - x[0]);
+    const I sign = select(area > I(0), I(1), I(-1));
+    I slack[3];
+    for (int i = 0; i < 3; ++i) {
+        const int a = (i + 1) % 3, b = (i + 2) % 3;
+        const I dx = sign * (x[b] - x[a]), dy = sign * (y[b] - y[a]);
+        const M top_left = M((dy < I(0)) | ((dy == I(0)) & (dx > I(0))));
+        const I e = dx * ((row << 8) - y[a]) + dy * (x[a] - (column << 8));
+        slack[i] = select(top_left, e, e - I(1));
+    }
+    return !any_negative(slack[0], slack[1], slack[2]);
+}
+
+// ---- drawing ----------------------------------------------------------------------------------------------------------
+
+// What is drawn into: a tile's rows, `side` pixels each. Reversed depths are kept negated, so that nearer is less.
+struct Tile {
+    glm::ivec2 origin, end;  // pixels of the frame; end is clipped to the frame
+    int side;
+    float* nearest;
+    std::int32_t* winner;
+    float sign;
+};
+
+// The columns and rows of the tile that the triangle's box holds, inclusive.
+struct Box {
+    int left, right, top, bottom;
+    bool small;
+};
+PLUMB_INLINE Box box_in(const Tile& tile, const ScreenTriangle& t) {
+    const int low_x = min(min(t.x[0], t.x[1]), t.x[2]), high_x = max(max(t.x[0], t.x[1]), t.x[2]);
+    const int low_y = min(min(t.y[0], t.y[1]), t.y[2]), high_y = max(max(t.y[0], t.y[1]), t.y[2]);
+    return {max(tile.origin.x, (low_x + 255) >> 8), min(tile.end.x - 1, high_x >> 8),
+            max(tile.origin.y, (low_y + 255) >> 8), min(tile.end.y - 1, high_y >> 8),
+            max(high_x - low_x, high_y - low_y) < 64 * 256};
+}
+
+// Edge functions of a packet of columns: 32-bit integers where the triangle is less than 64 pixels wide and high (below
+// 2^30, also in the lanes of the packet that lie outside), else doubles, exact too (below 2^53).
+PLUMB_INLINE I edge_lanes(I, std::int64_t value, std::int64_t step) {
+    return I(std::int32_t(value)) + I(std::int32_t(step)) * N::iota(0);
+}
+PLUMB_INLINE D edge_lanes(D, std::int64_t value, std::int64_t step) {
+    return D(double(value)) + D(double(step)) * widen(N::iota(0));
+}
+PLUMB_INLINE I edge_splat(I, std::int64_t value) { return I(std::int32_t(value)); }
+PLUMB_INLINE D edge_splat(D, std::int64_t value) { return D(double(value)); }
+
+// Draws a triangle into a tile. `alpha_test(e, wins)` may take lanes away from those that pass the depth test.
+template <class E, class AlphaTest>
+PLUMB_INLINE void draw_triangle(const ScreenTriangle& t, std::int32_t id, const Box& box, const Tile& tile,
+                                const AlphaTest& alpha_test) {
+    const std::int64_t area = area2(t);
+    const bool clockwise = area > 0;
+    const double scale = 1 / double(clockwise ? area : -area);
+    const int first = box.left & -width;
+    E edge[3], right[3], down[3], least[3];
+    D z[3];
+    for (int i = 0; i < 3; ++i) {
+        const EdgeRow e = edge_row(t, clockwise, i, box.top), next = edge_row(t, clockwise, i, box.top + 1);
+        edge[i] = edge_lanes(E(), e.value + e.step * first, e.step);
+        right[i] = edge_splat(E(), e.step * width);
+        down[i] = edge_splat(E(), next.value - e.value);
+        least[i] = edge_splat(E(), e.least);
+        // Adding 0 turns a depth of -0 into 0: no sum of lanes that are covered is then -0 before the sign is applied.
+        z[i] = D(double(tile.sign) * (t.z[i] * scale + 0.0));
+    }
+    std::ptrdiff_t at_row = std::ptrdiff_t(box.top - tile.origin.y) * tile.side + (first - tile.origin.x);
+    for (int y = box.top; y <= box.bottom; ++y, at_row += tile.side) {
+        E e[3] = {edge[0], edge[1], edge[2]};
+        std::ptrdiff_t at = at_row;
+        for (int x = first; x <= box.right; x += width, at += width) {
+            const M inside = !any_negative(e[0] - least[0], e[1] - least[1], e[2] - least[2]);
+            if (any(inside)) {
+                const D sum = widen(e[0]) * z[0] + widen(e[1]) * z[1] + widen(e[2]) * z[2];
+                const F depth = max(min(narrow(sum), F(1.0f)), F(-1.0f)), nearest = load_lanes<F>(tile.nearest + at);
+                const M wins = alpha_test(e, M(inside & (depth < nearest)));
+                if (any(wins)) {
+                    store_lanes(tile.nearest + at, select(wins, depth, nearest));
+                    store_lanes(tile.winner + at, select(wins, I(id), load_lanes<I>(tile.winner + at)));
+                }
+            }
+            for (int i = 0; i < 3; ++i) e[i] = e[i] + right[i];
+        }
+        for (int i = 0; i < 3; ++i) edge[i] = edge[i] + down[i];
+    }
+}
+
+// True where one edge leaves all of the box outside.
+PLUMB_INLINE bool misses(const ScreenTriangle& t, const Box& box) {
+    const bool clockwise = area2(t) > 0;
+    for (int i = 0; i < 3; ++i) {
+        const EdgeRow top = edge_row(t, clockwise, i, box.top), bottom = edge_row(t, clockwise, i, box.bottom);
+        const std::int64_t most = top.value > bottom.value ? top.value : bottom.value;
+        if (most + top.step * (top.step > 0 ? box.right : box.left) < top.least) return true;
+    }
+    return false;
+}
+
+// l1, l2 at points with edge functions e: as barycentrics(), for one triangle.
+template <class E>
+PLUMB_INLINE vec2<F> barycentrics_of(const ScreenTriangle& t, const PieceCorners* corners, const E* e) {
+    const D q0 = widen(e[0]) * D(t.inverse_w[0]), q1 = widen(e[1]) * D(t.inverse_w[1]),
+            q2 = widen(e[2]) * D(t.inverse_w[2]);
+    const D sum = q0 + q1 + q2;
+    if (t.corners < 0) return {narrow(q1 / sum), narrow(q2 / sum)};
+    const glm::dvec2* l = corners[t.corners].barycentrics;
+    return {narrow((q0 * D(l[0].x) + q1 * D(l[1].x) + q2 * D(l[2].x)) / sum),
+            narrow((q0 * D(l[0].y) + q1 * D(l[1].y) + q2 * D(l[2].y)) / sum)};
+}
+
+template <class E>
+PLUMB_INLINE void draw_opaque(const ScreenTriangle& t, std::int32_t id, const Box& box, const Tile& tile) {
+    draw_triangle<E>(t, id, box, tile, [](const E*, M wins) { return wins; });
+}
+
+void draw_entry(const TileArgs& in, const ChunkView& chunk, int entry, std::int32_t first_id, const Tile& tile) {
+    const int k = entry & (masked - 1);
+    const ScreenTriangle& t = chunk.triangles[k];
+    const Box box = box_in(tile, t);
+    if (box.left > box.right || box.top > box.bottom) return;
+    if (!box.small && misses(t, box)) return;
+    if (entry & masked) {
+        // Masks are rare: one form of edge functions serves all sizes.
+        draw_triangle<D>(t, first_id + k, box, tile, [&](const D* e, M wins) {
+            return any(wins) ? M(wins & passes_alpha<F>(*in.surfaces, I(t.triangle),
+                                                        barycentrics_of(t, chunk.corners, e)))
+                             : wins;
+        });
+    } else if (box.small) {
+        draw_opaque<I>(t, first_id + k, box, tile);
+    } else {
+        draw_opaque<D>(t, first_id + k, box, tile);
+    }
+}
+
+// Merges what touches this tile and what touches many, both in drawing order.
+PLUMB_INLINE void draw_chunk(const TileArgs& in, const ChunkView& chunk, int index, int tile_index, const Tile& tile) {
+    const std::uint16_t* a = chunk.entries + chunk.start[tile_index];
+    const std::uint16_t* const a_end = chunk.entries + chunk.start[tile_index + 1];
+    const std::uint16_t* b = chunk.large;
+    const std::uint16_t* const b_end = b + chunk.large_count;
+    auto order = [](std::uint16_t entry) { return entry & (masked - 1); };
+    while (a < a_end || b < b_end) {
+        const bool take_a = b == b_end || (a < a_end && order(*a) < order(*b));
+        if (a + 4 < a_end) {
+            const char* ahead = reinterpret_cast<const char*>(chunk.triangles + order(a[4]));
+            __builtin_prefetch(ahead), __builtin_prefetch(ahead + 64);
+        }
+        draw_entry(in, chunk, take_a ? *a++ : *b++, index << chunk_bits, tile);
+    }
+}
+
+// ---- resolving --------------------------------------------------------------------------------------------------------
+
+// What the lanes of a packet see, each its own triangle.
+struct Seen {
+    Lanes<std::int32_t> x[3], y[3], triangle;
+    Lanes<double> inverse_w[3];
+    unsigned pieces;  // bit k: lane k sees a piece of a clipped triangle
+};
+PLUMB_INLINE const ScreenTriangle& seen_by(const TileArgs& in, std::int32_t id) {
+    return in.chunks[id >> chunk_bits].triangles[id & (masked - 1)];
+}
+PLUMB_INLINE void fetch_seen(const TileArgs& in, const std::int32_t* winner, std::int32_t fallback, Seen& seen) {
+    seen.pieces = 0;
+    for (int k = 0; k < width; ++k) {
+        const ScreenTriangle& t = seen_by(in, winner[k] < 0 ? fallback : winner[k]);
+        for (int i = 0; i < 3; ++i) {
+            seen.x[i].lane[k] = t.x[i], seen.y[i].lane[k] = t.y[i];
+            seen.inverse_w[i].lane[k] = t.inverse_w[i];
+        }
+        seen.triangle.lane[k] = winner[k] < 0 ? -1 : t.triangle;
+        seen.pieces |= unsigned(t.corners >= 0) << k;
+    }
+}
+
+// As barycentrics(), each lane with its own triangle. Edge functions of a counter-clockwise triangle are all negative
+// here: the quotients are the same but for a zero's sign, which the sum with 0 makes positive.
+PLUMB_INLINE vec2<F> barycentrics_of(const Seen& seen, int column, int row) {
+    D q[3];
+    for (int i = 0; i < 3; ++i) {
+        const int a = (i + 1) % 3, b = (i + 2) % 3;
+        const I xa = load_lanes<I>(&seen.x[a]), ya = load_lanes<I>(&seen.y[a]);
+        const I dx = load_lanes<I>(&seen.x[b]) - xa, dy = load_lanes<I>(&seen.y[b]) - ya;
+        const D e = widen(dx) * widen(I(256 * row) - ya) + widen(dy) * widen(xa - (N::iota(column) << 8));
+        q[i] = e * load_lanes<D>(&seen.inverse_w[i]);
+    }
+    const D sum = q[0] + q[1] + q[2];
+    return {narrow(q[1] / sum) + F(0.0f), narrow(q[2] / sum) + F(0.0f)};
+}
+
+glm::vec2 barycentrics_at(const TileArgs& in, std::int32_t id, int column, int row) {
+    const ScreenTriangle& t = seen_by(in, id);
+    const bool clockwise = area2(t) > 0;
+    double e[3];
+    for (int i = 0; i < 3; ++i) {
+        const EdgeRow edge = edge_row(t, clockwise, i, row);
+        e[i] = double(edge.value + edge.step * column);
+    }
+    return barycentrics(t, in.chunks[id >> chunk_bits].corners, e);
+}
+
+// Writes columns x.. of a row: n of them, which is `width` but at the frame's edge.
+PLUMB_INLINE void resolve_packet(const TileArgs& in, const float* nearest, const std::int32_t* winner, float sign,
+                                 int x, int y, int n) {
+    const std::ptrdiff_t pixel = std::ptrdiff_t(y) * in.size.x + x;
+    const I ids = load_lanes<I>(winner);
+    const unsigned covered = lane_bits(ids >= I(0));
+    Lanes<float> l1{}, l2{};
+    Seen seen;
+    store_lanes(&seen.triangle, I(-1));
+    if (covered) {
+        fetch_seen(in, winner, winner[__builtin_ctz(covered)], seen);
+        const vec2<F> l = barycentrics_of(seen, x, y);
+        store_lanes(&l1, select(ids >= I(0), l.x, F(0.0f)));
+        store_lanes(&l2, select(ids >= I(0), l.y, F(0.0f)));
+        for (unsigned left = seen.pieces & covered; left; left &= left - 1) {
+            const int k = __builtin_ctz(left);
+            const glm::vec2 piece = barycentrics_at(in, winner[k], x + k, y);
+            l1.lane[k] = piece.x, l2.lane[k] = piece.y;
+        }
+    }
+    Lanes<float> depth;
+    store_lanes(&depth, load_lanes<F>(nearest) * F(sign));
+    if (n == width) {
+        store_lanes(in.triangle + pixel, load_lanes<I>(&seen.triangle));
+        store_lanes(in.depth + pixel, load_lanes<F>(&depth));
+    } else {
+        for (int k = 0; k < n; ++k) in.triangle[pixel + k] = seen.triangle.lane[k], in.depth[pixel + k] = depth.lane[k];
+    }
+    float* out = in.barycentrics + 2 * pixel;
+    for (int k = 0; k < n; ++k) out[2 * k] = l1.lane[k], out[2 * k + 1] = l2.lane[k];
+}
+
+}  // namespace
+
+template <>
+int VisibilityKernels<Isa::PLUMB_ISA>::window_vertices(const VertexArgs& in, int first, int last) {
+    int wrong = INT_MAX;
+    for (int i = first; i < last; i += width) {
+        const vec4<F> p = clip_position(in, min(N::iota(i), I(last - 1)));
+        if (const unsigned bad = lane_bits(!finite(p)); bad && wrong == INT_MAX) wrong = i + __builtin_ctz(bad);
+        const D w = widen(p.w);
+        Lanes<std::int32_t> x, y, beyond;
+        Lanes<double> z, inverse_w;
+        store_lanes(&x, snap_lanes(widen(p.x), w, in.size.x));
+        store_lanes(&y, snap_lanes(widen(p.y), w, in.size.y));
+        store_lanes(&beyond, planes_beyond(in, p));
+        store_lanes(&z, widen(p.z) / w);
+        store_lanes(&inverse_w, D(1.0) / w);
+        for (int k = 0; k < min(width, last - i); ++k) {
+            in.window[i + k] = {x.lane[k], y.lane[k], beyond.lane[k], 0};
+            in.depths[i + k] = {z.lane[k], inverse_w.lane[k]};
+        }
+    }
+    return wrong;
+}
+
+template <>
+int VisibilityKernels<Isa::PLUMB_ISA>::cull(const CullArgs& in, int first, int last, std::int32_t* kept) {
+    int count = 0;
+    for (int i = first; i < last; i += width) {
+        const I corner = min(N::iota(i), I(last - 1)) * I(3);
+        I x[3], y[3], all(-1), some(0);
+        for (int c = 0; c < 3; ++c) {
+            const I vertex = N::fetch(in.triangles, corner + I(c));
+            const vec4<F> v = N::fetch4(reinterpret_cast<const float*>(in.window), vertex);
+            x[c] = N::bits(v.x), y[c] = N::bits(v.y);
+            all = all & N::bits(v.z), some = some | N::bits(v.z);
+        }
+        const M within = M(((all & I(frame_planes)) == I(0)) & (N::iota(i) < I(last)));
+        if (!any(within)) continue;
+        const M clipped = M(within & ((some & I(may_need_clipping)) > I(0)));
+
+        // Most triangles of a fine mesh lie between the centres.
+        const Span columns = span(x, in.size.x), rows = span(y, in.size.y);
+        M seen = M(within & (columns.first <= columns.last) & (rows.first <= rows.last));
+        const I most(64 * 256);
+        const M one_pixel = M((columns.first == columns.last) & (rows.first == rows.last) &
+                              (columns.high - columns.low < most) & (rows.high - rows.low < most));
+        if (any(M(seen & one_pixel))) seen = M(seen & M(M(!one_pixel) | covers(x, y, columns.first, rows.first)));
+
+        const unsigned to_clip = lane_bits(clipped);
+        for (unsigned left = lane_bits(M(seen | clipped)); left; left &= left - 1) {
+            const int k = __builtin_ctz(left);
+            kept[count++] = to_clip >> k & 1 ? -1 - (i + k) : i + k;
+        }
+    }
+    return count;
+}
+
+template <>
+void VisibilityKernels<Isa::PLUMB_ISA>::draw_tile(const TileArgs& in, int tile_index, glm::ivec2 origin, float* nearest,
+                                                  std::int32_t* winner) {
+    Tile tile{origin, {min(in.size.x, origin.x + in.side), min(in.size.y, origin.y + in.side)}, in.side, nearest,
+              winner, in.reversed_z ? -1.0f : 1.0f};
+    for (int i = 0; i < in.side * in.side; i += width) {
+        store_lanes(nearest + i, F(in.reversed_z ? -0.0f : 1.0f));
+        store_lanes(winner + i, I(-1));
+    }
+    for (int c = 0; c < in.chunk_count; ++c) draw_chunk(in, in.chunks[c], c, tile_index, tile);
+    for (int y = origin.y; y < tile.end.y; ++y)
+        for (int x = origin.x; x < tile.end.x; x += width) {
+            const std::ptrdiff_t at = std::ptrdiff_t(y - origin.y) * in.side + (x - origin.x);
+            resolve_packet(in, nearest + at, winner + at, tile.sign, x, y, min(width, tile.end.x - x));
+        }
+}
+
+}  // namespace plumb::raster

@@ -1,0 +1,83 @@
+// The visibility pass in three kernels, compiled once per instruction set (visibility_isa.cpp): vertices to window
+// space, culling of triangles, drawing of a tile. visibility.cpp runs them; visibility_reference.cpp says the same
+// slowly.
+#pragma once
+
+#include <climits>
+#include <cstdint>
+#include <glm/glm.hpp>
+
+#include "core/isa.h"
+#include "raster/screen_triangle.h"
+#include "raster/surface_kernel.h"
+
+namespace plumb::raster {
+
+// A vertex in window space, 1/256 pixel. `beyond` has a bit for every plane of the frame that the vertex is beyond, and
+// the bit `may_need_clipping`; where that one is set, x, y and the depths may be anything.
+struct WindowVertex {
+    std::int32_t x, y, beyond, unused;
+};
+struct VertexDepth {
+    double z, inverse_w;
+};
+inline constexpr int frame_planes = 63, may_need_clipping = 64;
+
+struct VertexArgs {
+    const float* vertices;  // [vertex][8]: position m first; null: clip positions are given
+    const float* clip;      // [vertex][4]
+    double world_to_clip[4][4];
+    glm::ivec2 size;
+    float guard[2];         // a little less than the guard band's
+    WindowVertex* window;
+    VertexDepth* depths;
+};
+
+struct CullArgs {
+    const std::int32_t* triangles;  // [triangle][3]
+    const WindowVertex* window;
+    glm::ivec2 size;
+};
+
+// Triangles are drawn in chunks: a chunk's part of what the tiles read. An entry is an index into `triangles`, and
+// `masked` where the triangle's material has an alpha mask. Entries are in drawing order.
+struct ChunkView {
+    const ScreenTriangle* triangles;
+    const PieceCorners* corners;
+    const std::uint32_t* start;    // entries[start[tile]..start[tile + 1]) touch the tile
+    const std::uint16_t* entries;
+    const std::uint16_t* large;    // touch many tiles: looked at by every one
+    std::int32_t large_count;
+};
+inline constexpr int chunk_triangles = 4096;
+inline constexpr int chunk_bits = 15;  // 4096 triangles clipped to 7 pieces each are fewer than 2^15
+inline constexpr std::uint16_t masked = 1 << chunk_bits;
+
+struct TileArgs {
+    const ChunkView* chunks;
+    int chunk_count;
+    glm::ivec2 size;
+    int side;                    // of a tile, pixels: 64 or a larger power of two
+    bool reversed_z;
+    const SurfaceArgs* surfaces;  // read for masked triangles alone
+    // Outputs: see VisibilityBuffer.
+    std::int32_t* triangle;
+    float* depth;
+    float* barycentrics;
+};
+
+template <Isa isa>
+struct VisibilityKernels {
+    // Vertices [first, last). Returns the first whose clip position is not finite, or INT_MAX.
+    static int window_vertices(const VertexArgs& in, int first, int last);
+
+    // Lists those of triangles [first, last) that may be seen, in order: i, or -1 - i where it has to be clipped. What
+    // is left out covers no pixel centre. Returns their number.
+    static int cull(const CullArgs& in, int first, int last, std::int32_t* kept);
+
+    // Draws all chunks into the tile whose first pixel is `origin`, and writes its part of the outputs. `nearest` and
+    // `winner` are side x side of scratch memory.
+    static void draw_tile(const TileArgs& in, int tile, glm::ivec2 origin, float* nearest, std::int32_t* winner);
+};
+
+}  // namespace plumb::raster

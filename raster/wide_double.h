@@ -1,0 +1,125 @@
+// Doubles: as many lanes of double as Real (core/wide.h) has of float, so that lane k of one is lane k of the other.
+// Edge functions and depths need them: a float does not hold an exact edge function.
+//
+// Only kernel files include this header. Where Real is float, Doubles is double.
+#pragma once
+
+#include "core/wide.h"
+
+namespace plumb::PLUMB_ISA {
+
+// Lanes as they lie in memory, at any address.
+template <class Lanes>
+PLUMB_INLINE Lanes load_lanes(const void* p) {
+    Lanes lanes;
+    std::memcpy(&lanes, p, sizeof lanes);
+    return lanes;
+}
+template <class Lanes>
+PLUMB_INLINE void store_lanes(void* p, const Lanes& lanes) {
+    std::memcpy(p, &lanes, sizeof lanes);
+}
+
+#ifdef PLUMB_NO_WIDE
+
+using Doubles = double;
+PLUMB_INLINE double widen(float a) { return a; }
+PLUMB_INLINE double widen(std::int32_t a) { return a; }
+PLUMB_INLINE float narrow(double a) { return float(a); }
+PLUMB_INLINE std::int32_t round_to_index(double a) { return number<double>::round_to_index(a); }
+PLUMB_INLINE bool any_negative(double a, double b, double c) { return (a < 0) | (b < 0) | (c < 0); }
+PLUMB_INLINE bool any_negative(std::int32_t a, std::int32_t b, std::int32_t c) { return (a | b | c) < 0; }
+PLUMB_INLINE unsigned lane_bits(bool m) { return m; }
+
+#else
+
+namespace native {
+
+#if defined(__AVX512F__)
+using Double = __m512d;
+PLUMB_INLINE Double splat_double(double x) { return _mm512_set1_pd(x); }
+PLUMB_INLINE Double lower_double(Real a) { return _mm512_cvtps_pd(_mm512_castps512_ps256(a)); }
+PLUMB_INLINE Double upper_double(Real a) { return _mm512_cvtps_pd(_mm512_extractf32x8_ps(a, 1)); }
+PLUMB_INLINE Double lower_double(Int a) { return _mm512_cvtepi32_pd(_mm512_castsi512_si256((__m512i)a)); }
+PLUMB_INLINE Double upper_double(Int a) { return _mm512_cvtepi32_pd(_mm512_extracti32x8_epi32((__m512i)a, 1)); }
+PLUMB_INLINE Real to_real(Double low, Double high) {
+    return _mm512_insertf32x8(_mm512_castps256_ps512(_mm512_cvtpd_ps(low)), _mm512_cvtpd_ps(high), 1);
+}
+PLUMB_INLINE Int to_int(Double low, Double high) {
+    return (Int)_mm512_inserti32x8(_mm512_castsi256_si512(_mm512_cvtpd_epi32(low)), _mm512_cvtpd_epi32(high), 1);
+}
+PLUMB_INLINE Double bits_or(Double a, Double b) { return _mm512_or_pd(a, b); }
+PLUMB_INLINE Mask signs(Double low, Double high) {
+    return Mask(_mm512_movepi64_mask((__m512i)low) | _mm512_movepi64_mask((__m512i)high) << 8);
+}
+PLUMB_INLINE unsigned lane_bits(Mask m) { return m; }
+#elif defined(__AVX2__)
+using Double = __m256d;
+PLUMB_INLINE Double splat_double(double x) { return _mm256_set1_pd(x); }
+PLUMB_INLINE Double lower_double(Real a) { return _mm256_cvtps_pd(_mm256_castps256_ps128(a)); }
+PLUMB_INLINE Double upper_double(Real a) { return _mm256_cvtps_pd(_mm256_extractf128_ps(a, 1)); }
+PLUMB_INLINE Double lower_double(Int a) { return _mm256_cvtepi32_pd(_mm256_castsi256_si128((__m256i)a)); }
+PLUMB_INLINE Double upper_double(Int a) { return _mm256_cvtepi32_pd(_mm256_extracti128_si256((__m256i)a, 1)); }
+PLUMB_INLINE Real to_real(Double low, Double high) {
+    return _mm256_insertf128_ps(_mm256_castps128_ps256(_mm256_cvtpd_ps(low)), _mm256_cvtpd_ps(high), 1);
+}
+PLUMB_INLINE Int to_int(Double low, Double high) {
+    return (Int)_mm256_inserti128_si256(_mm256_castsi128_si256(_mm256_cvtpd_epi32(low)), _mm256_cvtpd_epi32(high), 1);
+}
+PLUMB_INLINE Double bits_or(Double a, Double b) { return _mm256_or_pd(a, b); }
+PLUMB_INLINE Mask signs(Double low, Double high) {
+    // The upper words of all doubles, then their quarters in order.
+    const __m256 words = _mm256_shuffle_ps((__m256)low, (__m256)high, 0xdd);
+    return (Int)_mm256_permute4x64_epi64((__m256i)words, 0xd8) >> 31;
+}
+PLUMB_INLINE unsigned lane_bits(Mask m) { return unsigned(_mm256_movemask_ps((__m256)m)); }
+#else
+using Double = __m128d;
+PLUMB_INLINE Double splat_double(double x) { return _mm_set1_pd(x); }
+PLUMB_INLINE Double lower_double(Real a) { return _mm_cvtps_pd(a); }
+PLUMB_INLINE Double upper_double(Real a) { return _mm_cvtps_pd(_mm_movehl_ps(a, a)); }
+PLUMB_INLINE Double lower_double(Int a) { return _mm_cvtepi32_pd((__m128i)a); }
+PLUMB_INLINE Double upper_double(Int a) { return _mm_cvtepi32_pd(_mm_shuffle_epi32((__m128i)a, 0xee)); }
+PLUMB_INLINE Real to_real(Double low, Double high) { return _mm_movelh_ps(_mm_cvtpd_ps(low), _mm_cvtpd_ps(high)); }
+PLUMB_INLINE Int to_int(Double low, Double high) {
+    return (Int)_mm_unpacklo_epi64(_mm_cvtpd_epi32(low), _mm_cvtpd_epi32(high));
+}
+PLUMB_INLINE Double bits_or(Double a, Double b) { return _mm_or_pd(a, b); }
+PLUMB_INLINE Mask signs(Double low, Double high) { return (Int)_mm_shuffle_ps((__m128)low, (__m128)high, 0xdd) >> 31; }
+PLUMB_INLINE unsigned lane_bits(Mask m) { return unsigned(_mm_movemask_ps((__m128)m)); }
+#endif
+
+}  // namespace native
+
+struct Doubles {
+    native::Double low, high;
+    Doubles() = default;
+    PLUMB_INLINE Doubles(native::Double l, native::Double h) : low(l), high(h) {}
+    PLUMB_INLINE Doubles(double x) : low(native::splat_double(x)), high(low) {}
+
+    friend PLUMB_INLINE Doubles operator+(Doubles a, Doubles b) { return {a.low + b.low, a.high + b.high}; }
+    friend PLUMB_INLINE Doubles operator-(Doubles a, Doubles b) { return {a.low - b.low, a.high - b.high}; }
+    friend PLUMB_INLINE Doubles operator*(Doubles a, Doubles b) { return {a.low * b.low, a.high * b.high}; }
+    friend PLUMB_INLINE Doubles operator/(Doubles a, Doubles b) { return {a.low / b.low, a.high / b.high}; }
+};
+
+PLUMB_INLINE Doubles widen(Wide a) { return {native::lower_double(a.v), native::upper_double(a.v)}; }
+PLUMB_INLINE Doubles widen(WideIndex a) { return {native::lower_double(a.v), native::upper_double(a.v)}; }
+PLUMB_INLINE Wide narrow(Doubles a) { return native::to_real(a.low, a.high); }
+PLUMB_INLINE WideIndex round_to_index(Doubles a) { return native::to_int(a.low, a.high); }  // to nearest even
+
+// Where one of three is negative. Of doubles the sign bits decide: differences of whole numbers are never -0.
+PLUMB_INLINE WideMask any_negative(Doubles a, Doubles b, Doubles c) {
+    return {native::signs(native::bits_or(native::bits_or(a.low, b.low), c.low),
+                          native::bits_or(native::bits_or(a.high, b.high), c.high))};
+}
+PLUMB_INLINE WideMask any_negative(WideIndex a, WideIndex b, WideIndex c) { return (a | b | c) < WideIndex(0); }
+
+// Bit k is set where lane k is.
+PLUMB_INLINE unsigned lane_bits(WideMask m) { return native::lane_bits(m.m); }
+
+#endif
+
+PLUMB_INLINE Doubles widen(Doubles a) { return a; }
+
+}  // namespace plumb::PLUMB_ISA
