@@ -230,7 +230,7 @@ PLUMB_INLINE mask_t<F> passes_alpha(const SurfaceArgs& in, index_t<F> triangle, 
     NoTap quiet;
     const TexelQuad<F> q = fetch_quad<F>(in, m.base, interpolate_uv<F>(uv_of(0), uv_of(1), uv_of(2), l), quiet);
     const F alpha = m.reflectance_alpha.w * filter_channel(in, q, I(0), 3), cutoff = m.emission_cutoff.w;
-    return mask_t<F>(!(cutoff > F(0.0f)) | (alpha >= cutoff));
+    return mask_t<F>((!(cutoff > F(0.0f))) | (alpha >= cutoff));
 }
 
 // The surface at l = (l1, l2) of a triangle.
