@@ -150,16 +150,16 @@ void print_header(const std::string& title, const std::string& columns) {
 }
 
 const char* comparison_columns =
-    "scene | triangles | pixels | ours, ms (least) | lavapipe, ms (least) | ratio of medians | pixels that differ";
+    "scene | triangles | pixels | ours, ms (least) | lavapipe, ms (least) | ratio | of CPU time | pixels that differ";
 
 void print_comparison(const Row& row) {
     fmt::print("| {} | {} | {} x {} | {:.2f} ({:.2f}) | ", row.scene, row.triangles, row.size.x, row.size.y,
                row.ours.median(), row.ours.least());
     if (row.agreement)
-        fmt::print("{:.2f} ({:.2f}) | {:.2f} | {} |\n", row.theirs.median(), row.theirs.least(), row.ratio(),
-                   row.agreement->text());
+        fmt::print("{:.2f} ({:.2f}) | **{:.2f}** | {:.2f} | {} |\n", row.theirs.median(), row.theirs.least(),
+                   row.ratio(), row.cpu_ratio(), row.agreement->text());
     else
-        fmt::print("| | |\n");
+        fmt::print("| | | |\n");
     std::fflush(stdout);
     if (row.agreement && !row.agreement->plausible())
         throw std::runtime_error(fmt::format("{}, {} x {}: the two sides draw different pictures: {}", row.scene,
@@ -229,7 +229,7 @@ void vary_triangles(const Options& options, Session& session, std::vector<Row>& 
     for (const std::int64_t triangles : counts) {
         const std::string scene = options.scenes.back();
         if (!can_build(scene, triangles)) {
-            fmt::print("| {} | {} | | not built from so many | | | |\n", scene, triangles);
+            fmt::print("| {} | {} | | not built from so many | | | | |\n", scene, triangles);
             continue;
         }
         session.use(scene, triangles);
@@ -299,17 +299,19 @@ std::vector<Row> run_experiments(const Options& options) {
 
 void write_csv(const std::string& file, const std::vector<Row>& rows) {
     std::ofstream out(file);
-    out << "experiment,scene,triangles,width,height,threads,isa,runs,ours_ms,ours_least_ms,lavapipe_ms,"
-           "lavapipe_least_ms,lavapipe_device_ms,ratio,differ_coverage,differ_position,differ_normal,differ_albedo\n";
+    out << "experiment,scene,triangles,width,height,threads,isa,runs,ours_ms,ours_least_ms,ours_cpu_ms,lavapipe_ms,"
+           "lavapipe_least_ms,lavapipe_cpu_ms,lavapipe_device_ms,ratio,differ_coverage,differ_position,differ_normal,"
+           "differ_albedo\n";
     for (const Row& r : rows) {
-        out << fmt::format("{},{},{},{},{},{},{},{},{:.4f},{:.4f},", r.experiment, r.scene, r.triangles, r.size.x,
-                           r.size.y, r.threads, r.isa, r.ours.ms.size(), r.ours.median(), r.ours.least());
+        out << fmt::format("{},{},{},{},{},{},{},{},{:.4f},{:.4f},{:.4f},", r.experiment, r.scene, r.triangles,
+                           r.size.x, r.size.y, r.threads, r.isa, r.ours.ms.size(), r.ours.median(), r.ours.least(),
+                           r.ours.cpu_median());
         if (r.agreement)
-            out << fmt::format("{:.4f},{:.4f},{:.4f},{:.4f},{:.6f},{:.6f},{:.6f},{:.6f}\n", r.theirs.median(),
-                               r.theirs.least(), r.device_ms, r.ratio(), r.agreement->coverage, r.agreement->position,
-                               r.agreement->normal, r.agreement->albedo);
+            out << fmt::format("{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.6f},{:.6f},{:.6f},{:.6f}\n", r.theirs.median(),
+                               r.theirs.least(), r.theirs.cpu_median(), r.device_ms, r.ratio(), r.agreement->coverage,
+                               r.agreement->position, r.agreement->normal, r.agreement->albedo);
         else
-            out << ",,,,,,,\n";
+            out << ",,,,,,,,\n";
     }
     if (!out.flush()) throw InputError(fmt::format("{}: cannot be written", file));
 }

@@ -37,6 +37,7 @@ struct Row {
     std::optional<Agreement> agreement;
 
     double ratio() const { return theirs.median() / ours.median(); }
+    double cpu_ratio() const { return theirs.cpu_median() / ours.cpu_median(); }
 };
 
 // All that the options ask for, told on standard output as Markdown while it is measured. Throws std::runtime_error

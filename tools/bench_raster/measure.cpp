@@ -1,6 +1,7 @@
 #include "tools/bench_raster/measure.h"
 
 #include <malloc.h>
+#include <time.h>
 
 #include <algorithm>
 #include <chrono>
@@ -19,14 +20,23 @@ std::size_t status_bytes(const std::string& field) {
     return 0;
 }
 
+double median_of(std::vector<double> values) {
+    std::sort(values.begin(), values.end());
+    const std::size_t n = values.size();
+    return n == 0 ? 0 : (values[(n - 1) / 2] + values[n / 2]) / 2;
+}
+
+double cpu_clock_ms() {
+    timespec t;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+    return double(t.tv_sec) * 1e3 + double(t.tv_nsec) * 1e-6;
+}
+
 }  // namespace
 
-double Times::median() const {
-    std::vector<double> sorted = ms;
-    std::sort(sorted.begin(), sorted.end());
-    const std::size_t n = sorted.size();
-    return n == 0 ? 0 : (sorted[(n - 1) / 2] + sorted[n / 2]) / 2;
-}
+double Times::median() const { return median_of(ms); }
+
+double Times::cpu_median() const { return median_of(cpu_ms); }
 
 double Times::least() const { return ms.empty() ? 0 : *std::min_element(ms.begin(), ms.end()); }
 
@@ -40,7 +50,11 @@ std::vector<Times> interleave(int runs, const std::vector<std::function<double()
     std::vector<Times> times(sides.size());
     for (const auto& side : sides) side();
     for (int run = 0; run < runs; ++run)
-        for (std::size_t i = 0; i < sides.size(); ++i) times[i].ms.push_back(sides[i]());
+        for (std::size_t i = 0; i < sides.size(); ++i) {
+            const double start = cpu_clock_ms();
+            times[i].ms.push_back(sides[i]());
+            times[i].cpu_ms.push_back(cpu_clock_ms() - start);
+        }
     return times;
 }
 

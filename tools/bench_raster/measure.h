@@ -8,9 +8,11 @@ namespace plumb::bench {
 
 struct Times {
     std::vector<double> ms;
+    std::vector<double> cpu_ms;  // of all threads of the process: what it costs, whoever else computes meanwhile
 
     double median() const;
     double least() const;
+    double cpu_median() const;
 };
 
 double clock_ms(const std::function<void()>& work);

@@ -60,15 +60,17 @@ Owned<VkRenderPass, vkDestroyRenderPass> make_pass(const Device& device, const s
     subpass.pDepthStencilAttachment = &references.back();
     // Order the pass after what read the images last, and what reads them next after the pass.
     VkSubpassDependency dependencies[2] = {};
-    dependencies[0] = {VK_SUBPASS_EXTERNAL,
-                       0,
+    constexpr VkAccessFlags any_access = VK_ACCESS_MEMORY_READ_BIT | VK_ACCESS_MEMORY_WRITE_BIT;
+    dependencies[0] = {
+        VK_SUBPASS_EXTERNAL, 0, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, VK_PIPELINE_STAGE_ALL_GRAPHICS_BIT, any_access,
+        any_access,          0};
+    dependencies[1] = {0,
+                       VK_SUBPASS_EXTERNAL,
+                       VK_PIPELINE_STAGE_ALL_GRAPHICS_BIT,
                        VK_PIPELINE_STAGE_ALL_COMMANDS_BIT,
-                       VK_PIPELINE_STAGE_ALL_COMMANDS_BIT,
-                       VK_ACCESS_MEMORY_READ_BIT | VK_ACCESS_MEMORY_WRITE_BIT,
-                       VK_ACCESS_MEMORY_READ_BIT | VK_ACCESS_MEMORY_WRITE_BIT,
+                       any_access,
+                       any_access,
                        0};
-    dependencies[1] = dependencies[0];
-    std::swap(dependencies[1].srcSubpass, dependencies[1].dstSubpass);
 
     auto info = structure<VkRenderPassCreateInfo>(VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO);
     info.attachmentCount = std::uint32_t(attachments.size());
