@@ -68,6 +68,7 @@ PLUMB_INLINE M covers(const I x[3], const I y[3], I column, I row) {
     const I area = (x[1] - x[0]) * (y[2] - y[0]) - (y[1] - y[0]) * (x[2] - x[0]);
     const I sign = select(area > I(0), I(1), I(-1));
     I slack[3];
+#pragma GCC unroll 3
     for (int i = 0; i < 3; ++i) {
         const int a = (i + 1) % 3, b = (i + 2) % 3;
         const I dx = sign * (x[b] - x[a]), dy = sign * (y[b] - y[a]);
@@ -123,6 +124,7 @@ PLUMB_INLINE void draw_triangle(const ScreenTriangle& t, std::int32_t id, const 
     const int first = box.left & -width;
     E edge[3], right[3], down[3], least[3];
     D z[3];
+#pragma GCC unroll 3
     for (int i = 0; i < 3; ++i) {
         const EdgeRow e = edge_row(t, clockwise, i, box.top), next = edge_row(t, clockwise, i, box.top + 1);
         edge[i] = edge_lanes(E(), e.value + e.step * first, e.step);
@@ -140,15 +142,17 @@ PLUMB_INLINE void draw_triangle(const ScreenTriangle& t, std::int32_t id, const 
             const M inside = !any_negative(e[0] - least[0], e[1] - least[1], e[2] - least[2]);
             if (any(inside)) {
                 const D sum = widen(e[0]) * z[0] + widen(e[1]) * z[1] + widen(e[2]) * z[2];
-                const F depth = max(min(narrow(sum), F(1.0f)), F(-1.0f)), nearest = load_lanes<F>(tile.nearest + at);
+                const F depth = max(min(narrow(sum), F(1.0f)), F(-1.0f)), nearest = load_lanes(tile.nearest + at);
                 const M wins = alpha_test(e, M(inside & (depth < nearest)));
                 if (any(wins)) {
                     store_lanes(tile.nearest + at, select(wins, depth, nearest));
-                    store_lanes(tile.winner + at, select(wins, I(id), load_lanes<I>(tile.winner + at)));
+                    store_lanes(tile.winner + at, select(wins, I(id), load_lanes(tile.winner + at)));
                 }
             }
+#pragma GCC unroll 3
             for (int i = 0; i < 3; ++i) e[i] = e[i] + right[i];
         }
+#pragma GCC unroll 3
         for (int i = 0; i < 3; ++i) edge[i] = edge[i] + down[i];
     }
 }
@@ -220,41 +224,70 @@ PLUMB_INLINE void draw_chunk(const TileArgs& in, const ChunkView& chunk, int ind
 
 // ---- resolving --------------------------------------------------------------------------------------------------------
 
-// What the lanes of a packet see, each its own triangle.
-struct Seen {
-    Lanes<std::int32_t> x[3], y[3], triangle;
-    Lanes<double> inverse_w[3];
-    unsigned pieces;  // bit k: lane k sees a piece of a clipped triangle
-};
 PLUMB_INLINE const ScreenTriangle& seen_by(const TileArgs& in, std::int32_t id) {
     return in.chunks[id >> chunk_bits].triangles[id & (masked - 1)];
 }
-PLUMB_INLINE void fetch_seen(const TileArgs& in, const std::int32_t* winner, std::int32_t fallback, Seen& seen) {
-    seen.pieces = 0;
-    for (int k = 0; k < width; ++k) {
-        const ScreenTriangle& t = seen_by(in, winner[k] < 0 ? fallback : winner[k]);
+
+// A strip of pixels of one row, packet by packet: what each pixel sees. Filled whole before it is read, so that no load
+// waits for the stores just before it.
+constexpr int strip = 64;
+struct Strip {
+    unsigned covered[strip], pieces[strip];  // of each packet, a bit a lane; pieces: of clipped triangles
+    std::int32_t only[strip];                // the packet's winner where there is one for all that is covered, else -1
+    alignas(64) std::int32_t x[3][strip], y[3][strip], triangle[strip];
+    alignas(64) double inverse_w[3][strip];
+};
+
+PLUMB_INLINE void fetch_packet(const TileArgs& in, const std::int32_t* winner, int at, Strip& out) {
+    const I ids = load_lanes(winner + at);
+    const unsigned covered = lane_bits(ids >= I(0));
+    const int packet = at / width;
+    out.covered[packet] = covered, out.pieces[packet] = 0, out.only[packet] = -1;
+    if (!covered) return;
+    const std::int32_t some = winner[at + __builtin_ctz(covered)];
+    if ((lane_bits(ids == I(some)) & covered) == covered) {
+        out.only[packet] = some;
+        return;
+    }
+    for (int k = at; k < at + width; ++k) {
+        const ScreenTriangle& t = seen_by(in, winner[k] < 0 ? some : winner[k]);
+#pragma GCC unroll 3
         for (int i = 0; i < 3; ++i) {
-            seen.x[i].lane[k] = t.x[i], seen.y[i].lane[k] = t.y[i];
-            seen.inverse_w[i].lane[k] = t.inverse_w[i];
+            out.x[i][k] = t.x[i], out.y[i][k] = t.y[i];
+            out.inverse_w[i][k] = t.inverse_w[i];
         }
-        seen.triangle.lane[k] = winner[k] < 0 ? -1 : t.triangle;
-        seen.pieces |= unsigned(t.corners >= 0) << k;
+        out.triangle[k] = t.triangle;
+        out.pieces[packet] |= unsigned(t.corners >= 0) << (k - at);
     }
 }
 
 // As barycentrics(), each lane with its own triangle. Edge functions of a counter-clockwise triangle are all negative
 // here: the quotients are the same but for a zero's sign, which the sum with 0 makes positive.
-PLUMB_INLINE vec2<F> barycentrics_of(const Seen& seen, int column, int row) {
+PLUMB_INLINE vec2<F> barycentrics_of(const Strip& seen, int at, int column, int row) {
     D q[3];
+#pragma GCC unroll 3
     for (int i = 0; i < 3; ++i) {
         const int a = (i + 1) % 3, b = (i + 2) % 3;
-        const I xa = load_lanes<I>(&seen.x[a]), ya = load_lanes<I>(&seen.y[a]);
-        const I dx = load_lanes<I>(&seen.x[b]) - xa, dy = load_lanes<I>(&seen.y[b]) - ya;
+        const I xa = load_lanes(seen.x[a] + at), ya = load_lanes(seen.y[a] + at);
+        const I dx = load_lanes(seen.x[b] + at) - xa, dy = load_lanes(seen.y[b] + at) - ya;
         const D e = widen(dx) * widen(I(256 * row) - ya) + widen(dy) * widen(xa - (N::iota(column) << 8));
-        q[i] = e * load_lanes<D>(&seen.inverse_w[i]);
+        q[i] = e * load_lanes(seen.inverse_w[i] + at);
     }
     const D sum = q[0] + q[1] + q[2];
     return {narrow(q[1] / sum) + F(0.0f), narrow(q[2] / sum) + F(0.0f)};
+}
+
+// The same where all lanes see one triangle.
+PLUMB_INLINE vec2<F> barycentrics_of(const TileArgs& in, std::int32_t id, int column, int row) {
+    const ScreenTriangle& t = seen_by(in, id);
+    const bool clockwise = area2(t) > 0;
+    D e[3];
+#pragma GCC unroll 3
+    for (int i = 0; i < 3; ++i) {
+        const EdgeRow edge = edge_row(t, clockwise, i, row);
+        e[i] = edge_lanes(D(), edge.value + edge.step * column, edge.step);
+    }
+    return barycentrics_of(t, in.chunks[id >> chunk_bits].corners, e);
 }
 
 glm::vec2 barycentrics_at(const TileArgs& in, std::int32_t id, int column, int row) {
@@ -268,36 +301,54 @@ glm::vec2 barycentrics_at(const TileArgs& in, std::int32_t id, int column, int r
     return barycentrics(t, in.chunks[id >> chunk_bits].corners, e);
 }
 
-// Writes columns x.. of a row: n of them, which is `width` but at the frame's edge.
-PLUMB_INLINE void resolve_packet(const TileArgs& in, const float* nearest, const std::int32_t* winner, float sign,
+// Writes a packet's pixels, from column x on: n of them, which is `width` but at the frame's edge.
+PLUMB_INLINE void resolve_packet(const TileArgs& in, const Strip& seen, int at, F nearest, const std::int32_t* winner,
                                  int x, int y, int n) {
     const std::ptrdiff_t pixel = std::ptrdiff_t(y) * in.size.x + x;
-    const I ids = load_lanes<I>(winner);
-    const unsigned covered = lane_bits(ids >= I(0));
-    Lanes<float> l1{}, l2{};
-    Seen seen;
-    store_lanes(&seen.triangle, I(-1));
-    if (covered) {
-        fetch_seen(in, winner, winner[__builtin_ctz(covered)], seen);
-        const vec2<F> l = barycentrics_of(seen, x, y);
-        store_lanes(&l1, select(ids >= I(0), l.x, F(0.0f)));
-        store_lanes(&l2, select(ids >= I(0), l.y, F(0.0f)));
-        for (unsigned left = seen.pieces & covered; left; left &= left - 1) {
-            const int k = __builtin_ctz(left);
-            const glm::vec2 piece = barycentrics_at(in, winner[k], x + k, y);
-            l1.lane[k] = piece.x, l2.lane[k] = piece.y;
+    const int packet = at / width;
+    const unsigned covered = seen.covered[packet];
+    const M is_covered = load_lanes(winner + at) >= I(0);
+    I triangle(-1);
+    vec2<F> l(F(0.0f));
+    if (seen.only[packet] >= 0) {
+        triangle = I(seen_by(in, seen.only[packet]).triangle);
+        l = barycentrics_of(in, seen.only[packet], x, y);
+    } else if (covered) {
+        triangle = load_lanes(seen.triangle + at);
+        l = barycentrics_of(seen, at, x, y);
+    }
+    triangle = select(is_covered, triangle, I(-1));
+    l = {select(is_covered, l.x, F(0.0f)), select(is_covered, l.y, F(0.0f))};
+    float* out = in.barycentrics + 2 * pixel;
+    if (n == width) {
+        store_lanes(in.triangle + pixel, triangle);
+        store_lanes(in.depth + pixel, nearest);
+        store_pairs(out, l.x, l.y);
+    } else {
+        Lanes<std::int32_t> ids;
+        Lanes<float> depth, l1, l2;
+        store_lanes(ids.lane, triangle), store_lanes(depth.lane, nearest);
+        store_lanes(l1.lane, l.x), store_lanes(l2.lane, l.y);
+        for (int k = 0; k < n; ++k) {
+            in.triangle[pixel + k] = ids.lane[k], in.depth[pixel + k] = depth.lane[k];
+            out[2 * k] = l1.lane[k], out[2 * k + 1] = l2.lane[k];
         }
     }
-    Lanes<float> depth;
-    store_lanes(&depth, load_lanes<F>(nearest) * F(sign));
-    if (n == width) {
-        store_lanes(in.triangle + pixel, load_lanes<I>(&seen.triangle));
-        store_lanes(in.depth + pixel, load_lanes<F>(&depth));
-    } else {
-        for (int k = 0; k < n; ++k) in.triangle[pixel + k] = seen.triangle.lane[k], in.depth[pixel + k] = depth.lane[k];
+    for (unsigned left = seen.pieces[packet] & covered; left; left &= left - 1) {
+        const int k = __builtin_ctz(left);
+        if (k >= n) break;
+        const glm::vec2 piece = barycentrics_at(in, winner[at + k], x + k, y);
+        out[2 * k] = piece.x, out[2 * k + 1] = piece.y;
     }
-    float* out = in.barycentrics + 2 * pixel;
-    for (int k = 0; k < n; ++k) out[2 * k] = l1.lane[k], out[2 * k + 1] = l2.lane[k];
+}
+
+// Writes `columns` pixels of a row.
+void resolve_strip(const TileArgs& in, const float* nearest, const std::int32_t* winner, float sign, int x, int y,
+                   int columns) {
+    Strip seen;
+    for (int at = 0; at < columns; at += width) fetch_packet(in, winner, at, seen);
+    for (int at = 0; at < columns; at += width)
+        resolve_packet(in, seen, at, load_lanes(nearest + at) * F(sign), winner, x + at, y, min(width, columns - at));
 }
 
 }  // namespace
@@ -311,11 +362,11 @@ int VisibilityKernels<Isa::PLUMB_ISA>::window_vertices(const VertexArgs& in, int
         const D w = widen(p.w);
         Lanes<std::int32_t> x, y, beyond;
         Lanes<double> z, inverse_w;
-        store_lanes(&x, snap_lanes(widen(p.x), w, in.size.x));
-        store_lanes(&y, snap_lanes(widen(p.y), w, in.size.y));
-        store_lanes(&beyond, planes_beyond(in, p));
-        store_lanes(&z, widen(p.z) / w);
-        store_lanes(&inverse_w, D(1.0) / w);
+        store_lanes(x.lane, snap_lanes(widen(p.x), w, in.size.x));
+        store_lanes(y.lane, snap_lanes(widen(p.y), w, in.size.y));
+        store_lanes(beyond.lane, planes_beyond(in, p));
+        store_lanes(z.lane, widen(p.z) / w);
+        store_lanes(inverse_w.lane, D(1.0) / w);
         for (int k = 0; k < min(width, last - i); ++k) {
             in.window[i + k] = {x.lane[k], y.lane[k], beyond.lane[k], 0};
             in.depths[i + k] = {z.lane[k], inverse_w.lane[k]};
@@ -368,9 +419,9 @@ void VisibilityKernels<Isa::PLUMB_ISA>::draw_tile(const TileArgs& in, int tile_i
     }
     for (int c = 0; c < in.chunk_count; ++c) draw_chunk(in, in.chunks[c], c, tile_index, tile);
     for (int y = origin.y; y < tile.end.y; ++y)
-        for (int x = origin.x; x < tile.end.x; x += width) {
+        for (int x = origin.x; x < tile.end.x; x += strip) {
             const std::ptrdiff_t at = std::ptrdiff_t(y - origin.y) * in.side + (x - origin.x);
-            resolve_packet(in, nearest + at, winner + at, tile.sign, x, y, min(width, tile.end.x - x));
+            resolve_strip(in, nearest + at, winner + at, tile.sign, x, y, min(strip, tile.end.x - x));
         }
 }
 

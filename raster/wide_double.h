@@ -8,18 +8,6 @@
 
 namespace plumb::PLUMB_ISA {
 
-// Lanes as they lie in memory, at any address.
-template <class Lanes>
-PLUMB_INLINE Lanes load_lanes(const void* p) {
-    Lanes lanes;
-    std::memcpy(&lanes, p, sizeof lanes);
-    return lanes;
-}
-template <class Lanes>
-PLUMB_INLINE void store_lanes(void* p, const Lanes& lanes) {
-    std::memcpy(p, &lanes, sizeof lanes);
-}
-
 #ifdef PLUMB_NO_WIDE
 
 using Doubles = double;
@@ -30,6 +18,15 @@ PLUMB_INLINE std::int32_t round_to_index(double a) { return number<double>::roun
 PLUMB_INLINE bool any_negative(double a, double b, double c) { return (a < 0) | (b < 0) | (c < 0); }
 PLUMB_INLINE bool any_negative(std::int32_t a, std::int32_t b, std::int32_t c) { return (a | b | c) < 0; }
 PLUMB_INLINE unsigned lane_bits(bool m) { return m; }
+template <class T>
+PLUMB_INLINE T load_lanes(const T* p) {
+    return *p;
+}
+template <class T>
+PLUMB_INLINE void store_lanes(T* p, T a) {
+    *p = a;
+}
+PLUMB_INLINE void store_pairs(float* p, float a, float b) { p[0] = a, p[1] = b; }
 
 #else
 
@@ -53,6 +50,18 @@ PLUMB_INLINE Mask signs(Double low, Double high) {
     return Mask(_mm512_movepi64_mask((__m512i)low) | _mm512_movepi64_mask((__m512i)high) << 8);
 }
 PLUMB_INLINE unsigned lane_bits(Mask m) { return m; }
+PLUMB_INLINE Real load(const float* p) { return _mm512_loadu_ps(p); }
+PLUMB_INLINE Int load(const std::int32_t* p) { return (Int)_mm512_loadu_si512(p); }
+PLUMB_INLINE Double load(const double* p) { return _mm512_loadu_pd(p); }
+PLUMB_INLINE void store(float* p, Real a) { _mm512_storeu_ps(p, a); }
+PLUMB_INLINE void store(std::int32_t* p, Int a) { _mm512_storeu_si512(p, (__m512i)a); }
+PLUMB_INLINE void store(double* p, Double a) { _mm512_storeu_pd(p, a); }
+PLUMB_INLINE void store_pairs(float* p, Real a, Real b) {
+    const Real low = _mm512_unpacklo_ps(a, b), high = _mm512_unpackhi_ps(a, b);
+    const __m512i first{0, 1, 8, 9, 2, 3, 10, 11}, second{4, 5, 12, 13, 6, 7, 14, 15};
+    store(p, (Real)_mm512_permutex2var_pd((__m512d)low, first, (__m512d)high));
+    store(p + 16, (Real)_mm512_permutex2var_pd((__m512d)low, second, (__m512d)high));
+}
 #elif defined(__AVX2__)
 using Double = __m256d;
 PLUMB_INLINE Double splat_double(double x) { return _mm256_set1_pd(x); }
@@ -73,6 +82,17 @@ PLUMB_INLINE Mask signs(Double low, Double high) {
     return (Int)_mm256_permute4x64_epi64((__m256i)words, 0xd8) >> 31;
 }
 PLUMB_INLINE unsigned lane_bits(Mask m) { return unsigned(_mm256_movemask_ps((__m256)m)); }
+PLUMB_INLINE Real load(const float* p) { return _mm256_loadu_ps(p); }
+PLUMB_INLINE Int load(const std::int32_t* p) { return (Int)_mm256_loadu_si256((const __m256i*)p); }
+PLUMB_INLINE Double load(const double* p) { return _mm256_loadu_pd(p); }
+PLUMB_INLINE void store(float* p, Real a) { _mm256_storeu_ps(p, a); }
+PLUMB_INLINE void store(std::int32_t* p, Int a) { _mm256_storeu_si256((__m256i*)p, (__m256i)a); }
+PLUMB_INLINE void store(double* p, Double a) { _mm256_storeu_pd(p, a); }
+PLUMB_INLINE void store_pairs(float* p, Real a, Real b) {
+    const Real low = _mm256_unpacklo_ps(a, b), high = _mm256_unpackhi_ps(a, b);
+    store(p, _mm256_permute2f128_ps(low, high, 0x20));
+    store(p + 8, _mm256_permute2f128_ps(low, high, 0x31));
+}
 #else
 using Double = __m128d;
 PLUMB_INLINE Double splat_double(double x) { return _mm_set1_pd(x); }
@@ -87,6 +107,16 @@ PLUMB_INLINE Int to_int(Double low, Double high) {
 PLUMB_INLINE Double bits_or(Double a, Double b) { return _mm_or_pd(a, b); }
 PLUMB_INLINE Mask signs(Double low, Double high) { return (Int)_mm_shuffle_ps((__m128)low, (__m128)high, 0xdd) >> 31; }
 PLUMB_INLINE unsigned lane_bits(Mask m) { return unsigned(_mm_movemask_ps((__m128)m)); }
+PLUMB_INLINE Real load(const float* p) { return _mm_loadu_ps(p); }
+PLUMB_INLINE Int load(const std::int32_t* p) { return (Int)_mm_loadu_si128((const __m128i*)p); }
+PLUMB_INLINE Double load(const double* p) { return _mm_loadu_pd(p); }
+PLUMB_INLINE void store(float* p, Real a) { _mm_storeu_ps(p, a); }
+PLUMB_INLINE void store(std::int32_t* p, Int a) { _mm_storeu_si128((__m128i*)p, (__m128i)a); }
+PLUMB_INLINE void store(double* p, Double a) { _mm_storeu_pd(p, a); }
+PLUMB_INLINE void store_pairs(float* p, Real a, Real b) {
+    store(p, _mm_unpacklo_ps(a, b));
+    store(p + 4, _mm_unpackhi_ps(a, b));
+}
 #endif
 
 }  // namespace native
@@ -117,6 +147,21 @@ PLUMB_INLINE WideMask any_negative(WideIndex a, WideIndex b, WideIndex c) { retu
 
 // Bit k is set where lane k is.
 PLUMB_INLINE unsigned lane_bits(WideMask m) { return native::lane_bits(m.m); }
+
+// Consecutive values, at any address. (Copies through memcpy() go by way of the stack, in halves: the load that follows
+// waits for every store before it.)
+PLUMB_INLINE Wide load_lanes(const float* p) { return native::load(p); }
+PLUMB_INLINE WideIndex load_lanes(const std::int32_t* p) { return native::load(p); }
+PLUMB_INLINE Doubles load_lanes(const double* p) { return {native::load(p), native::load(p + number<Wide>::width / 2)}; }
+PLUMB_INLINE void store_lanes(float* p, Wide a) { native::store(p, a.v); }
+PLUMB_INLINE void store_lanes(std::int32_t* p, WideIndex a) { native::store(p, a.v); }
+PLUMB_INLINE void store_lanes(double* p, Doubles a) {
+    native::store(p, a.low);
+    native::store(p + number<Wide>::width / 2, a.high);
+}
+
+// Stores a[0], b[0], a[1], b[1], ...
+PLUMB_INLINE void store_pairs(float* p, Wide a, Wide b) { native::store_pairs(p, a.v, b.v); }
 
 #endif
 
