@@ -30,7 +30,7 @@ void clump(Builder& b, int material, const Place& place, const Point& radii, int
 }  // namespace
 
 void ground(Builder& b, const Palette& p, const Grade& grade) {
-    const int rows = grade.count(8, 256), columns = grade.count(4, 160);
+    const int rows = grade.count(5, 256), columns = grade.count(3, 160);
     // West bank, river, east bank: they share the banks' points.
     const auto strip = [&](int material, int count, double texture, auto&& left, auto&& right, auto&& point) {
         Grid g;
@@ -64,9 +64,9 @@ void ground(Builder& b, const Palette& p, const Grade& grade) {
     const glm::dvec2 corner[4] = {{-edge, edge}, {edge, edge}, {edge, -edge}, {-edge, -edge}};
     for (int k = 0; k < 4; ++k) {
         Grid g;
-        g.columns = std::max(rows, columns), g.texture = {20, 1};
         const glm::dvec2 from = corner[k], to = corner[(k + 1) % 4];
         const bool cut = k % 2 == 0;
+        g.columns = k % 2 ? rows : std::max(8, columns), g.texture = {20, 1};
         b.grid(p.earth, Place(1), g, [&](double u, double v) {
             const glm::dvec2 q = from + u * (to - from);
             const double top = cut && std::abs(q.x - river_x(q.y)) < river_half ? water_level : ground_height(q);
@@ -75,7 +75,7 @@ void ground(Builder& b, const Palette& p, const Grade& grade) {
     }
     // Grass over the hill: the ground's own height and a little more.
     Grid g;
-    g.columns = grade.count(8, 160), g.rows = grade.count(3, 60), g.closed_u = true, g.texture = {24, 12};
+    g.columns = grade.count(6, 160), g.rows = grade.count(2, 60), g.closed_u = true, g.texture = {24, 12};
     b.grid(p.grass, Place(1), g, [&](double u, double v) {
         const double turn = 2 * host::pi * u, far = 0.985 * hill_radius * (1 - v);
         const glm::dvec2 q = hill + far * glm::dvec2(host::sin(turn), host::cos(turn));
@@ -84,7 +84,7 @@ void ground(Builder& b, const Palette& p, const Grade& grade) {
 }
 
 void pavements(Builder& b, const Palette& p, const Grade& grade, const std::vector<Block>& blocks) {
-    if (grade.fine < 0.8) return;
+    if (grade.fine < 1.2) return;
     for (const Block& block : blocks) {
         // A slab under the block, 1.2 m wider than its houses, and the court's ground.
         const glm::dvec2 centre = 0.25 * (block.street[0] + block.street[1] + block.street[2] + block.street[3]);

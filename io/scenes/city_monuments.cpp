@@ -89,7 +89,7 @@ void arcade_ring(Builder& b, const Palette& p, const Bend& bend, int bays, int a
 void amphitheatre(Builder& b, const Palette& p, const Grade& grade) {
     const double a = 56, c = 47;
     const Bend outer = around(arena, a, c), inner = around(arena, a - 7, c - 7);
-    const int bays = grade.fine < 1 ? 16 : std::max(20, 4 * (grade.count(10, 80) / 4));
+    const int bays = grade.fine < 1 ? 12 : std::max(20, 4 * (grade.count(10, 80) / 4));
     if (grade.fine < 1.3) {
         Grid g;
         g.columns = bays, g.texture = {40, 1}, g.closed_u = true;
@@ -248,7 +248,7 @@ void domed_church(Builder& b, const Palette& p, const Grade& grade) {
     b.box(p.travertine, crossing, {-14.5, 20, -14.5}, {14.5, 33, 14.5}, 6);
     drum(b, p, grade, crossing * move({0, 33, 0}), 13, 12);
     dome(b, p, grade, crossing * move({0, 45, 0}), 13.2, 16);
-    if (grade.fine < 1) return;
+    if (grade.fine < 1.3) return;
     for (int k = 0; k < 4; ++k) {  // small domes at the corners
         const Place corner = crossing * move({k % 2 ? 20.0 : -20.0, 24, k / 2 ? 20.0 : -20.0});
         b.lathe(p.travertine, corner * move({0, -10, 0}), {{4.4, 0}, {4.4, 13}, {4.9, 13.2}, {4.9, 13.8}}, grade.count(6, 40), 4);
@@ -294,18 +294,23 @@ void domed_church(Builder& b, const Palette& p, const Grade& grade) {
 
 void colonnade(Builder& b, const Palette& p, const Grade& grade) {
     const Bend bend = around(piazza, 58, 42);
-    const int columns = grade.fine < 1 ? 6 : grade.count(6, 44), segments = grade.count(4, 20);
+    const int columns = grade.fine < 1 ? 5 : grade.count(5, 44), segments = grade.count(4, 20);
     const double half = 1.02;  // radians to each side of the x axis
     for (int side = 0; side < 2; ++side) {
         const double middle = side ? host::pi : 0, from = middle - half, to = middle + half;
-        for (int k = 0; k < columns; ++k)
+        for (int k = 0; k < (grade.fine < 0.8 ? 0 : columns); ++k)
             for (int row = 0; row < (grade.fine < 1.5 ? 1 : 3); ++row) {
                 const double turn = from + (to - from) * (k + 0.5) / columns;
                 column(b, p.travertine, move(bend(turn, 0.3, 5.2 * row)), 11.2, 0.75, segments);
             }
         // Floor, entablature, roof and balustrade.
-        const int pieces = 2 * columns;
+        const int pieces = grade.fine < 1.5 ? columns : 2 * columns;
         const double outer = 11.8;
+        if (grade.fine < 0.8) {  // a closed passage in place of columns
+            moulding(b, p.arches, from, to, pieces, {{outer, 0}, {outer, 13}, {-1.4, 13}}, bend, 24);
+            moulding(b, p.arches, from, to, pieces, {{1.4, 0}, {1.4, 13}}, behind(bend, from, to, 0), 24);
+            continue;
+        }
         moulding(b, p.travertine, from, to, pieces,
                  {{-1.4, 11.5}, {-1.4, 12.9}, {-2.1, 13.2}, {-2.1, 13.8}, {-1.4, 13.8}, {outer, 14}},
                  behind(bend, from, to, 0), 30);
@@ -324,7 +329,7 @@ void colonnade(Builder& b, const Palette& p, const Grade& grade) {
     }
     // The obelisk on its steps, and two fountains.
     const Place centre = move({piazza.x, 0, piazza.y});
-    for (int k = 0; k < 3; ++k)
+    for (int k = 0; k < (grade.fine < 0.8 ? 0 : 3); ++k)
         b.box(p.travertine, centre, {-4.0 + k, 0.35 * k, -4.0 + k}, {4.0 - k, 0.35 * (k + 1), 4.0 - k}, 3);
     b.box(p.travertine, centre, {-1.7, 1.05, -1.7}, {1.7, 6, 1.7}, 4);
     b.box(p.stone, centre, {-2.0, 6, -2.0}, {2.0, 6.5, 2.0}, 4);
@@ -348,6 +353,11 @@ void colonnade(Builder& b, const Palette& p, const Grade& grade) {
 
 void bridges(Builder& b, const Palette& p, const Grade& grade) {
     for (const double z : {-120.0, 95.0}) {
+        if (grade.fine < 1) {
+            const double at = river_x(z);
+            b.box(p.travertine, Place(1), {at - river_half - 4, -1.5, z - 5.5}, {at + river_half + 4, 0.4, z + 5.5}, 5);
+            continue;
+        }
         const double x = river_x(z), half = river_half + 5, width = 6.5;
         const int arcs = 3, arc = grade.fine < 1.5 ? 4 : grade.fine < 3 ? 8 : 16;
         const double step = 2 * half / arcs;

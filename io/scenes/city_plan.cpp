@@ -81,18 +81,18 @@ void divide(Plan& plan, const Block& block, double width, double detail_below, D
 
 void place_greenery(Plan& plan, const Grade& grade, Dice& dice) {
     // Plane trees along both quays.
-    const double step = grade.count(60, 9);
+    const double step = grade.fine < 1 ? 190 : grade.count(60, 9);
     for (double z = -half_extent + 8; z < half_extent - 5; z += step)
         for (int bank = -1; bank <= 1; bank += 2)
             plan.trees.push_back({river_x(z) + bank * (river_half + 5.5), z + dice.between(-1.5, 1.5)});
     // Pines and cypresses on the hill.
-    const int pines = grade.count(4, 260);
+    const int pines = grade.count(1, 260);
     for (int k = 0; k < pines; ++k) {
         const double turn = 2 * host::pi * dice(), far = hill_radius * 0.94 * std::sqrt(dice());
         plan.pines.push_back(hill + far * glm::dvec2(host::sin(turn), host::cos(turn)));
     }
     // Around the amphitheatre.
-    const int ring = grade.count(3, 36);
+    const int ring = grade.count(1, 36);
     for (int k = 0; k < ring; ++k) {
         const double turn = 2 * host::pi * (k + 0.5 * dice()) / ring;
         plan.pines.push_back(arena + glm::dvec2(64 * host::sin(turn), 55 * host::cos(turn)));
@@ -138,7 +138,7 @@ Plan make_plan(const Grade& grade, std::uint32_t seed) {
     Plan plan;
     Dice dice{seed * 977u + 3};
     // Streets: unevenly spaced lines, every fourth one an avenue.
-    const double pitch = grade.triangles < 4000 ? 105 : grade.triangles < 3e4 ? 78 : 56;
+    const double pitch = grade.triangles < 1800 ? 92 : grade.triangles < 4000 ? 66 : grade.triangles < 3e4 ? 78 : 56;
     std::vector<double> line[2];
     std::vector<double> street[2];
     for (int axis = 0; axis < 2; ++axis)
@@ -172,7 +172,7 @@ Plan make_plan(const Grade& grade, std::uint32_t seed) {
                 lot.ring = block.street, lot.detached = true, lot.storeys = 4, lot.eaves = dice.between(11, 18);
                 lot.tint = dice.pick(tints), lot.seed = std::uint32_t(dice.rolls);
                 bool free = true;
-                for (const glm::dvec2& corner : lot.ring) free &= is_free(corner, -6);
+                for (const glm::dvec2& corner : lot.ring) free &= is_free(corner, -3);
                 if (free) plan.lots.push_back(lot);
             } else {
                 divide(plan, block, width, 0.02, dice);
