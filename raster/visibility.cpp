@@ -16,7 +16,7 @@ namespace plumb::raster {
 namespace {
 
 constexpr int max_tiles = 4096;
-constexpr int few_tiles = 16;         // a triangle that touches more is `large`
+constexpr int few_tiles = 16;  // a triangle that touches more is `large`
 constexpr std::size_t max_triangles = std::size_t(chunk_triangles) << (31 - chunk_bits);
 
 // The frame cut into squares of 64 pixels, larger where there would be too many.
@@ -100,6 +100,7 @@ void collect(const Source& source, glm::ivec2 size, const WindowVertex* window, 
     const ClipVolume volume = clip_volume(size);
     out.triangles.clear();
     out.corners.clear();
+    out.triangles.reserve(std::size_t(count));
     for (int k = 0; k < count; ++k) {
         const std::int32_t i = kept[k] < 0 ? -1 - kept[k] : kept[k];
         const glm::uvec3& c = source.geometry.triangles[std::size_t(i)];

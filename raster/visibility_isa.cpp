@@ -62,21 +62,26 @@ PLUMB_INLINE Span span(const I c[3], int side) {
     return {low, high, max((low + I(255)) >> 8, I(0)), min(high >> 8, I(side - 1))};
 }
 
-// Whether triangles less than 64 pixels wide and high cover the centre of a pixel within their box: products of
-// differences are below 2^28.
-PLUMB_INLINE M covers(const I x[3], const I y[3], I column, I row) {
+// Whether a triangle less than 64 pixels wide and high covers one of the four centres where its first and last columns
+// and rows meet: products of differences are below 2^28.
+PLUMB_INLINE M covers_corner(const I x[3], const I y[3], const Span& columns, const Span& rows) {
     const I area = (x[1] - x[0]) * (y[2] - y[0]) - (y[1] - y[0]) * (x[2] - x[0]);
     const I sign = select(area > I(0), I(1), I(-1));
-    I slack[3];
+    const I wide = (columns.last - columns.first) << 8, high = (rows.last - rows.first) << 8;
+    I slack[3], right[3], down[3];
 #pragma GCC unroll 3
     for (int i = 0; i < 3; ++i) {
         const int a = (i + 1) % 3, b = (i + 2) % 3;
         const I dx = sign * (x[b] - x[a]), dy = sign * (y[b] - y[a]);
         const M top_left = M((dy < I(0)) | ((dy == I(0)) & (dx > I(0))));
-        const I e = dx * ((row << 8) - y[a]) + dy * (x[a] - (column << 8));
+        const I e = dx * ((rows.first << 8) - y[a]) + dy * (x[a] - (columns.first << 8));
         slack[i] = select(top_left, e, e - I(1));
+        right[i] = I(0) - dy * wide, down[i] = dx * high;
     }
-    return !any_negative(slack[0], slack[1], slack[2]);
+    auto outside = [&](const I o[3]) { return any_negative(slack[0] + o[0], slack[1] + o[1], slack[2] + o[2]); };
+    const I none[3] = {I(0), I(0), I(0)};
+    const I both[3] = {right[0] + down[0], right[1] + down[1], right[2] + down[2]};
+    return !M(M(outside(none) & outside(right)) & M(outside(down) & outside(both)));
 }
 
 // ---- drawing ----------------------------------------------------------------------------------------------------------
@@ -391,13 +396,14 @@ int VisibilityKernels<Isa::PLUMB_ISA>::cull(const CullArgs& in, int first, int l
         if (!any(within)) continue;
         const M clipped = M(within & ((some & I(may_need_clipping)) > I(0)));
 
-        // Most triangles of a fine mesh lie between the centres.
+        // Most triangles of a fine mesh lie between the centres. Where there are at most two columns and two rows of
+        // them, to look at each is cheaper than to draw.
         const Span columns = span(x, in.size.x), rows = span(y, in.size.y);
-        M seen = M(within & (columns.first <= columns.last) & (rows.first <= rows.last));
-        const I most(64 * 256);
-        const M one_pixel = M((columns.first == columns.last) & (rows.first == rows.last) &
-                              (columns.high - columns.low < most) & (rows.high - rows.low < most));
-        if (any(M(seen & one_pixel))) seen = M(seen & M(M(!one_pixel) | covers(x, y, columns.first, rows.first)));
+        const I wide = columns.last - columns.first, high = rows.last - rows.first, most(64 * 256);
+        M seen = M(within & M((wide >= I(0)) & (high >= I(0))));
+        const M tiny = M(M((wide <= I(1)) & (high <= I(1))) &
+                         M((columns.high - columns.low < most) & (rows.high - rows.low < most)));
+        if (any(M(seen & tiny))) seen = M(seen & M(M(!tiny) | covers_corner(x, y, columns, rows)));
 
         const unsigned to_clip = lane_bits(clipped);
         for (unsigned left = lane_bits(M(seen | clipped)); left; left &= left - 1) {
