@@ -45,8 +45,11 @@ Soup textured_soup() {
     Image<std::uint32_t> texels(16, 8);
     for (std::uint32_t& x : texels.texels) x = random.next();
     s.scene.textures.push_back({"noise", texels, true, Filter::bilinear});
+    s.scene.textures.push_back(
+        {"more", texels, false, Filter::bilinear, Wrap::mirrored_repeat, Wrap::clamp_to_edge, false});
     s.scene.materials.push_back({"plain", glm::vec3(0.2f, 0.4f, 0.6f), glm::vec3(1), -1});
     s.scene.materials.push_back({"noise", glm::vec3(0.9f), glm::vec3(0), 0});
+    s.scene.materials.push_back({"all", glm::vec3(0.9f), glm::vec3(1), 1, 0, 1, 0.3f});
     for (int i = 0; i < 200; ++i) {
         const glm::vec3 centre = random.vector(-4, 4) - glm::vec3(0, 0, 6);
         auto corner = [&] {
@@ -56,7 +59,8 @@ Soup textured_soup() {
             return at(position, normal, u, v);
         };
         const Vertex a = corner(), b = corner(), c = corner();
-        add_triangle(s.geometry, a, b, c, i % 2);
+        add_triangle(s.geometry, a, b, c, i % 3);
+        for (int k = 0; k < 3; ++k) s.geometry.tangents.push_back({1, 0, 0, i % 2 ? 1 : -1});
     }
     return s;
 }
