@@ -8,25 +8,10 @@
 #include "core/error.h"
 #include "io/file.h"
 #include "io/gltf_document.h"
+#include "io/scene_parts.h"
 
 namespace plumb::io {
 namespace {
-
-// Names of lights become names of layers: 1 to 64 letters, digits, _ or -, each once.
-std::string layer_name(std::string name, const std::vector<Light>& others) {
-    for (char& c : name) {
-        const bool plain =
-            (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
-        if (!plain) c = '_';
-    }
-    if (name.empty()) name = fmt::format("light{}", others.size());
-    name = name.substr(0, 64);
-    const auto taken = [&](const std::string& n) {
-        return std::any_of(others.begin(), others.end(), [&](const Light& light) { return light.name == n; });
-    };
-    for (std::size_t i = others.size(); taken(name); ++i) name = name.substr(0, 50) + fmt::format("_{}", i);
-    return name;
-}
 
 class ModelReader {
   public:

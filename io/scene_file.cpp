@@ -8,10 +8,9 @@
 
 #include "core/error.h"
 #include "io/choose_view.h"
-#include "io/cornell.h"
 #include "io/file.h"
 #include "io/image_file.h"
-#include "io/obj.h"
+#include "io/scene_model.h"
 #include "io/scene_parts.h"
 #include "io/toml_reader.h"
 
@@ -21,11 +20,6 @@ namespace {
 constexpr int max_frame_side = 32768;
 constexpr std::size_t max_scene_bytes = std::size_t(1) << 24;
 
-void refuse_gltf(const std::string& path, const std::string& extension) {
-    if (extension == "gltf" || extension == "glb")
-        throw InputError(shown(path), "", "glTF is not read by this version; a later one will. Expected .obj");
-}
-
 class SceneReader {
   public:
     SceneReader(const std::string& path, const std::vector<std::string>& method_tables)
@@ -34,16 +28,18 @@ class SceneReader {
     Scene read(const std::string& text) {
         const toml::table root = parse_toml(path_, text);
         TomlReader top(root, path_, "");
+        // The meshes come first: a generated scene brings what this file leaves open.
+        read_meshes(top);
         scene_.name = path_;
         read_top(top);
         read_frame(top);
-        read_meshes(top);
         read_materials(top);
         read_lights(top);
         read_render(top);
         read_settings(top);
         read_camera(top);
         top.finish();
+        complete_tangents(scene_);
         return std::move(scene_);
     }
 
@@ -51,10 +47,8 @@ class SceneReader {
     void read_top(TomlReader& top) {
         if (top.has("convention"))
             scene_.convention = parse_convention(top.word("convention", ""), top.place("convention"));
-        scene_.camera.reversed_z = top.flag("reversed_z", false);
-        // Only glTF's lights are photometric: the key is checked and changes nothing here.
-        top.choice("photometric", 0, {"watt", "as_is"});
-        const double seed = top.number("seed", 1, 0, 4294967295.0);
+        scene_.camera.reversed_z = top.flag("reversed_z", scene_.camera.reversed_z);
+        const double seed = top.number("seed", double(scene_.seed), 0, 4294967295.0);
         if (seed != std::floor(seed)) top.fail("seed", "expected an integer from 0 to 4294967295");
         scene_.seed = std::uint32_t(seed);
     }
@@ -75,6 +69,8 @@ class SceneReader {
 
     void read_camera(TomlReader& top) {
         const toml::table* table = top.table("camera");
+        if (!table && !camera_from_.empty())
+            return scene_.notes.push_back("no camera in the file: the one of " + camera_from_);
         if (!table) return choose_camera(scene_, flatten(scene_));
         TomlReader camera(*table, path_, "[camera]");
         Camera& c = scene_.camera;
@@ -82,7 +78,11 @@ class SceneReader {
         const bool has_pose = camera.has("position") && camera.has("look_at");
         if (!has_pose && (camera.has("position") || camera.has("look_at")))
             camera.fail(camera.has("position") ? "look_at" : "position", "is missing");
-        if (!has_pose) choose_camera(scene_, flatten(scene_));
+        if (!has_pose && camera_from_.empty()) choose_camera(scene_, flatten(scene_));
+        if (has_pose) {
+            const bool reversed_z = c.reversed_z;
+            c = {}, c.reversed_z = reversed_z;
+        }
         c.position = camera.vector("position", c.position);
         c.look_at = camera.vector("look_at", c.look_at);
         c.up = camera.vector("up", c.up);
@@ -97,32 +97,19 @@ class SceneReader {
         }
     }
 
-    // Appends a model's materials and textures to the scene and its mesh with them.
-    void add_model(ObjModel model) {
-        const std::int32_t first_material = std::int32_t(scene_.materials.size());
-        const int first_texture = int(scene_.textures.size());
-        for (std::int32_t& m : model.mesh.material) m += first_material;
-        for (Material& m : model.materials) {
-            if (m.texture >= 0) m.texture += first_texture;
-            scene_.materials.push_back(std::move(m));
-        }
-        for (Texture& t : model.textures) scene_.textures.push_back(std::move(t));
-        has_coordinates_.push_back(model.has_texture_coordinates);
-        scene_.meshes.push_back(std::move(model.mesh));
-    }
-
-    ObjModel read_model(TomlReader& mesh) {
+    SceneModel read_model(TomlReader& mesh, const GltfOptions& options) {
         if (mesh.has("file") == mesh.has("generate")) mesh.fail("file", "expected either file or generate");
         if (mesh.has("generate")) {
-            mesh.choice("generate", 0, {"cornell"});
-            return parse_obj("cornell.obj", cornell_obj(), [](const std::string&) { return cornell_mtl(); });
+            const std::vector<std::string> names = model_names();
+            const std::string name = names[std::size_t(mesh.choice("generate", 0, names))];
+            GenerateOptions wanted;
+            wanted.triangles = mesh.integer("triangles", 0, 1, 1 << 30);
+            wanted.seed = std::uint32_t(mesh.integer("seed", 1, 0, std::numeric_limits<int>::max()));
+            return generate_model(name, wanted, mesh.place(mesh.has("triangles") ? "triangles" : "generate"));
         }
         const std::string file = beside(path_, mesh.word("file", ""));
         try {
-            const std::string extension = extension_of(file);
-            refuse_gltf(file, extension);
-            if (extension != "obj") throw InputError(shown(file), "", "not a mesh by its name; expected .obj");
-            return read_obj(file);
+            return load_model(file, options);
         } catch (const InputError& e) {
             // The place in the mesh's file comes first; who named it, last.
             throw InputError(fmt::format("{} ({} names it)", e.what(), mesh.place("file")));
@@ -130,6 +117,8 @@ class SceneReader {
     }
 
     void read_meshes(TomlReader& top) {
+        GltfOptions options;
+        options.photometric_as_is = top.choice("photometric", 0, {"watt", "as_is"}) == 1;
         for (const toml::table* table : top.tables("mesh")) {
             TomlReader mesh(*table, path_, "[[mesh]]");
             const glm::dmat4 transform = read_transform(mesh);
@@ -137,12 +126,42 @@ class SceneReader {
             const double share = mesh.number("share", 1, 0, 1);
             const std::string material = mesh.word("material", "");
             if (mesh.has("material") && material.empty()) mesh.fail("material", "expected a name");
-            ObjModel model = read_model(mesh);
+            SceneModel model = read_model(mesh, options);
+            const std::string from = "\"" + printable(mesh.word(mesh.has("file") ? "file" : "generate", "")) + "\"";
             mesh.finish();
-            add_model(std::move(model));
-            Mesh& added = scene_.meshes.back();
-            added.transform = transform, added.dynamic = dynamic, added.share = share;
-            if (!material.empty()) wanted_.push_back({scene_.meshes.size() - 1, material, mesh.place("material")});
+            move_model(model, transform);
+            for (Mesh& m : model.scene.meshes) {
+                if (mesh.has("dynamic")) m.dynamic = dynamic;
+                if (mesh.has("share")) m.share = share;
+                if (!material.empty())
+                    wanted_.push_back({scene_.meshes.size() + std::size_t(&m - model.scene.meshes.data()), material,
+                                       mesh.place("material")});
+            }
+            take_surroundings(model, from);
+            append_model(scene_, model);
+            has_coordinates_.insert(has_coordinates_.end(), model.has_texture_coordinates.begin(),
+                                    model.has_texture_coordinates.end());
+        }
+    }
+
+    // Camera, lights and settings of a model, for what this file leaves open.
+    void take_surroundings(SceneModel& model, const std::string& from) {
+        Scene& its = model.scene;
+        for (const std::string& note : its.notes) scene_.notes.push_back(from + ": " + note);
+        if (model.is_whole && !has_whole_) {
+            has_whole_ = true;
+            scene_.environment = its.environment, scene_.convention = its.convention, scene_.seed = its.seed;
+            scene_.frame_size = its.frame_size, scene_.method = its.method, scene_.layout = its.layout;
+            scene_.settings = its.settings;
+            if (camera_from_.empty()) scene_.camera.reversed_z = its.camera.reversed_z;
+        }
+        if (model.has_camera && camera_from_.empty()) {
+            const bool reversed_z = model.is_whole ? its.camera.reversed_z : scene_.camera.reversed_z;
+            camera_from_ = from, scene_.camera = its.camera, scene_.camera.reversed_z = reversed_z;
+        }
+        for (Light& light : its.lights) {
+            light.name = layer_name(light.name, model_lights_);
+            model_lights_.push_back(std::move(light));
         }
     }
 
@@ -174,7 +193,7 @@ class SceneReader {
             if (!has_coordinates_[m] && uses_texture(scene_.meshes[m]))
                 scene_.notes.push_back(fmt::format(
                     "mesh \"{}\" has no texture coordinates: it shows its texture's lower left corner everywhere",
-                    scene_.meshes[m].name));
+                    printable(scene_.meshes[m].name)));
     }
 
     void read_material(const toml::table& table) {
@@ -195,6 +214,8 @@ class SceneReader {
             if (m.name != name) continue;
             m.reflectance = glm::vec3(reader.vector("reflectance", glm::dvec3(m.reflectance), 0, 1));
             m.emission = glm::vec3(reader.vector("emission", glm::dvec3(m.emission), 0, 3e38));
+            m.alpha_cutoff = float(reader.number("alpha_cutoff", m.alpha_cutoff, 0, 1));
+            m.normal_scale = float(reader.number("normal_scale", m.normal_scale, -1e30, 1e30));
             if (texture >= 0) m.texture = texture;
         }
         reader.finish();
@@ -223,6 +244,10 @@ class SceneReader {
             scene_.lights.push_back(read_light(reader, scene_.lights));
             reader.finish();
         }
+        if (scene_.lights.empty() && !model_lights_.empty()) {
+            scene_.lights = std::move(model_lights_);
+            scene_.notes.push_back(fmt::format("no light in the file: the {} of its meshes", scene_.lights.size()));
+        }
         if (scene_.lights.empty()) scene_.notes.push_back("no light in the file: only what emits is seen");
     }
 
@@ -230,13 +255,18 @@ class SceneReader {
         if (const toml::table* table = top.table("environment")) {
             TomlReader environment(*table, path_, "[environment]");
             if (environment.has("file")) environment.fail("file", "pictures of the sky are not read by this version");
-            scene_.environment.radiance = glm::vec3(environment.vector("radiance", glm::dvec3(0), 0, 3e38));
+            const glm::dvec3 radiance(scene_.environment.radiance);
+            scene_.environment.radiance = glm::vec3(environment.vector("radiance", radiance, 0, 3e38));
             environment.finish();
         }
         if (const toml::table* table = top.table("render")) {
             TomlReader render(*table, path_, "[render]");
             scene_.method = render.word("method", scene_.method);
             scene_.layout = render.word("layout", scene_.layout);
+            if (render.has("mips")) {
+                const bool mips = render.flag("mips", false);
+                for (Texture& texture : scene_.textures) texture.mips = mips;
+            }
             render.finish();
         }
     }
@@ -267,18 +297,21 @@ class SceneReader {
     std::vector<bool> has_coordinates_;  // of each mesh
     std::vector<Wanted> wanted_;
     std::vector<std::string> described_here_;
+    bool has_whole_ = false;           // a generated scene among the meshes
+    std::string camera_from_;          // which mesh brought a camera; "" if none
+    std::vector<Light> model_lights_;  // of all meshes
 };
 
-Scene load_bare_obj(const std::string& path) {
-    Scene scene;
+Scene load_bare(const std::string& path) {
+    SceneModel model = load_model(path, {});
+    Scene scene = std::move(model.scene);
     scene.name = path;
-    ObjModel model = read_obj(path);
-    scene.meshes.push_back(std::move(model.mesh));
-    scene.materials = std::move(model.materials);
-    scene.textures = std::move(model.textures);
-    const Geometry geometry = flatten(scene);
-    choose_camera(scene, geometry);
-    choose_light(scene, geometry);
+    if (!model.has_camera || scene.lights.empty()) {
+        const Geometry geometry = flatten(scene);
+        if (!model.has_camera) choose_camera(scene, geometry);
+        if (scene.lights.empty()) choose_light(scene, geometry);
+    }
+    complete_tangents(scene);
     return scene;
 }
 
@@ -286,9 +319,9 @@ Scene load_bare_obj(const std::string& path) {
 
 Scene load_scene(const std::string& path, const std::vector<std::string>& method_tables) {
     const std::string extension = extension_of(path);
-    refuse_gltf(path, extension);
-    if (extension == "obj") return load_bare_obj(path);
-    if (extension != "toml") throw InputError(shown(path), "", "not a scene by its name; expected .toml or .obj");
+    if (extension == "obj" || extension == "gltf" || extension == "glb") return load_bare(path);
+    if (extension != "toml")
+        throw InputError(shown(path), "", "not a scene by its name; expected .toml, .obj, .gltf or .glb");
     return SceneReader(path, method_tables).read(read_text(path, max_scene_bytes));
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/host_math.h"
+#include "io/gltf_document.h"
 
 namespace plumb::io {
 namespace {
@@ -46,7 +47,28 @@ glm::dvec3 read_scale(TomlReader& mesh) {
     return scale;
 }
 
+bool is_plain(char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
+}
+
 }  // namespace
+
+bool is_layer_name(const std::string& name) {
+    return !name.empty() && name.size() <= 64 && std::all_of(name.begin(), name.end(), is_plain);
+}
+
+std::string layer_name(std::string name, const std::vector<Light>& others) {
+    for (char& c : name)
+        if (!is_plain(c)) c = '_';
+    if (name.empty()) name = fmt::format("light{}", others.size());
+    name = name.substr(0, 64);
+    const auto taken = [&](const std::string& n) {
+        return std::any_of(others.begin(), others.end(), [&](const Light& light) { return light.name == n; });
+    };
+    const std::string stem = name.substr(0, 50);
+    for (std::size_t i = 2; taken(name); ++i) name = fmt::format("{}_{}", stem, i);
+    return name;
+}
 
 glm::dmat4 read_transform(TomlReader& mesh) {
     glm::dmat4 m(1);
@@ -72,23 +94,16 @@ glm::dmat4 read_transform(TomlReader& mesh) {
 
 Light read_light(TomlReader& reader, const std::vector<Light>& others) {
     Light light;
-    // Names of lights become names of layers.
     light.name = reader.word("name", fmt::format("light{}", others.size()));
-    const auto plain = [](char c) {
-        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
-    };
-    if (light.name.empty() || light.name.size() > 64 || !std::all_of(light.name.begin(), light.name.end(), plain))
-        reader.fail("name", "expected 1 to 64 letters, digits, _ or -");
+    if (!is_layer_name(light.name)) reader.fail("name", "expected 1 to 64 letters, digits, _ or -");
     for (const Light& other : others)
         if (other.name == light.name) reader.fail("name", "another light has that name");
 
     light.type = LightType(reader.choice("type", 0, {"spot", "point", "directional"}));
     light.position = glm::vec3(reader.vector("position", glm::dvec3(0), -1e30, 1e30));
     const glm::dvec3 d = reader.vector("direction", glm::dvec3(0, -1, 0), -1e30, 1e30);
-    const double largest = std::max({std::fabs(d.x), std::fabs(d.y), std::fabs(d.z)});
-    if (!(largest > 0)) reader.fail("direction", "has no length");
-    const glm::dvec3 s = d / largest;
-    light.direction = glm::vec3(s / std::sqrt(s.x * s.x + s.y * s.y + s.z * s.z));
+    if (d == glm::dvec3(0)) reader.fail("direction", "has no length");
+    light.direction = made_unit(d);
     if (const auto cone = reader.numbers("cone_deg", 2, 0, 89)) {
         light.cone_inner_deg = float((*cone)[0]), light.cone_outer_deg = float((*cone)[1]);
         if (!(light.cone_outer_deg > 0 && light.cone_inner_deg <= light.cone_outer_deg))

@@ -1,6 +1,7 @@
 // Parts of a scene file that stand alone. Private to io/.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "core/scene.h"
@@ -13,5 +14,10 @@ glm::dmat4 read_transform(TomlReader& mesh);
 
 // [[light]]; its name must be none of the others'.
 Light read_light(TomlReader& reader, const std::vector<Light>& others);
+
+// Names of lights become names of layers: 1 to 64 letters, digits, _ or -, each once.
+bool is_layer_name(const std::string& name);
+// `name`, changed where it is not one or is another light's.
+std::string layer_name(std::string name, const std::vector<Light>& others);
 
 }  // namespace plumb::io

@@ -1,0 +1,37 @@
+// What a [[mesh]] of a scene file, or a bare mesh file, brings along. Private to io/.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/scene.h"
+#include "io/gltf.h"
+#include "io/scenes/generate.h"
+
+namespace plumb::io {
+
+struct SceneModel {
+    Scene scene;                                // meshes, materials, textures; lights and camera where it has them
+    std::vector<bool> has_texture_coordinates;  // of each mesh
+    bool has_camera = false;
+    bool is_whole = false;  // a generated scene: its settings, frame, method and the like are meant too
+};
+
+// .obj, .gltf or .glb, by the name's extension.
+SceneModel load_model(const std::string& path, const GltfOptions& options);
+
+// "cornell", or a scene of io/scenes. Throws InputError at `place` for options that the scene does not take.
+SceneModel generate_model(const std::string& name, const GenerateOptions& options, const std::string& place);
+std::vector<std::string> model_names();  // that can be generated
+
+// Puts meshes, lights and camera where `transform` moves them.
+void move_model(SceneModel& model, const glm::dmat4& transform);
+
+// Appends meshes, materials and textures; lights and camera stay in the model.
+void append_model(Scene& scene, SceneModel& model);
+
+// Gives tangents to meshes that show a normal map and have none.
+void complete_tangents(Scene& scene);
+
+}  // namespace plumb::io
