@@ -44,6 +44,10 @@ void column(Builder& b, const Surface& s, const Place& place, const Column& c, d
     b.box(s.material, place, {-c.plinth, 0, -c.plinth}, {c.plinth, plinth, c.plinth}, s.size);
     b.box(s.material, place, {-c.abacus, abacus, -c.abacus}, {c.abacus, c.height, c.abacus}, s.size);
 
+    if (detail < 0.15) {
+        b.lathe(s.material, place, {{r, plinth}, {0.9 * r, capital}, {1.3 * r, abacus}}, around, s.size, 91);
+        return;
+    }
     // The base: a thick torus, a hollow, a thin torus.
     std::vector<glm::dvec2> foot;
     torus(foot, 1.22 * r, plinth, plinth + 0.36 * r, chords);
@@ -86,7 +90,7 @@ void arch_wall(Builder& b, const Surface& s, const Place& place, const ArchWall&
     // The face is cut along rays to the upper corners, so that they are corners of triangles.
     const double corner = host::atan2(w.height, w.half_width) / pi;
     const double cuts[] = {0, corner, 1 - corner, 1};
-    const int columns[] = {cut(detail, 6, 2), cut(detail, 12, 2), cut(detail, 6, 2)};
+    const int columns[] = {cut(detail, 6, 1), cut(detail, 12, 2), cut(detail, 6, 1)};
     Grid g;
     g.rows = cut(detail, 2, 1);
     g.projection = [&](const Point& p) { return glm::dvec2(p.x, -p.y) / s.size; };
@@ -166,7 +170,8 @@ void curtain(Builder& b, const Surface& s, const Surface& metal, const Place& pl
             return Point(x, -c.height * (1 - v) - sag * inner + 0.02 * (1 - v) * z / depth, z);
         });
 
-    // The rod and its knobs; the ties.
+    // The rod; the ties.
+    if (detail < 0.15) return;
     const Place rod = place * move({-c.half_width - 0.05, 0.02, 0}) * turn_y(90) * turn_x(90);
     const double length = 2 * c.half_width + 0.1;
     b.lathe(metal.material, rod, {{0, 0}, {0.022, 0}, {0.022, length}, {0, length}}, cut(detail, 10, 4), metal.size);
@@ -174,7 +179,7 @@ void curtain(Builder& b, const Surface& s, const Surface& metal, const Place& pl
     for (int half = 0; half < 2; ++half) {
         const double x = (half == 0 ? -1 : 1) * 0.9 * c.half_width;
         const Place at = place * move({x, -0.58 * c.height, 0}) * scale({1.15, 1, 1.1});
-        b.lathe(metal.material, at, {{0.1, -0.05}, {0.125, -0.03}, {0.125, 0.03}, {0.1, 0.05}}, cut(detail, 16, 5),
+        b.lathe(metal.material, at, {{0.1, -0.05}, {0.125, -0.03}, {0.125, 0.03}, {0.1, 0.05}, {0.1, -0.05}}, cut(detail, 16, 5),
                 metal.size);
     }
 }

@@ -185,30 +185,32 @@ Texture leaves(const std::string& name, std::uint32_t seed) {
     };
     // Leaves hang, tips down and to either side; later ones lie on top.
     std::vector<Leaf> all;
-    for (int k = 0; k < 120; ++k) {
+    for (int k = 0; k < 80; ++k) {
         const double angle = host::pi * (0.5 + 0.9 * (white_noise(k, 2, seed) - 0.5));
         all.push_back({{white_noise(k, 0, seed), white_noise(k, 1, seed)},
                        {host::cos(angle), host::sin(angle)},
                        0.055 + 0.04 * white_noise(k, 3, seed),
                        0.55 + 0.6 * white_noise(k, 4, seed)});
     }
+    std::vector<glm::dvec4> texels(std::size_t(side) * side, glm::dvec4(0.1, 0.18, 0.05, 0));
+    for (const Leaf& leaf : all) {
+        const int reach = int(leaf.size * side) + 1, x0 = int(leaf.at.x * side), y0 = int(leaf.at.y * side);
+        for (int y = y0 - reach; y <= y0 + reach; ++y)
+            for (int x = x0 - reach; x <= x0 + reach; ++x) {
+                const glm::dvec2 p = (glm::dvec2(x + 0.5, y + 0.5) / double(side) - leaf.at) / leaf.size;
+                // Along and across the leaf: a blade with a broad shoulder at -0.5 and a pointed tip at 1.
+                const double s = p.x * leaf.along.x + p.y * leaf.along.y, t = p.y * leaf.along.x - p.x * leaf.along.y;
+                const double half = s < -0.5 ? 0.62 * std::sqrt(std::max(1 - 4 * (s + 0.5) * (s + 0.5), 0.0))
+                                             : 0.62 * (1 - (s + 0.5) / 1.5);
+                if (!(std::abs(t) < half)) continue;
+                const double vein =
+                    smoothstep(0.05, 0.0, std::abs(t)) + 0.5 * smoothstep(0.8, 1.0, wave(s * 3 + std::abs(t) * 2));
+                const glm::dvec3 green = glm::dvec3(0.11, 0.22, 0.05) * (leaf.shade * (1 + 0.35 * vein));
+                texels[std::size_t(y & (side - 1)) * side + (x & (side - 1))] = glm::dvec4(green, 1);
+            }
+    }
     return paint_masked(name, side, [&](double u, double v) {
-        glm::dvec4 c(0.06, 0.1, 0.03, 0);
-        for (const Leaf& leaf : all) {
-            double x = u - leaf.at.x, y = v - leaf.at.y;
-            x -= std::floor(x + 0.5), y -= std::floor(y + 0.5);
-            if (std::abs(x) > leaf.size || std::abs(y) > leaf.size) continue;
-            // Along and across the leaf, -1..1: a blade with a broad shoulder and a pointed tip.
-            const double s = (x * leaf.along.x + y * leaf.along.y) / leaf.size;
-            const double t = (y * leaf.along.x - x * leaf.along.y) / leaf.size;
-            const double half = s < -0.5 ? 0.62 * std::sqrt(std::max(1 - 4 * (s + 0.5) * (s + 0.5), 0.0))
-                                         : 0.62 * (1 - (s + 0.5) / 1.5);
-            if (std::abs(t) > half) continue;
-            const double vein = smoothstep(0.05, 0.0, std::abs(t)) + 0.5 * smoothstep(0.8, 1.0, wave(s * 3 + std::abs(t) * 2));
-            const glm::dvec3 green = glm::dvec3(0.13, 0.27, 0.06) * (leaf.shade * (1 + 0.35 * vein));
-            c = glm::dvec4(green, 1);
-        }
-        return c;
+        return texels[std::size_t(int(v * side)) * side + int(u * side)];
     });
 }
 
