@@ -21,6 +21,9 @@ using Json = nlohmann::ordered_json;
 enum Component : int { u32 = 5125, f32 = 5126 };
 enum Target : int { no_target = 0, vertices = 34962, indices = 34963 };
 
+constexpr const char* lists[] = {"nodes",    "cameras", "materials", "meshes",     "textures",
+                                 "samplers", "images",  "accessors", "bufferViews"};
+
 // Floats are written as the doubles that they are, which JSON gives in full.
 Json numbers(const glm::vec3& v) { return {double(v.x), double(v.y), double(v.z)}; }
 
@@ -38,9 +41,7 @@ class GlbWriter {
         json_["asset"] = {{"version", "2.0"}, {"generator", "plumb"}};
         json_["scene"] = 0;
         json_["scenes"] = Json::array({{{"nodes", Json::array()}}});
-        for (const char* list : {"nodes", "cameras", "materials", "meshes", "textures", "samplers", "images", "accessors",
-                                 "bufferViews"})
-            json_[list] = Json::array();
+        for (const char* list : lists) json_[list] = Json::array();
         for (const Material& material : scene_.materials) json_["materials"].push_back(material_json(material));
         for (const Texture& texture : scene_.textures) add_texture(texture);
         for (const Mesh& mesh : scene_.meshes)
@@ -57,8 +58,8 @@ class GlbWriter {
 
     // A list of glTF's may not be empty.
     void write_chunks() {
-        for (auto at = json_.begin(); at != json_.end();)
-            at = at.value().is_array() && at.value().empty() ? json_.erase(at) : at + 1;
+        for (const char* list : lists)
+            if (json_[list].empty()) json_.erase(list);
         if (!extensions_.empty()) json_["extensionsUsed"] = extensions_;
         if (bytes_ > 0) json_["buffers"] = Json::array({{{"byteLength", bytes_}}});
         std::string text;

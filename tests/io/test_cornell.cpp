@@ -39,7 +39,7 @@ Hit trace(const Scene& s, const glm::dvec3& from, const glm::dvec3& d) {
 
 TEST_CASE("make_scene: writes the files of data/scenes/cornell, byte for byte", "[io][determinism]") {
     const Folder folder;
-    const std::string scene = make_scene("cornell", folder / "new/cornell");
+    const std::string scene = make_scene("cornell", folder / "new/cornell").file;
     CHECK(scene == folder / "new/cornell/cornell.toml");
     for (const char* name : {"cornell.obj", "cornell.mtl", "cornell.toml"})
         CHECK(read_text(folder / "new/cornell/" + name) == read_text(data + "cornell/" + name));

@@ -181,7 +181,7 @@ TEST_CASE("make_scene: the TOML of a generated scene is the same scene as genera
         if (generated.least_triangles > 20000) continue;
         const std::int64_t triangles = std::max<std::int64_t>(generated.least_triangles, 3000);
         const MadeScene made = make_scene(generated.name, folder / generated.name, {triangles, 3});
-        const std::vector<std::string> tables = {"rsm", "shadow", "tonemap", "light", "gather"};
+        const std::vector<std::string> tables = {"rsm", "shadow", "tonemap"};
         const Scene a = load_scene(made.file, tables);
         const Scene b = load_scene(folder.put("g.toml", "[[mesh]]\ngenerate = \"" + std::string(generated.name) +
                                                             "\"\ntriangles = " + std::to_string(triangles) +

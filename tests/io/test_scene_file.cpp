@@ -246,7 +246,7 @@ TEST_CASE("scene: malformed files are named with line and cause", "[io][robustne
         {"[[mesh]]\ngenerate = \"cornel\"\n", "line 2: [[mesh]] generate = \"cornel\": expected one of cornell"},
         {"[[mesh]]\nfile = \"none.obj\"\n", "none.obj: cannot be read: No such file or directory ("},
         {"[[mesh]]\nfile = \"t.png\"\n", "t.png: not a mesh by its name; expected .obj"},
-        {"[[mesh]]\nfile = \"a.glb\"\n", "a.glb: glTF is not read by this version"},
+        {"[[mesh]]\nfile = \"a.glb\"\n", "a.glb: cannot be read: No such file or directory ("},
         {mesh + "scale = 0\n", "line 3: [[mesh]] scale = 0: expected a size"},
         {mesh + "scale = [1, 2]\n", "line 3: [[mesh]] scale = an array of 2: expected 3 numbers"},
         {mesh + "share = 1.5\n", "line 3: [[mesh]] share = 1.5: expected 0 to 1"},
@@ -295,7 +295,7 @@ TEST_CASE("scene: malformed files are named with line and cause", "[io][robustne
     require_message(error_of([&] { load_scene(files.folder / "none.toml", {}); }),
                     {"none.toml: cannot be read: No such file"});
     require_message(error_of([&] { load_scene(files.folder / "a.gltf", {}); }),
-                    {"a.gltf: glTF is not read by this version"});
+                    {"a.gltf: cannot be read: No such file"});
     require_message(error_of([&] { load_scene(files.folder / "t.png", {}); }), {"t.png: not a scene by its name"});
     require_message(files.error("[[mesh]]\nfile = \"bad.obj\"\n"), {"bad.obj: cannot be read"});
     files.folder.put("bad.obj", "v 0 0\n");
