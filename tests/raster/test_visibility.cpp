@@ -73,7 +73,14 @@ Soup random_soup(int n, glm::ivec2 size, Random& random) {
             b = a + float(distance * w) * glm::vec4(random.vector(-1, 1), 0) * glm::vec4(1, 1, 0, 0);
             c = a + float(distance * w) * glm::vec4(random.vector(-1, 1), 0) * glm::vec4(1, 1, 0, 0);
         };
-        switch (random.below(12)) {
+        // Corners on centres and half-way between them: ties.
+        const glm::ivec2 corner{random.below(size.x), random.below(size.y)};
+        auto tie = [&](int extent) {
+            const double x = corner.x + random.below(2 * extent + 1) / 2.0;
+            const double y = corner.y + random.below(2 * extent + 1) / 2.0;
+            return glm::vec4(float(2 * x / size.x - 1), float(2 * y / size.y - 1), float(random.uniform()), 1);
+        };
+        switch (random.below(15)) {
             case 0: case 1: case 2: near(pixel * random.between(0.2, 2)); break;   // between centres and around them
             case 3: case 4: near(pixel * random.between(2, 60)); break;
             case 5: near(pixel * random.between(60, 300)); break;
@@ -83,6 +90,9 @@ Soup random_soup(int n, glm::ivec2 size, Random& random) {
             case 8: b = random_point(random, random.between(2, 1000), w); break;   // beyond the guard band
             case 9: b.w = -b.w, c.w = random.below(2) ? 0.0f : c.w; break;         // at and behind the viewer
             case 10: b.z = -b.z, c.z *= float(random.between(1, 3)); break;        // cut by the near and far planes
+            case 11: case 12: a = tie(2), b = tie(2), c = tie(2); break;
+            case 13: a = tie(30), b = tie(30), c = tie(30); break;
+            case 14: a.z = b.z = c.z = -0.0f; break;                               // as large, on the near plane
             default: break;                                                        // as large as the frame
         }
         soup.add(a, b, c);
