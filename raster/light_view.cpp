@@ -27,24 +27,25 @@ glm::dvec3 up_for(const glm::dvec3& forward) {
     return std::abs(forward.y) > 0.999 ? glm::dvec3(0, 0, 1) : glm::dvec3(0, 1, 0);
 }
 
-View spot_view(const Light& light, const glm::dvec3& low, const glm::dvec3& high) {
-    if (!(light.cone_outer_deg > 0 && light.cone_outer_deg < 90))
-        throw InputError(fmt::format("light \"{}\": cone_outer_deg = {}: expected above 0 and below 90 degrees",
-                                     light.name, light.cone_outer_deg));
+glm::dvec3 corner_of(const glm::dvec3& low, const glm::dvec3& high, int i) {
+    return {i & 1 ? high.x : low.x, i & 2 ? high.y : low.y, i & 4 ? high.z : low.z};
+}
+
+// A square pyramid of that full angle from the light.
+View perspective_view(const glm::dvec3& eye, const glm::dvec3& forward, const glm::dvec3& up, double angle_deg,
+                      const glm::dvec3& low, const glm::dvec3& high) {
     // Depths of the corners of the bounds.
-    const glm::dvec3 eye(light.position), forward = unit_direction(light);
     double nearest = unbounded, farthest = -unbounded;
     for (int i = 0; i < 8; ++i) {
-        const glm::dvec3 corner(i & 1 ? high.x : low.x, i & 2 ? high.y : low.y, i & 4 ? high.z : low.z);
-        const double depth = dot(forward, corner - eye);
+        const double depth = dot(forward, corner_of(low, high, i) - eye);
         nearest = std::min(nearest, depth), farthest = std::max(farthest, depth);
     }
 
     Camera camera;
     camera.position = eye;
     camera.look_at = eye + forward;
-    camera.up = up_for(forward);
-    camera.fov_y_deg = 2.0 * light.cone_outer_deg;
+    camera.up = up;
+    camera.fov_y_deg = angle_deg;
     camera.far = farthest > 0 ? farthest * 1.001 : 1;
     camera.near = std::min(std::max(nearest * 0.999, camera.far * 1e-6), camera.far * 0.5);
     camera.reversed_z = true;
@@ -53,6 +54,27 @@ View spot_view(const Light& light, const glm::dvec3& low, const glm::dvec3& high
     const CameraAxes a = axes(forward, camera.up);
     view.world_to_view = view_matrix(eye, a);
     view.forward = a.forward;
+    return view;
+}
+
+View spot_view(const Light& light, const glm::dvec3& low, const glm::dvec3& high) {
+    if (!(light.cone_outer_deg > 0 && light.cone_outer_deg < 90))
+        throw InputError(fmt::format("light \"{}\": cone_outer_deg = {}: expected above 0 and below 90 degrees",
+                                     light.name, light.cone_outer_deg));
+    const glm::dvec3 forward = unit_direction(light);
+    return perspective_view(glm::dvec3(light.position), forward, up_for(forward), 2.0 * light.cone_outer_deg, low, high);
+}
+
+// Face +x -x +y -y +z -z of a point light.
+View face_view(const Light& light, int face, const glm::dvec3& low, const glm::dvec3& high) {
+    const double sign = face % 2 == 0 ? 1 : -1;
+    glm::dvec3 forward(0), up(0, 1, 0);
+    forward[face / 2] = sign;
+    if (face / 2 == 1) up = {0, 0, -sign};
+    View view = perspective_view(glm::dvec3(light.position), forward, up, 90, low, high);
+    // The tangent of 45 degrees is 1: neighbours then meet without a gap.
+    view.view_to_clip[0][0] = 1;
+    view.view_to_clip[1][1] = view.view_to_clip[1][1] < 0 ? -1 : 1;
     return view;
 }
 
@@ -83,11 +105,46 @@ View light_view(const Light& light, const glm::vec3& low, const glm::vec3& high)
                                  light.name));
 }
 
+std::vector<View> light_views(const Light& light, const glm::vec3& low, const glm::vec3& high) {
+    if (light.type != LightType::point) return {light_view(light, low, high)};
+    std::vector<View> views;
+    for (int face = 0; face < light_faces; ++face)
+        views.push_back(face_view(light, face, glm::dvec3(low), glm::dvec3(high)));
+    return views;
+}
+
+bool may_see(const View& view, const glm::vec3& low, const glm::vec3& high) {
+    // Every corner beyond the same side of the pyramid, or behind its tip.
+    const glm::dmat4 clip = view.world_to_clip();
+    int outside = 0x1f;
+    for (int i = 0; i < 8; ++i) {
+        const glm::dvec4 c = clip * glm::dvec4(corner_of(glm::dvec3(low), glm::dvec3(high), i), 1);
+        outside &= (c.x > c.w) | (c.x < -c.w) << 1 | (c.y > c.w) << 2 | (c.y < -c.w) << 3 | (c.w < 0) << 4;
+    }
+    return outside == 0;
+}
+
 glm::dvec2 project_to_texels(const View& view, int size, const glm::dvec3& x) {
     const glm::dmat4 m = view.world_to_clip();
     auto row = [&](int r) { return m[0][r] * x.x + m[1][r] * x.y + m[2][r] * x.z + m[3][r]; };
     const double w = row(3);
     return {(row(0) / w + 1) * 0.5 * size, (row(1) / w + 1) * 0.5 * size};
+}
+
+Projection projection_args(const View& view, int size, bool clamped) {
+    Projection map{};
+    const glm::dmat4 clip = view.world_to_clip();
+    for (int c = 0; c < 4; ++c) {
+        // texel = (clip / w * 1/2 + 1/2) * size, so its row is (clip row + w row) * size / 2
+        map.to_texel_x[c] = float((clip[c][0] + clip[c][3]) * (0.5 * size));
+        map.to_texel_y[c] = float((clip[c][1] + clip[c][3]) * (0.5 * size));
+        map.to_texel_w[c] = float(clip[c][3]);
+    }
+    map.least_w = 1e-6f;
+    map.low = clamped ? 0.0f : -1048576.0f;
+    map.high = clamped ? float(size) - 0.5f : 1048576.0f;
+    map.size = size;
+    return map;
 }
 
 LightArgs light_args(const Light& light) {

@@ -16,9 +16,6 @@ namespace {
 constexpr int band_rows = 16;
 
 void validate(const Light& light) {
-    if (light.type == LightType::point)
-        throw InputError(fmt::format("rsm: light \"{}\" is a point light: expected a spot or directional light",
-                                     light.name));
     if (light.rsm_size < 1 || light.rsm_size > max_frame_side)
         throw InputError(fmt::format("rsm: light \"{}\": rsm_size = {}: expected 1 to {} texels", light.name,
                                      light.rsm_size, max_frame_side));
@@ -59,12 +56,13 @@ void pack(Rsm& rsm, std::size_t first, std::size_t last) {
 }  // namespace
 
 void draw_rsm(const Geometry& geometry, const Surfaces& surfaces, const Light& light, const View& light_view,
-              const Layout& layout, const RunOptions& options, Rsm& out) {
+              const Layout& layout, const RunOptions& options, Rsm& out, Workspace* workspace) {
     validate(light);
     RunOptions half = options;
     if (options.progress) half.progress = [&](double share) { options.progress(0.5 * share); };
     const int size = light.rsm_size;
-    const VisibilityBuffer visible = draw_visibility(geometry, light_view, {size, size}, half);
+    VisibilityBuffer visible;
+    draw_visibility(geometry, &surfaces, light_view, {size, size}, half, visible, workspace);
     if (options.progress) half.progress = [&](double share) { options.progress(0.5 + 0.5 * share); };
 
     out = Rsm{};
@@ -103,7 +101,8 @@ std::vector<TapValue> explain_rsm(const Geometry& geometry, const Surfaces& surf
     RunOptions one;
     one.threads = 1;
     const VisibilityBuffer visible =
-        draw_visibility_rows(geometry, light_view, {light.rsm_size, light.rsm_size}, texel.y, texel.y + 1, one);
+        draw_visibility_rows(geometry, &surfaces, light_view, {light.rsm_size, light.rsm_size}, texel.y,
+                             texel.y + 1, one);
     const std::int32_t triangle = visible.triangle(texel.x, texel.y);
     FpEnvironment environment;
     Recorder recorder;

@@ -15,6 +15,8 @@
 
 namespace plumb::raster {
 
+struct Workspace;  // raster/visibility.h
+
 struct Rsm {
     int size = 0;  // texels a side
     View view;
@@ -28,10 +30,10 @@ struct Rsm {
     double texel_scale = 0;     // side of a texel: spot: at depth 1 m, m/m; directional: m
 };
 
-// light.rsm_size texels a side, through light_view() of raster/light_view.h. Allocates `out`. Images are rounded as
-// the layout says. Throws InputError for a point light, which needs six maps.
+// light.rsm_size texels a side, through a view of light_views(), raster/light_view.h: a point light takes six calls.
+// Allocates `out`. Images are rounded as the layout says.
 void draw_rsm(const Geometry& geometry, const Surfaces& surfaces, const Light& light, const View& light_view,
-              const Layout& layout, const RunOptions& options, Rsm& out);
+              const Layout& layout, const RunOptions& options, Rsm& out, Workspace* workspace = nullptr);
 
 // Every named value of one texel, in the order in which the kernel computes them, before rounding to the layout.
 std::vector<TapValue> explain_rsm(const Geometry& geometry, const Surfaces& surfaces, const Light& light,

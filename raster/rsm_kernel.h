@@ -3,6 +3,7 @@
 // The flux of a texel is the reflected part of the power that the light sends through it:
 //
 //     spot          Phi = rho I(w) dw,     dw = (2 tan(a/2) / R)^2 cos^3
+//     point         the same for each of its six faces, a = 90 degrees: dw = (2 / R)^2 cos^3
 //     directional   Phi = rho E_perp A,    A = (side / R)^2
 //
 // with a the full angle of the map, R its side in texels and cos the cosine between w and the light's axis. The texel's

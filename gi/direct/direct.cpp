@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "core/error.h"
 #include "core/fp_environment.h"
 #include "core/parallel.h"
@@ -21,27 +23,33 @@ void require_equal_sizes(const char* stage, const Image4* position, const Image4
                                      normal->width, normal->height, position->width, position->height));
 }
 
-ShadowInputsView view_of(const ShadowParams& params, const ShadowInputs& in) {
+void validate(const ShadowParams& params, const ShadowInputs& in) {
+    ShadowParams copy = params;
+    validate_fields("shadow", fields(copy));
     require_equal_sizes("shadow", in.position, in.normal);
-    if (!in.rsm) throw InputError("shadow: rsm must be bound");
+    if (in.rsms.size() != 1 && in.rsms.size() != raster::light_faces)
+        throw InputError(fmt::format("shadow: {} maps are bound: expected 1, or {} of a point light", in.rsms.size(),
+                                     raster::light_faces));
+}
+
+// The kernel's view of one of the light's maps. A map alone serves every point; of six, each serves its face's.
+ShadowInputsView view_of(const ShadowParams& params, const ShadowInputs& in, int face) {
     ShadowInputsView v{};
     ShadowUniforms& u = v.u;
-    const raster::Rsm& rsm = *in.rsm;
-    const glm::dmat4 clip = rsm.view.world_to_clip();
-    for (int c = 0; c < 4; ++c) {
-        u.to_texel_x[c] = float((clip[c][0] + clip[c][3]) * (0.5 * rsm.size));
-        u.to_texel_y[c] = float((clip[c][1] + clip[c][3]) * (0.5 * rsm.size));
-        u.to_texel_w[c] = float(clip[c][3]);
-    }
+    const raster::Rsm& rsm = in.rsms[std::size_t(face)];
+    u.face = in.rsms.size() == 1 ? -1 : face;
+    u.map = raster::projection_args(rsm.view, rsm.size, u.face >= 0);
     for (int c = 0; c < 3; ++c) u.eye[c] = float(rsm.view.eye[c]), u.forward[c] = float(rsm.view.forward[c]);
-    u.least_w = 1e-6f;
+    u.kernel = params.mode == ShadowMode::hard ? 1 : params.kernel;
+    u.samples = float(u.kernel * u.kernel);
+    u.published = params.variant == ShadowVariant::published ? 1 : 0;
     u.footprint_scale = rsm.view.orthographic ? 0 : float(rsm.texel_scale);
     u.footprint_base = rsm.view.orthographic ? float(rsm.texel_scale) : 0;
     u.bias = params.bias;
-    u.slope_bias = params.slope_bias;
+    // The farthest texel centre of the kernel lies kernel/2 + 1/2 texels away along a side, of one texel 1/2.
+    u.slope_bias = params.slope_bias * float(2 * (u.kernel / 2) + 1);
     u.max_slope = params.max_slope;
     u.perspective = rsm.view.orthographic ? 0 : 1;
-    u.size = rsm.size;
     u.width = in.position->width;
     u.height = in.position->height;
     v.position = &in.position->data()->x;
@@ -78,6 +86,11 @@ std::vector<raster::LightArgs> args_of(const DirectInputs& in) {
 
 std::vector<Field> fields(ShadowParams& p) {
     return {
+        {"mode", as_int(p.mode), "", "hard: one texel; density: the share of a kernel of texels (VRSM Algorithm 4)", 0, 1,
+         {"hard", "density"}, false},
+        {"variant", as_int(p.variant), "", "corrected, or Algorithm 4's comparison as printed, with a constant bias", 0, 1,
+         {"corrected", "published"}, false},
+        {"kernel", &p.kernel, "texels", "side of the kernel of mode = density; 4 is ours", 1, 64, {}, true},
         {"bias", &p.bias, "m", "constant part of the depth bias; ours", 0, unbounded, {}, true},
         {"slope_bias", &p.slope_bias, "texels", "part that follows the surface's slope; 0.71 is exact, 1 is ours", 0, 64,
          {}, true},
@@ -87,20 +100,37 @@ std::vector<Field> fields(ShadowParams& p) {
 }
 
 void run(const ShadowParams& params, const ShadowInputs& in, const RunOptions& options, float* visibility) {
-    ShadowParams copy = params;
-    validate_fields("shadow", fields(copy));
-    ShadowInputsView view = view_of(params, in);
-    view.visibility = visibility;
-    dispatch(options.isa, [&](auto isa) {
-        parallel_bands(in.position->height, band, options,
-                       [&](int first, int last) { Rows<isa()>::shadow(view, first, last); });
-    });
+    validate(params, in);
+    const int maps = int(in.rsms.size());
+    if (maps > 1) std::fill_n(visibility, in.position->size(), 1.0f);
+    for (int face = 0; face < maps; ++face) {
+        if (in.rsms[std::size_t(face)].size == 0) continue;
+        RunOptions part = options;
+        if (options.progress) part.progress = [&, face](double done) { options.progress((face + done) / maps); };
+        ShadowInputsView view = view_of(params, in, face);
+        view.visibility = visibility;
+        dispatch(options.isa, [&](auto isa) {
+            parallel_bands(in.position->height, band, part,
+                           [&](int first, int last) { Rows<isa()>::shadow(view, first, last); });
+        });
+    }
 }
 
 std::vector<TapValue> explain(const ShadowParams& params, const ShadowInputs& in, glm::ivec2 pixel) {
+    validate(params, in);
     FpEnvironment environment;
     Recorder recorder;
-    shadow<float>(view_of(params, in), pixel.x, pixel.y, recorder);
+    int face = 0;
+    if (in.rsms.size() > 1) {
+        // Take the face that serves the point.
+        const vec3<float> x(in.position->operator()(pixel.x, pixel.y));
+        while (!serves<float>(view_of(params, in, face).u, x)) ++face;
+        recorder("face", std::int32_t(face), "of the point light: +x -x +y -y +z -z");
+    }
+    if (in.rsms[std::size_t(face)].size == 0)
+        recorder("visibility", 1.0f, "the face sees nothing");
+    else
+        shadow<float>(view_of(params, in, face), pixel.x, pixel.y, recorder);
     return recorder.values;
 }
 
@@ -108,11 +138,11 @@ StageInfo shadow_info() {
     ShadowParams defaults;
     StageInfo s;
     s.name = "shadow";
-    s.source = "VRSM Algorithm 4, one texel";
+    s.source = "VRSM Algorithm 4";
     s.inputs = {{"position", "image rgba32f", "m", "world-space position of the shading points"},
                 {"normal", "image rgba32f", "", "unit normal of the shading points"},
-                {"rsm.position", "image rgba32f", "m", "w: linear light-space depth; 0 where nothing is"}};
-    s.outputs = {{"visibility", "image r32f", "", "1 lit, 0 shadowed"}};
+                {"rsm.position", "image rgba32f", "m", "w: linear light-space depth; 0 where nothing is; of a point light a map a face"}};
+    s.outputs = {{"visibility", "image r32f", "", "1 lit, 0 shadowed; mode = density: in between"}};
     s.params = describe(fields(defaults));
     s.twin = "gi/direct/shadow.comp";
     return s;

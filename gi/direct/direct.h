@@ -1,6 +1,7 @@
 // The stages shadow and direct: which lights a point sees, and the irradiance they send. See gi/direct/README.md.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "core/image.h"
@@ -12,7 +13,13 @@
 
 namespace plumb::direct {
 
+enum class ShadowMode : int { hard, density };
+enum class ShadowVariant : int { corrected, published };
+
 struct ShadowParams {
+    ShadowMode mode = ShadowMode::hard;
+    ShadowVariant variant = ShadowVariant::corrected;
+    int kernel = 4;
     float bias = 0.001f;
     float slope_bias = 1;
     float max_slope = 16;
@@ -22,9 +29,9 @@ std::vector<Field> fields(ShadowParams& params);
 struct ShadowInputs {
     const Image4* position = nullptr;  // xyz world, m
     const Image4* normal = nullptr;    // xyz unit; all 0 where nothing is
-    const raster::Rsm* rsm = nullptr;  // its position.w is the depth map
+    std::span<const raster::Rsm> rsms; // the light's map, or the six of a point light; position.w is the depth map
 };
-// visibility: [height][width] floats, 1 lit, 0 shadowed.
+// visibility: [height][width] floats, 1 lit, 0 shadowed. What a face of size 0 would serve is lit.
 void run(const ShadowParams& params, const ShadowInputs& inputs, const RunOptions& options, float* visibility);
 std::vector<TapValue> explain(const ShadowParams& params, const ShadowInputs& inputs, glm::ivec2 pixel);
 StageInfo shadow_info();

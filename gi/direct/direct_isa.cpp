@@ -8,8 +8,17 @@ using I = index_t<F>;
 
 template <>
 void Rows<Isa::PLUMB_ISA>::shadow(const ShadowInputsView& in, int first, int last) {
-    shade_rows_scalar(in.u.width, first, last, in.visibility,
-                      [&](I px, I py, NoTap& tap) { return plumb::direct::shadow<F>(in, px, py, tap); });
+    if (in.u.face < 0) {
+        shade_rows_scalar(in.u.width, first, last, in.visibility,
+                          [&](I px, I py, NoTap& tap) { return plumb::direct::shadow<F>(in, px, py, tap); });
+        return;
+    }
+    shade_rows_scalar(in.u.width, first, last, in.visibility, [&](I px, I py, NoTap& tap) {
+        const I pixel = py * I(in.u.width) + px;
+        const F before = number<F>::fetch(in.visibility, pixel);
+        const mask_t<F> served = serves<F>(in.u, xyz<F>(number<F>::fetch4(in.position, pixel)));
+        return any(served) ? select(served, plumb::direct::shadow<F>(in, px, py, tap), before) : before;
+    });
 }
 
 template <>

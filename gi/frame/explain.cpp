@@ -14,6 +14,8 @@ void require_inside(const std::string& label, glm::ivec2 pixel, glm::ivec2 size)
                                      size.x, size.y));
 }
 
+glm::ivec2 map_size(const Light& light) { return {raster::map_count(light) * light.rsm_size, light.rsm_size}; }
+
 struct Explainer {
     const Scene& scene;
     const Settings& settings;
@@ -23,6 +25,19 @@ struct Explainer {
     std::vector<Light> lights;
     glm::vec3 low{0}, high{0};
 
+    // A texel of the light's map, or of its six maps side by side.
+    std::vector<TapValue> explain_texel(const Light& light, glm::ivec2 texel) const {
+        const int face = texel.x / light.rsm_size;
+        const View view = raster::light_views(light, low, high)[std::size_t(face)];
+        std::vector<TapValue> values;
+        if (raster::map_count(light) > 1)
+            values.push_back({"face", -1, {double(face)}, "of the point light: +x -x +y -y +z -z"});
+        const std::vector<TapValue> taps =
+            raster::explain_rsm(geometry, surfaces, light, view, {texel.x - face * light.rsm_size, texel.y});
+        values.insert(values.end(), taps.begin(), taps.end());
+        return values;
+    }
+
     std::vector<TapValue> values(const PlannedStage& stage, glm::ivec2 pixel) const {
         const raster::GBuffer& g = frame.gbuffer;
         const int l = stage.light;
@@ -31,15 +46,16 @@ struct Explainer {
             return raster::explain_gbuffer(geometry, surfaces, view, scene.frame_size, pixel);
         }
         if (stage.name == "rsm")
-            return raster::explain_rsm(geometry, surfaces, lights[l], raster::light_view(lights[l], low, high), pixel);
+            return explain_texel(lights[l], pixel);
         if (stage.name == "shadow")
-            return direct::explain(settings.shadow, {&g.position, &g.normal, &frame.rsms[l]}, pixel);
+            return direct::explain(settings.shadow, {&g.position, &g.normal, frame.rsms[l]}, pixel);
         if (stage.name == "direct")
             return direct::explain({&g.position, &g.normal, &lights, &frame.visibility}, pixel);
         if (stage.name == "rsm.disc" || stage.name == "rsm.all") {
             rsm::Pattern pattern;  // rsm.all reads none
-            if (stage.name == "rsm.disc") pattern = rsm::disc_pattern(settings.rsm, frame.rsms[l].size, settings.seed);
-            return rsm::explain(settings.rsm, {&g.position, &g.normal, &frame.rsms[l], &pattern, settings.seed}, pixel);
+            if (stage.name == "rsm.disc") pattern = rsm::disc_pattern(settings.rsm, lights[l].rsm_size, settings.seed);
+            return rsm::explain_maps(settings.rsm, {&g.position, &g.normal, nullptr, &pattern, settings.seed},
+                                     frame.rsms[l], pixel);
         }
         if (stage.name == "compose")
             return compose::explain(
@@ -83,8 +99,8 @@ std::vector<Explanation> explain(const Scene& scene, const Settings& settings, c
     }
     std::vector<Explanation> explanations;
     for (const PlannedStage* s : chosen) {
-        const int side = s->name == "rsm" ? frame.rsms[s->light].size : 0;
-        require_inside(s->label, pixel, side ? glm::ivec2(side) : scene.frame_size);
+        const bool map = s->name == "rsm";
+        require_inside(s->label, pixel, map ? map_size(scene.lights[std::size_t(s->light)]) : scene.frame_size);
         explanations.push_back({s->label, pixel, explainer.values(*s, pixel)});
     }
     return explanations;

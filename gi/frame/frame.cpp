@@ -8,6 +8,7 @@
 #include "core/error.h"
 #include "core/fp_environment.h"
 #include "raster/light_view.h"
+#include "raster/workspace.h"
 
 namespace plumb::frame {
 
@@ -41,6 +42,20 @@ Light shining(Light light) {
     return light;
 }
 
+// All maps of a light; a face that can see nothing is left out.
+void draw_maps(const Geometry& geometry, const raster::Surfaces& surfaces, const Light& light, const glm::vec3& low,
+               const glm::vec3& high, const raster::Layout& layout, const RunOptions& options,
+               std::vector<raster::Rsm>& maps, raster::Workspace& workspace) {
+    const std::vector<View> views = raster::light_views(light, low, high);
+    for (std::size_t m = 0; m < views.size(); ++m) {
+        if (views.size() > 1 && !raster::may_see(views[m], low, high)) continue;
+        RunOptions part = options;
+        if (options.progress)
+            part.progress = [&, m](double done) { options.progress((double(m) + done) / double(views.size())); };
+        raster::draw_rsm(geometry, surfaces, light, views[m], layout, part, maps[m], &workspace);
+    }
+}
+
 void add(Image4& sum, const Image4& term) {
     for (std::size_t i = 0; i < sum.size(); ++i) sum.texels[i] += term.texels[i];
 }
@@ -57,9 +72,10 @@ Frame execute(const Scene& scene, const Settings& settings, const Plan& plan, co
     glm::vec3 low(0), high(0);
     bounds(geometry, low, high);
 
+    raster::Workspace workspace;
     Frame f;
     f.gbuffer = nothing_seen(size, scene.camera.reversed_z);
-    f.rsms.resize(scene.lights.size());
+    for (const Light& light : scene.lights) f.rsms.emplace_back(raster::map_count(light));
     f.visibility.assign(scene.lights.size() * pixels, 1.0f);
     f.direct = f.indirect = Image4(size.x, size.y);
     std::vector<Light> lights;
@@ -83,11 +99,10 @@ Frame execute(const Scene& scene, const Settings& settings, const Plan& plan, co
             raster::draw_gbuffer(geometry, surfaces, view, size, settings.layout, options, f.gbuffer);
             run.bytes = bytes_of(f.gbuffer);
         } else if (stage.name == "rsm") {
-            raster::draw_rsm(geometry, surfaces, lights[l], raster::light_view(lights[l], low, high), settings.layout,
-                             options, f.rsms[l]);
-            run.bytes = bytes_of(f.rsms[l]);
+            draw_maps(geometry, surfaces, lights[l], low, high, settings.layout, options, f.rsms[l], workspace);
+            for (const raster::Rsm& map : f.rsms[l]) run.bytes += bytes_of(map);
         } else if (stage.name == "shadow") {
-            direct::run(settings.shadow, {&f.gbuffer.position, &f.gbuffer.normal, &f.rsms[l]}, options,
+            direct::run(settings.shadow, {&f.gbuffer.position, &f.gbuffer.normal, f.rsms[l]}, options,
                         f.visibility.data() + l * pixels);
             run.bytes = pixels * sizeof(float);
         } else if (stage.name == "direct") {
@@ -95,10 +110,10 @@ Frame execute(const Scene& scene, const Settings& settings, const Plan& plan, co
             run.bytes = bytes_of(f.direct);
         } else if (stage.name == "rsm.disc" || stage.name == "rsm.all") {
             rsm::Pattern pattern;  // rsm.all reads none
-            if (stage.name == "rsm.disc") pattern = rsm::disc_pattern(settings.rsm, f.rsms[l].size, settings.seed);
+            if (stage.name == "rsm.disc") pattern = rsm::disc_pattern(settings.rsm, lights[l].rsm_size, settings.seed);
             Image4 irradiance;
-            rsm::run(settings.rsm, {&f.gbuffer.position, &f.gbuffer.normal, &f.rsms[l], &pattern, settings.seed},
-                     options, irradiance);
+            rsm::run_maps(settings.rsm, {&f.gbuffer.position, &f.gbuffer.normal, nullptr, &pattern, settings.seed},
+                          f.rsms[l], options, irradiance);
             add(f.indirect, irradiance);
             run.bytes = bytes_of(irradiance);
         } else if (stage.name == "compose") {

@@ -47,11 +47,12 @@ struct StageRun {
 
 struct Frame {
     raster::GBuffer gbuffer;
-    std::vector<raster::Rsm> rsms;  // a light each; size 0 where none was needed
-    Buffer<float> visibility;       // [lights][height][width]
-    Image4 direct, indirect;        // irradiance, W/m2
-    Image4 radiance;                // outgoing, W/(m2 sr)
-    Image4 display;                 // sRGB-encoded, 0..1
+    // [lights][1, or 6 faces of a point light]; size 0 where none was needed, or nothing can be seen.
+    std::vector<std::vector<raster::Rsm>> rsms;
+    Buffer<float> visibility;  // [lights][height][width]
+    Image4 direct, indirect;   // irradiance, W/m2
+    Image4 radiance;           // outgoing, W/(m2 sr)
+    Image4 display;            // sRGB-encoded, 0..1
     std::vector<StageRun> stages;
 };
 
@@ -62,7 +63,8 @@ using Progress = std::function<void(const std::string& label, double done)>;
 Frame execute(const Scene& scene, const Settings& settings, const Plan& plan, const RunOptions& options,
               const Progress& progress = {});
 
-// One stage's values at one pixel (for stage "rsm": a texel of the light's map).
+// One stage's values at one pixel (for stage "rsm": a texel of the light's map; the six maps of a point light lie side
+// by side, so that x runs to 6 rsm_size).
 struct Explanation {
     std::string stage;  // label
     glm::ivec2 pixel{0};

@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include "core/error.h"
 #include "gi/frame/frame.h"
 #include "raster/light_view.h"
 
@@ -58,11 +57,6 @@ struct Planner {
 }  // namespace
 
 Plan plan(const Scene& scene, const Settings& settings) {
-    for (const Light& light : scene.lights)
-        if (light.type == LightType::point)
-            throw InputError(fmt::format("{}: light '{}' is a point light: expected spot or directional; point lights "
-                                         "need six shadow maps, which come with a later version",
-                                         scene.name, light.name));
     const Geometry geometry = flatten(scene);
     glm::vec3 low(0), high(0);
     const bool empty = !bounds(geometry, low, high);
@@ -77,12 +71,15 @@ Plan plan(const Scene& scene, const Settings& settings) {
     for (int l = 0; l < int(scene.lights.size()); ++l) {
         const Light& light = scene.lights[l];
         const std::string dark = empty ? nothing : why_dark(light, low, high);
-        const double texels = double(light.rsm_size) * light.rsm_size;
-        planner.add("rsm", l, triangles + texels, "triangles + texels", ms_pixels, "shadow and gather read it", dark);
+        const int maps = raster::map_count(light);
+        const double texels = double(maps) * light.rsm_size * light.rsm_size;
+        planner.add("rsm", l, maps * triangles + texels, "triangles + texels", ms_pixels,
+                    maps > 1 ? fmt::format("shadow and gather read it; {} faces", maps) : "shadow and gather read it",
+                    dark);
         planner.add("shadow", l, pixels, "pixels", ms_shadow, "direct light reads it", dark);
         if (settings.method != Method::rsm) continue;
         const bool disc = settings.rsm.gather == rsm::Gather::disc;
-        planner.add(disc ? "rsm.disc" : "rsm.all", l, pixels * (disc ? settings.rsm.samples : texels),
+        planner.add(disc ? "rsm.disc" : "rsm.all", l, pixels * (disc ? maps * double(settings.rsm.samples) : texels),
                     disc ? "samples" : "texel pairs", disc ? ms_disc : ms_all, "indirect light of this light",
                     dark.empty() ? no_bounce : dark);
     }

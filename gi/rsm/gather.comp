@@ -16,22 +16,11 @@ layout(std430, binding = 6) readonly buffer Offsets { int offsets[]; };    // [s
 layout(std430, binding = 7) readonly buffer Weights { float weights[]; };  // [samples]
 layout(binding = 8, rgba32f) uniform writeonly image2D irradiance_image;
 
-// The texel that x projects to: the one rounding that decides which samples are read.
-ivec2 project(vec3 x) {
-    precise float row_x = u.to_texel_x.x * x.x + u.to_texel_x.y * x.y + u.to_texel_x.z * x.z + u.to_texel_x.w;
-    precise float row_y = u.to_texel_y.x * x.x + u.to_texel_y.y * x.y + u.to_texel_y.z * x.z + u.to_texel_y.w;
-    precise float row_w = u.to_texel_w.x * x.x + u.to_texel_w.y * x.y + u.to_texel_w.z * x.z + u.to_texel_w.w;
-    precise float w = max(u.least_w, row_w);
-    precise vec2 texel = vec2(min(max(row_x / w, u.projection_low), u.projection_high),
-                              min(max(row_y / w, u.projection_low), u.projection_high));
-    return ivec2(floor(texel));
-}
-
 // The disc gather (Dachsbacher and Stamminger 2005; LRA 4.3.3).
 vec3 gather_disc(ivec2 pixel) {
     vec3 x = texelFetch(position_image, pixel, 0).xyz;
     vec3 n = texelFetch(normal_image, pixel, 0).xyz;
-    ivec2 centre = project(x);
+    ivec2 centre = project(u.map, x);
     uint hash = pixel_hash(uint(pixel.x), uint(pixel.y), 0u, u.seed).x;
     int rotation = int(hash >> 16) & (u.rotations - 1);
 
@@ -41,7 +30,7 @@ vec3 gather_disc(ivec2 pixel) {
         ivec2 texel = centre + ivec2((offset << 16) >> 16, offset >> 16);
 
         // A sample outside the map contributes nothing, and the divisor stays.
-        bool inside = texel.x >= 0 && texel.x < u.size && texel.y >= 0 && texel.y < u.size;
+        bool inside = texel.x >= 0 && texel.x < u.map.size && texel.y >= 0 && texel.y < u.map.size;
         ivec2 fetched = inside ? texel : ivec2(0);
         vec3 x_p = texelFetch(rsm_position, fetched, 0).xyz;
         vec3 n_p = texelFetch(rsm_normal, fetched, 0).xyz;

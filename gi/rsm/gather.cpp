@@ -10,6 +10,7 @@
 #include "core/fp_environment.h"
 #include "core/parallel.h"
 #include "gi/rsm/gather_rows.h"
+#include "raster/light_view.h"
 
 namespace plumb::rsm {
 
@@ -57,27 +58,15 @@ void validate(const GatherParams& params, const GatherInputs& in) {
 
 namespace {
 
-// Fills the kernel's view of the inputs. The projection is composed in double and rounded once.
+// Fills the kernel's view of the inputs.
 template <class Component>
 GatherInputsView<Component> view_of(const GatherParams& params, const GatherInputs& in, const Component* records) {
     GatherInputsView<Component> v{};
     GatherUniforms& u = v.u;
-    const int size = in.rsm->size;
-    const glm::dmat4 clip = in.rsm->view.world_to_clip();
-    for (int c = 0; c < 4; ++c) {
-        // texel = (clip / w * 1/2 + 1/2) * size, so its row is (clip row + w row) * size / 2
-        u.to_texel_x[c] = float((clip[c][0] + clip[c][3]) * (0.5 * size));
-        u.to_texel_y[c] = float((clip[c][1] + clip[c][3]) * (0.5 * size));
-        u.to_texel_w[c] = float(clip[c][3]);
-    }
-    const bool clamped = params.projection == Projection::clamped;
-    u.least_w = 1e-6f;
-    u.projection_low = clamped ? 0.0f : -1048576.0f;
-    u.projection_high = clamped ? float(size) - 0.5f : 1048576.0f;
+    u.map = raster::projection_args(in.rsm->view, in.rsm->size, params.projection == Projection::clamped);
     // Below 1e-37 m2 the inverse would overflow.
     u.least_distance2 = std::max(params.min_distance * params.min_distance, 1e-37f);
     u.scale = params.variant == Variant::published ? 1.0f : float(1 / host::pi);
-    u.size = size;
     u.samples = params.samples;
     u.rotations = params.rotations;
     u.width = in.position->width;
@@ -129,6 +118,26 @@ void run(const GatherParams& params, const GatherInputs& in, const RunOptions& o
     });
 }
 
+void run_maps(const GatherParams& params, const GatherInputs& given, std::span<const raster::Rsm> maps,
+              const RunOptions& options, Image4& irradiance) {
+    GatherInputs in = given;
+    if (maps.size() == 1) {
+        in.rsm = maps.data();
+        return run(params, in, options, irradiance);
+    }
+    irradiance = Image4(in.position->width, in.position->height);
+    for (std::size_t m = 0; m < maps.size(); ++m) {
+        if (maps[m].size == 0) continue;
+        RunOptions part = options;
+        if (options.progress)
+            part.progress = [&, m](double done) { options.progress((double(m) + done) / double(maps.size())); };
+        in.rsm = &maps[m];
+        Image4 share;
+        run(params, in, part, share);
+        for (std::size_t i = 0; i < share.size(); ++i) irradiance.texels[i] += share.texels[i];
+    }
+}
+
 void run_double(const GatherParams& params, const GatherInputs& in, const RunOptions& options,
                 Image<glm::dvec4>& irradiance) {
     validate(params, in);
@@ -155,6 +164,28 @@ std::vector<TapValue> explain(const GatherParams& params, const GatherInputs& in
     return recorder.values;
 }
 
+std::vector<TapValue> explain_maps(const GatherParams& params, const GatherInputs& given,
+                                   std::span<const raster::Rsm> maps, glm::ivec2 pixel) {
+    GatherInputs in = given;
+    if (maps.size() == 1) {
+        in.rsm = maps.data();
+        return explain(params, in, pixel);
+    }
+    FpEnvironment environment;
+    Recorder recorder;
+    glm::vec3 sum(0);
+    for (std::size_t m = 0; m < maps.size(); ++m) {
+        if (maps[m].size == 0) continue;
+        in.rsm = &maps[m];
+        recorder("face", std::int32_t(m), "of the point light: +x -x +y -y +z -z");
+        const std::vector<TapValue> values = explain(params, in, pixel);
+        recorder.values.insert(recorder.values.end(), values.begin(), values.end());
+        for (int c = 0; c < 3; ++c) sum[c] += float(values.back().value[std::size_t(c)]);
+    }
+    recorder("irradiance", sum, "sum over the faces, W/m2");
+    return recorder.values;
+}
+
 namespace {
 
 StageInfo info(Gather gather) {
@@ -164,7 +195,7 @@ StageInfo info(Gather gather) {
     s.inputs = {
         {"position", "image rgba32f", "m", "world-space position of the shading points"},
         {"normal", "image rgba32f", "", "unit normal of the shading points"},
-        {"rsm", "records rsm", "", "reflective shadow map: position m, normal, flux W"},
+        {"rsm", "records rsm", "", "reflective shadow map: position m, normal, flux W; of a point light a map a face"},
     };
     s.outputs = {{"irradiance", "image rgba32f", "W/m2", "indirect irradiance, one bounce"}};
     s.params = describe(fields(defaults));

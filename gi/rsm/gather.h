@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -56,12 +57,19 @@ void validate(const GatherParams& params, const GatherInputs& inputs);
 // irradiance: W/m2 in xyz, w = 0; the size of `position`. Allocates the result, nothing else per pixel.
 void run(const GatherParams& params, const GatherInputs& inputs, const RunOptions& options, Image4& irradiance);
 
+// All maps of a light, one after the other, added in their order: the six faces of a point light, each a map of its own.
+// A map of size 0 sends nothing. inputs.rsm is not read.
+void run_maps(const GatherParams& params, const GatherInputs& inputs, std::span<const raster::Rsm> maps,
+              const RunOptions& options, Image4& irradiance);
+
 // The same in double precision from the same inputs, on one lane: the truth that float is held against.
 void run_double(const GatherParams& params, const GatherInputs& inputs, const RunOptions& options,
                 Image<glm::dvec4>& irradiance);
 
 // Every named value of one invocation, in the order in which the kernel computes them.
 std::vector<TapValue> explain(const GatherParams& params, const GatherInputs& inputs, glm::ivec2 pixel);
+std::vector<TapValue> explain_maps(const GatherParams& params, const GatherInputs& inputs,
+                                   std::span<const raster::Rsm> maps, glm::ivec2 pixel);
 
 StageInfo info_disc();
 StageInfo info_all();

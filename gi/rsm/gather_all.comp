@@ -18,9 +18,9 @@ vec3 gather_all(ivec2 pixel) {
     vec3 n = texelFetch(normal_image, pixel, 0).xyz;
 
     precise vec3 sum = vec3(0.0);
-    for (int row = 0; row < u.size; ++row) {
+    for (int row = 0; row < u.map.size; ++row) {
         precise vec3 row_sum = vec3(0.0);
-        for (int column = 0; column < u.size; ++column) {
+        for (int column = 0; column < u.map.size; ++column) {
             ivec2 texel = ivec2(column, row);
             vec3 x_p = texelFetch(rsm_position, texel, 0).xyz;
             vec3 n_p = texelFetch(rsm_normal, texel, 0).xyz;

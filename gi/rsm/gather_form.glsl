@@ -1,15 +1,10 @@
 // What gather.comp and gather_all.comp share: the uniform block and VRSM (3.2), as in gather_kernel.h.
+#include "raster/project.glsl"
 
 struct GatherUniforms {
-    vec4 to_texel_x;
-    vec4 to_texel_y;
-    vec4 to_texel_w;
-    float least_w;
-    float projection_low;
-    float projection_high;
+    Projection map;
     float least_distance2;
     float scale;
-    int size;
     int samples;
     int rotations;
     int width;

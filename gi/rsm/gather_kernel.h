@@ -11,20 +11,15 @@
 
 #include "core/hash.h"
 #include "core/number.h"
+#include "raster/project_kernel.h"
 
 namespace plumb::rsm {
 
 // The twins' uniform block, member by member (std140). The host fills it in gather.cpp.
 struct GatherUniforms {
-    float to_texel_x[4];    // rows of world -> texel: x_texel = (to_texel_x . (x, 1)) / (to_texel_w . (x, 1))
-    float to_texel_y[4];
-    float to_texel_w[4];
-    float least_w;          // m, > 0: points behind the light project far outside the map, on their own side
-    float projection_low;   // the projection is held within [low, high] texels: the map's own range when `clamped`,
-    float projection_high;  //   far outside of it when `plain`
+    raster::Projection map;
     float least_distance2;  // m2: the floor of |x - x_p|^2
     float scale;            // 1/pi; published: 1
-    std::int32_t size;      // texels a side of the map
     std::int32_t samples;
     std::int32_t rotations; // a power of two
     std::int32_t width;     // of the image of shading points
@@ -60,17 +55,6 @@ PLUMB_INLINE F form(const vec3<F>& x, const vec3<F>& n, const vec3<F>& x_p, cons
     return form;
 }
 
-// The texel that x projects to: the one rounding that decides which samples are read.
-template <class F, class Tap>
-PLUMB_INLINE ivec2<index_t<F>> project(const GatherUniforms& u, const vec3<F>& x, Tap& tap) {
-    auto row = [&](const float* m) { return F(m[0]) * x.x + F(m[1]) * x.y + F(m[2]) * x.z + F(m[3]); };
-    const F w = max(F(u.least_w), row(u.to_texel_w));
-    const F low(u.projection_low), high(u.projection_high);
-    const vec2<F> texel{clamp(row(u.to_texel_x) / w, low, high), clamp(row(u.to_texel_y) / w, low, high)};
-    tap("projection", texel, "x projected to the map, texels");
-    return {number<F>::truncate_to_index(floor(texel.x)), number<F>::truncate_to_index(floor(texel.y))};
-}
-
 // The disc gather (Dachsbacher and Stamminger 2005; LRA 4.3.3): N samples around the projection of x, each with the
 // number of texels that it stands for.
 //
@@ -84,7 +68,7 @@ PLUMB_INLINE vec3<F> gather_disc(const GatherInputsView<Component>& in, index_t<
     const I pixel = py * I(u.width) + px;
     const vec3<F> x = xyz<F>(N::fetch4(in.position, pixel));      tap("x", x, "world, m");
     const vec3<F> n = xyz<F>(N::fetch4(in.normal, pixel));        tap("n", n, "unit normal of x");
-    const ivec2<I> centre = project<F>(u, x, tap);                tap("centre", centre, "texel of the projection");
+    const ivec2<I> centre = raster::project<F>(u.map, x, tap);    tap("centre", centre, "texel of the projection");
     const I hash = pixel_hash(px, py, I(0), I(std::int32_t(u.seed))).x;
     const I rotation = shift_right(hash, 16) & I(u.rotations - 1);
     tap("rotation", rotation, "row of the table of offsets");
@@ -97,9 +81,9 @@ PLUMB_INLINE vec3<F> gather_disc(const GatherInputsView<Component>& in, index_t<
         tap("texel", texel, "LRA 4.3.3: p + r (xi1 sin 2 pi xi2, xi1 cos 2 pi xi2)");
 
         // A sample outside the map contributes nothing, and the divisor stays.
-        const mask_t<F> inside = in_range(texel.x, I(u.size)) & in_range(texel.y, I(u.size));
+        const mask_t<F> inside = in_range(texel.x, I(u.map.size)) & in_range(texel.y, I(u.map.size));
         tap("inside", inside, "1 if the map has that texel; if not, what follows is texel 0 with weight 0");
-        const Record<F> p = N::fetch_record(in.records, select(inside, texel.y * I(u.size) + texel.x, I(0)));
+        const Record<F> p = N::fetch_record(in.records, select(inside, texel.y * I(u.map.size) + texel.x, I(0)));
         const vec3<F> x_p = xyz<F>(p.a), n_p = xyz<F>(p.b), flux = xyz<F>(p.c);
         const F weight = select(inside, F(in.weights[k]), F(0.0f));
         tap("x_p", x_p, "world, m");
@@ -129,10 +113,10 @@ PLUMB_INLINE vec3<F> gather_all(const GatherInputsView<float>& in, index_t<F> px
     const vec3<F> n = xyz<F>(N::fetch4(in.normal, pixel));        tap("n", n, "unit normal of x");
 
     vec3<F> sum{F(0.0f), F(0.0f), F(0.0f)};
-    for (int row = 0; row < u.size; ++row) {
+    for (int row = 0; row < u.map.size; ++row) {
         vec3<F> row_sum{F(0.0f), F(0.0f), F(0.0f)};
-        for (int column = 0; column < u.size; ++column) {
-            const int texel = row * u.size + column;              tap.sample(texel);
+        for (int column = 0; column < u.map.size; ++column) {
+            const int texel = row * u.map.size + column;              tap.sample(texel);
             const float* p = in.records + record_stride * std::ptrdiff_t(texel);
             const vec3<F> x_p{F(p[0]), F(p[1]), F(p[2])}, n_p{F(p[4]), F(p[5]), F(p[6])}, flux{F(p[8]), F(p[9]), F(p[10])};
             tap("x_p", x_p, "world, m");

@@ -46,7 +46,7 @@ raster::Rsm half_occluded(int size) {
 float visibility_at(const raster::Rsm& map, glm::vec3 x, glm::vec3 n, direct::ShadowParams params = {}) {
     const Points point(x, n);
     float visibility = -1;
-    direct::run(params, {&point.position, &point.normal, &map}, {}, &visibility);
+    direct::run(params, {&point.position, &point.normal, {&map, 1}}, {}, &visibility);
     return visibility;
 }
 
@@ -199,4 +199,86 @@ TEST_CASE("shadow: where the map holds nothing, a point is lit", "[shadow]") {
     raster::Rsm map = half_occluded(8);
     for (glm::vec4& texel : map.position.texels) texel.w = 0;
     CHECK(visibility_at(map, {-0.5f, 0.1f, -1.5f}, {0, 0, 1}) == 1);
+}
+
+TEST_CASE("shadow density: behind a straight edge it is the share of the kernel beyond it", "[shadow][VRSM Algorithm 4]") {
+    // The occluder covers the columns below 32. A point behind it that projects into column c has the kernel's columns
+    // c - k/2 .. c - k/2 + k - 1, of which those from 32 on are lit. Printed, the shadowed ones are counted.
+    const raster::Rsm map = half_occluded(64);
+    for (int kernel : {1, 2, 3, 4, 5, 16})
+        for (int column = 20; column < 44; ++column) {
+            const glm::vec3 x(1.5f * (float(2 * column + 1) / 64 - 1), 0.1f, -1.5f);
+            direct::ShadowParams params;
+            params.mode = direct::ShadowMode::density;
+            params.kernel = kernel;
+            const int beyond = column - kernel / 2 + kernel - 32;
+            const float lit = float(std::min(std::max(beyond, 0), kernel)) / float(kernel);
+            CAPTURE(kernel, column);
+            CHECK(visibility_at(map, x, {0, 0, 1}, params) == lit);
+            params.variant = direct::ShadowVariant::published;
+            CHECK(visibility_at(map, x, {0, 0, 1}, params) == Approx(1 - lit).margin(1e-6));
+            direct::ShadowParams hard;
+            params.variant = direct::ShadowVariant::corrected;
+            if (kernel == 1) CHECK(visibility_at(map, x, {0, 0, 1}, params) == visibility_at(map, x, {0, 0, 1}, hard));
+        }
+}
+
+TEST_CASE("shadow density: beyond the map nothing blocks; printed, nothing is counted", "[shadow][VRSM Algorithm 4]") {
+    // All of the map is occluded; in its corner texel a kernel of four reaches two rows and columns beyond it, so that 4
+    // of 16 texels lie inside.
+    raster::Rsm map = half_occluded(64);
+    for (glm::vec4& texel : map.position.texels) texel.w = 1;
+    const float edge = 1.5f * (1.0f / 64 - 1);
+    direct::ShadowParams params;
+    params.mode = direct::ShadowMode::density;
+    CHECK(visibility_at(map, {0, 0.1f, -1.5f}, {0, 0, 1}, params) == 0);
+    CHECK(visibility_at(map, {edge, -edge, -1.5f}, {0, 0, 1}, params) == 12 / 16.0f);
+    params.variant = direct::ShadowVariant::published;
+    CHECK(visibility_at(map, {0, 0.1f, -1.5f}, {0, 0, 1}, params) == 1);
+    CHECK(visibility_at(map, {edge, -edge, -1.5f}, {0, 0, 1}, params) == 4 / 16.0f);
+    for (glm::vec4& texel : map.position.texels) texel.w = 0;
+    params.variant = direct::ShadowVariant::corrected;
+    CHECK(visibility_at(map, {0, 0.1f, -1.5f}, {0, 0, 1}, params) == 1);
+}
+
+TEST_CASE("shadow density: the bias grows with the kernel, so that a tilted plane stays lit", "[shadow][acne]") {
+    const int size = 64;
+    const double slope = 1;
+    raster::Rsm map = half_occluded(size);
+    for (int y = 0; y < size; ++y)
+        for (int x = 0; x < size; ++x) map.position(x, y).w = float(2 / (1 + slope * ((2 * x + 1.0) / size - 1)));
+    const glm::vec3 n = normalize3<float>(glm::vec3(float(-slope), 0, 1));
+    for (int kernel : {2, 4, 7}) {
+        direct::ShadowParams params;
+        params.mode = direct::ShadowMode::density;
+        params.kernel = kernel;
+        int partial = 0;
+        for (double u = -0.2; u < 0.8; u += 0.0131) {
+            const double d = 2 / (1 + slope * u);
+            const glm::vec3 x(float(u * d), 0.01f, float(-d));
+            CAPTURE(kernel, u);
+            CHECK(visibility_at(map, x, n, params) == 1);
+            direct::ShadowParams constant = params;
+            constant.slope_bias = 0;
+            partial += visibility_at(map, x, n, constant) < 1;
+        }
+        CHECK(partial > 30);  // the bias is what prevents it
+    }
+}
+
+TEST_CASE("shadow density: its parameters have ranges, and its texels are explained", "[shadow][explain]") {
+    const raster::Rsm map = half_occluded(64);
+    const Points point({-0.02f, 0.1f, -1.5f}, {0, 0, 1});
+    direct::ShadowParams params;
+    params.kernel = 0;
+    float v;
+    CHECK_THROWS_WITH(direct::run(params, {&point.position, &point.normal, {&map, 1}}, {}, &v), Catch::Contains("kernel"));
+    params.kernel = 3;
+    params.mode = direct::ShadowMode::density;
+    const auto taps = direct::explain(params, {&point.position, &point.normal, {&map, 1}}, {0, 0});
+    int texels = 0;
+    for (const TapValue& t : taps) texels += t.name == "texel";
+    CHECK(texels == 9);
+    direct::run(params, {&point.position, &point.normal, {&map, 1}}, {}, &v);
+    CHECK(taps.back().value.at(0) == v);
 }

@@ -189,9 +189,6 @@ TEST_CASE("frame: settings come from the scene file, and errors name the place",
     scene.settings.clear();
     scene.method = "isr";
     CHECK_THROWS_WITH(frame::settings_of(scene), "small: [render]: method = \"isr\": expected one of direct, rsm");
-    scene.method = "rsm";
-    scene.lights[0].type = LightType::point;
-    CHECK_THROWS_AS(frame::plan(scene, frame::settings_of(scene)), InputError);
 }
 
 TEST_CASE("frame: every stage tells which instruction set its kernels were chosen from", "[frame][bits]") {

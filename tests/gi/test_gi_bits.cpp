@@ -168,7 +168,7 @@ TEST_CASE("shadow: the same bits for every instruction set and thread count", "[
         const raster::Rsm map = noise_map(24, false);
         require_same_bits([&](const RunOptions& options, Image4& out) {
             Buffer<float> visibility(std::size_t(size.x) * size.y, -1.0f);
-            direct::run(direct::ShadowParams{}, {&position, &normal, &map}, options, visibility.data());
+            direct::run(direct::ShadowParams{}, {&position, &normal, {&map, 1}}, options, visibility.data());
             out = Image4(size.x, size.y);
             for (std::size_t i = 0; i < out.size(); ++i) {
                 REQUIRE((visibility[i] == 0 || visibility[i] == 1));

@@ -45,21 +45,20 @@ struct Inputs {
 
     rsm::GatherInputsView<float> gather() const {
         rsm::GatherInputsView<float> v{};
-        v.u = {{0.5f, 0.1f, 0, 1}, {0, 0.5f, 0.1f, 1}, {0, 0, 0.1f, 1}, 1e-6f, 0,   1.5f, 1e-37f, 0.318309873f,
-               2,                  2,                  1,               4,     1, 1,    0};
+        v.u = {{{0.5f, 0.1f, 0, 1}, {0, 0.5f, 0.1f, 1}, {0, 0, 0.1f, 1}, 1e-6f, 0, 1.5f, 2},
+               1e-37f, 0.318309873f, 2, 1, 4, 1, 1, 0};
         v.position = position.value, v.normal = normal.value, v.records = records;
         v.offsets = offsets, v.weights = weights;
         return v;
     }
     direct::ShadowInputsView shadow() const {
         direct::ShadowInputsView v{};
-        const rsm::GatherInputsView<float> g = gather();
-        for (int c = 0; c < 4; ++c)
-            v.u.to_texel_x[c] = g.u.to_texel_x[c], v.u.to_texel_y[c] = g.u.to_texel_y[c],
-            v.u.to_texel_w[c] = g.u.to_texel_w[c];
+        v.u.map = gather().u.map;
+        v.u.map.low = -1048576, v.u.map.high = 1048576;
         v.u.forward[2] = -1, v.u.eye[2] = 2;
-        v.u.least_w = 1e-6f, v.u.footprint_scale = 0.01f, v.u.bias = 0.1f, v.u.slope_bias = 1, v.u.max_slope = 16;
-        v.u.perspective = 1, v.u.size = 2, v.u.width = 4, v.u.height = 1;
+        v.u.footprint_scale = 0.01f, v.u.bias = 0.1f, v.u.slope_bias = 1, v.u.max_slope = 16;
+        v.u.kernel = 1, v.u.samples = 1, v.u.face = -1;
+        v.u.perspective = 1, v.u.width = 4, v.u.height = 1;
         v.position = position.value, v.normal = normal.value, v.map_position = albedo.value;
         return v;
     }

@@ -24,7 +24,8 @@ struct Member {
 std::ostream& operator<<(std::ostream& out, const Member& m) { return out << m.name << " at " << m.offset; }
 
 // The members between the braces that follow `opening` in the file, with their std140 offsets: float, int and uint take
-// 4 bytes, vec4 16 on a multiple of 16, vec3 12 on a multiple of 16 (OpenGL 4.6, 7.6.2.2).
+// 4 bytes, vec4 16 on a multiple of 16, vec3 12 on a multiple of 16, and a struct as much as its members, rounded up to
+// 16 (OpenGL 4.6, 7.6.2.2).
 std::vector<Member> members_of_twin(const std::string& path, const std::string& opening) {
     std::ifstream file(std::string(PLUMB_SOURCE_DIR) + "/" + path);
     REQUIRE(file.good());
@@ -38,10 +39,12 @@ std::vector<Member> members_of_twin(const std::string& path, const std::string& 
 
     std::vector<Member> members;
     std::size_t next = 0;
-    const std::regex declaration(R"((float|int|uint|vec3|vec4)\s+(\w+)\s*;)");
+    const std::regex declaration(R"((float|int|uint|vec3|vec4|Projection)\s+(\w+)\s*;)");
     for (std::sregex_iterator i(body.begin(), body.end(), declaration), none; i != none; ++i) {
         const std::string type = (*i)[1];
-        const std::size_t alignment = type[0] == 'v' ? 16 : 4, size = type == "vec4" ? 16 : type == "vec3" ? 12 : 4;
+        const bool map = type == "Projection";
+        const std::size_t alignment = map || type[0] == 'v' ? 16 : 4;
+        const std::size_t size = map ? 64 : type == "vec4" ? 16 : type == "vec3" ? 12 : 4;
         next = (next + alignment - 1) / alignment * alignment;
         members.push_back({(*i)[2], next});
         next += size;
@@ -56,18 +59,25 @@ std::vector<Member> members_of_twin(const std::string& path, const std::string& 
 TEST_CASE("twins: rsm.disc and rsm.all bind the kernel's uniforms", "[twins][std140]") {
     using U = rsm::GatherUniforms;
     const std::vector<Member> kernel{
-        AT(U, to_texel_x), AT(U, to_texel_y),  AT(U, to_texel_w), AT(U, least_w), AT(U, projection_low),
-        AT(U, projection_high), AT(U, least_distance2), AT(U, scale), AT(U, size), AT(U, samples), AT(U, rotations),
-        AT(U, width), AT(U, height), AT(U, seed), AT(U, padding)};
+        AT(U, map),   AT(U, least_distance2), AT(U, scale), AT(U, samples), AT(U, rotations),
+        AT(U, width), AT(U, height),          AT(U, seed),  AT(U, padding)};
     CHECK(members_of_twin("gi/rsm/gather_form.glsl", "struct GatherUniforms") == kernel);
+}
+
+TEST_CASE("twins: the projection onto a map is one struct", "[twins][std140]") {
+    using P = raster::Projection;
+    const std::vector<Member> map{AT(P, to_texel_x), AT(P, to_texel_y), AT(P, to_texel_w), AT(P, least_w),
+                                  AT(P, low),        AT(P, high),       AT(P, size)};
+    CHECK(members_of_twin("raster/project.glsl", "struct Projection") == map);
+    CHECK(sizeof(P) == 64);
 }
 
 TEST_CASE("twins: shadow and direct bind the kernels' uniforms", "[twins][std140]") {
     using S = direct::ShadowUniforms;
-    const std::vector<Member> shadow{AT(S, to_texel_x), AT(S, to_texel_y), AT(S, to_texel_w), AT(S, eye), AT(S, forward),
-                                     AT(S, least_w), AT(S, footprint_scale), AT(S, footprint_base), AT(S, bias),
-                                     AT(S, slope_bias), AT(S, max_slope), AT(S, perspective), AT(S, size), AT(S, width),
-                                     AT(S, height)};
+    const std::vector<Member> shadow{AT(S, map),       AT(S, eye),         AT(S, forward),   AT(S, footprint_scale),
+                                     AT(S, footprint_base), AT(S, bias),   AT(S, slope_bias), AT(S, max_slope),
+                                     AT(S, perspective), AT(S, kernel),    AT(S, samples),   AT(S, published),
+                                     AT(S, face),      AT(S, width),       AT(S, height)};
     CHECK(members_of_twin("gi/direct/shadow.comp", "uniform ShadowUniforms") == shadow);
     using D = direct::DirectUniforms;
     const std::vector<Member> direct{AT(D, lights), AT(D, width), AT(D, height)};

@@ -39,9 +39,9 @@ Hashes hashes_of(const Scene& scene, raster::Layout layout, rsm::Gather gather, 
     add("emission", f.gbuffer.emission);
     add("depth", f.gbuffer.depth);
     add("id", f.gbuffer.id);
-    add("rsm.position", f.rsms[0].position);
-    add("rsm.normal", f.rsms[0].normal);
-    add("rsm.flux", f.rsms[0].flux);
+    add("rsm.position", f.rsms[0][0].position);
+    add("rsm.normal", f.rsms[0][0].normal);
+    add("rsm.flux", f.rsms[0][0].flux);
     h[set + "shadow"] = hash_text(content_hash(f.visibility.data(), f.visibility.size() * sizeof(float)));
     add("direct", f.direct);
     add("indirect", f.indirect);

@@ -87,15 +87,27 @@ struct Dump {
                 {"id", files.picture("gbuffer.id", g.id.width, g.id.height, {"R", "G"}, id.data())}};
     }
 
-    Json rsm_outputs(int l) {
-        const raster::Rsm& r = frame.rsms[l];
-        const std::string name = "rsm." + lights[l] + ".";
+    Json map_outputs(int l, int map) {
+        const raster::Rsm& r = frame.rsms[l][map];
+        const std::string name = map_name(frame, lights, l, map) + ".";
         const std::int64_t side = r.size;
         Json ports = {{"position", files.picture(name + "position", r.position)},
                       {"normal", files.picture(name + "normal", r.normal)},
                       {"flux", files.picture(name + "flux", r.flux)}};
         ports["records"] = r.half ? files.array(name + "records", {side, side, 16}, r.half_records.data())
                                   : files.array(name + "records", {side, side, 16}, r.records.data());
+        return ports;
+    }
+
+    // A port of a point light is a list of six files, null where a face sees nothing.
+    Json rsm_outputs(int l) {
+        if (frame.rsms[l].size() == 1) return map_outputs(l, 0);
+        Json ports;
+        for (const char* port : {"position", "normal", "flux", "records"}) ports[port] = Json::array();
+        for (int m = 0; m < int(frame.rsms[l].size()); ++m) {
+            const Json map = frame.rsms[l][m].size > 0 ? map_outputs(l, m) : Json::object();
+            for (auto& [port, files_of_port] : ports.items()) files_of_port.push_back(map.value(port, Json(nullptr)));
+        }
         return ports;
     }
 
@@ -108,14 +120,14 @@ struct Dump {
     // The frame keeps the sum over the lights; each light's share is gathered again.
     std::string irradiance(const frame::PlannedStage& s, const rsm::GatherInputs& in) {
         Image4 image;
-        rsm::run(settings.rsm, in, options, image);
+        rsm::run_maps(settings.rsm, in, frame.rsms[s.light], options, image);
         return files.picture(s.name + "." + lights[s.light] + ".irradiance", image);
     }
 
     void gather(const frame::PlannedStage& s, Json& inputs, Json& outputs) {
         const raster::GBuffer& g = frame.gbuffer;
         const int l = s.light;
-        const rsm::Pattern pattern = rsm::disc_pattern(settings.rsm, frame.rsms[l].size, settings.seed);
+        const rsm::Pattern pattern = rsm::disc_pattern(settings.rsm, scene.lights[l].rsm_size, settings.seed);
         inputs = surface_points();
         inputs["rsm"] = rsm_outputs(l)["records"];
         if (s.name == "rsm.disc") {
@@ -124,7 +136,7 @@ struct Dump {
             inputs["offsets"] = files.array(name + "offsets", {samples, rotations}, pattern.offsets.data());
             inputs["weights"] = files.array(name + "weights", {samples}, pattern.weights.data());
         }
-        outputs["irradiance"] = irradiance(s, {&g.position, &g.normal, &frame.rsms[l], &pattern, settings.seed});
+        outputs["irradiance"] = irradiance(s, {&g.position, &g.normal, nullptr, &pattern, settings.seed});
     }
 
     Json surface_points() {

@@ -53,8 +53,9 @@ struct Checker {
             for (double& v : values) v = half_to_float(float_to_half(float(v)));
         return values;
     }
-    std::vector<double> at(const Image4& image) const {
-        const glm::vec4& v = image(pixel.x, pixel.y);
+    std::vector<double> at(const Image4& image) const { return at(image, pixel); }
+    static std::vector<double> at(const Image4& image, glm::ivec2 i) {
+        const glm::vec4& v = image(i.x, i.y);
         return {v.x, v.y, v.z};
     }
 
@@ -85,11 +86,13 @@ struct Checker {
                     {"emission", at(g.emission), stored(last_value(e, "emission"))}};
         }
         if (s.name == "rsm") {
-            const raster::Rsm& r = frame.rsms[s.light];
-            if (r.normal(pixel.x, pixel.y).w == 0) return {};
-            return {{"position", at(r.position), stored(last_value(e, "position"))},
-                    {"normal", at(r.normal), stored(last_value(e, "normal"))},
-                    {"flux", at(r.flux), stored(last_value(e, "flux"))}};
+            const int side = scene.lights[s.light].rsm_size;
+            const raster::Rsm& r = frame.rsms[s.light][pixel.x / side];
+            const glm::ivec2 texel(pixel.x % side, pixel.y);
+            if (r.size == 0 || r.normal(texel.x, texel.y).w == 0) return {};
+            return {{"position", at(r.position, texel), stored(last_value(e, "position"))},
+                    {"normal", at(r.normal, texel), stored(last_value(e, "normal"))},
+                    {"flux", at(r.flux, texel), stored(last_value(e, "flux"))}};
         }
         if (s.name == "shadow") {
             const std::size_t pixels = g.position.size();
@@ -179,7 +182,8 @@ void add_explain(CLI::App& program, Action& action) {
     CLI::App* command = program.add_subcommand("explain", "every named value of one pixel, with its equation");
     add_scene_options(*command, given->scene);
     command->add_option("--stage", given->stage, "a name of `plumb stages`; all but rsm otherwise")->type_name("S");
-    command->add_option("--pixel", given->pixel, "from the top left; of the light's map for the stage rsm")
+    command->add_option("--pixel", given->pixel, "from the top left; of the light's map for the stage rsm: the six\n"
+                        "of a point light lie side by side, +x -x +y -y +z -z")
         ->required()
         ->type_name("X,Y");
     command->add_option("--light", given->light, "the light, for a stage that runs once a light; the first otherwise")

@@ -2,6 +2,7 @@
 
 #include "gi/compose/compose.h"
 #include "io/file.h"
+#include "raster/light_view.h"
 #include "tools/plumb/options.h"
 
 namespace plumb::cli {
@@ -24,6 +25,11 @@ Buffer<float> id_floats(const Image<glm::ivec2>& id) {
         floats.push_back(float(i.y));
     }
     return floats;
+}
+
+std::string map_name(const frame::Frame& frame, const std::vector<std::string>& lights, int light, int map) {
+    const std::string name = "rsm." + lights[std::size_t(light)];
+    return frame.rsms[std::size_t(light)].size() == 1 ? name : name + "." + raster::face_names[map];
 }
 
 bool runs(const frame::Plan& plan, const std::string& stage, int light) {
@@ -56,15 +62,20 @@ void write_pictures(const Scene& scene, const frame::Plan& plan, const frame::Fr
 
     // Write the reflective shadow maps.
     for (int l = 0; l < int(lights.size()); ++l) {
-        const raster::Rsm& rsm = frame.rsms[l];
-        if (rsm.size == 0) continue;
-        const std::string base = "rsm." + lights[l] + ".";
-        const std::vector<io::Layer> maps = {layer(base + "position", xyz, rsm.position),
-                                             layer(base + "normal", xyz, rsm.normal),
-                                             layer(base + "flux", rgb, rsm.flux),
-                                             {base + "depth", {"Z"}, &rsm.position.data()->w, 4}};
+        std::vector<io::Layer> maps;
+        const int side = scene.lights[std::size_t(l)].rsm_size;
+        for (int m = 0; m < int(frame.rsms[l].size()); ++m) {
+            const raster::Rsm& rsm = frame.rsms[l][m];
+            if (rsm.size == 0) continue;
+            const std::string base = map_name(frame, lights, l, m) + ".";
+            maps.push_back(layer(base + "position", xyz, rsm.position));
+            maps.push_back(layer(base + "normal", xyz, rsm.normal));
+            maps.push_back(layer(base + "flux", rgb, rsm.flux));
+            maps.push_back({base + "depth", {"Z"}, &rsm.position.data()->w, 4});
+        }
+        if (maps.empty()) continue;
         outputs.write(name + ".rsm." + lights[l] + ".exr",
-                      [&](const std::string& path) { io::write_exr(path, rsm.size, rsm.size, maps); });
+                      [&](const std::string& path) { io::write_exr(path, side, side, maps); });
     }
 
     const std::vector<unsigned char> bytes = compose::to_bytes(frame.display);

@@ -22,6 +22,9 @@ void write_dump(const Scene& scene, const frame::Settings& settings, const frame
 // Object and triangle as floats: exact up to 2^24.
 Buffer<float> id_floats(const Image<glm::ivec2>& id);
 
+// What the files of a light's map are named after: "rsm.<light>", of a point light "rsm.<light>.px" and so on.
+std::string map_name(const frame::Frame& frame, const std::vector<std::string>& lights, int light, int map);
+
 // True if the plan needs a stage of that name for the light.
 bool runs(const frame::Plan& plan, const std::string& stage, int light);
 

@@ -89,7 +89,8 @@ void add_render(CLI::App& program, Action& action) {
     command->footer(
         "Files: <scene>.exr (32-bit float; layers color, direct, indirect, albedo, emission, position, normal,\n"
         "depth: linear, in metres; zbuffer: the depth buffer, z/w; id, shadow.<light>), <scene>.rsm.<light>.exr\n"
-        "(rsm.<light>.position, normal, flux, depth: its size is its own), <scene>.png (tone mapped), run.json (time\n"
+        "(rsm.<light>.position, normal, flux, depth: its size is its own; of a point light rsm.<light>.px.position and\n"
+        "so on: px, nx, py, ny, pz, nz, but for faces that can see nothing), <scene>.png (tone mapped), run.json (time\n"
         "and memory by stage). On a surface, color = (albedo (direct + indirect) + emission) / pi. Equal pictures are\n"
         "equal files.");
     command->callback([given, &action] { action = [=] { return render(*given); }; });
