@@ -3,13 +3,11 @@
 #include <algorithm>
 
 #include "core/error.h"
+#include "core/tangents.h"
 #include "io/cornell.h"
 #include "io/file.h"
 #include "io/gltf_document.h"
 #include "io/obj.h"
-#if __has_include("core/tangents.h")
-#include "core/tangents.h"
-#endif
 
 namespace plumb::io {
 namespace {
@@ -101,12 +99,8 @@ void append_model(Scene& scene, SceneModel& model) {
 }
 
 void complete_tangents(Scene& scene) {
-    for (Mesh& mesh : scene.meshes) {
-        if (!mesh.tangents.empty() || !shows_normal_map(scene, mesh)) continue;
-#if __has_include("core/tangents.h")
-        generate_tangents(mesh);
-#endif
-    }
+    for (Mesh& mesh : scene.meshes)
+        if (mesh.tangents.empty() && shows_normal_map(scene, mesh)) generate_tangents(mesh);
 }
 
 }  // namespace plumb::io
