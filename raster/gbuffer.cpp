@@ -1,72 +1,127 @@
 #include "raster/gbuffer.h"
 
+#include <cmath>
+#include <utility>
+
 #include "core/formats.h"
 #include "core/fp_environment.h"
 #include "core/parallel.h"
 #include "raster/resolve_rows.h"
 #include "raster/visibility.h"
+#include "raster/workspace.h"
 
 namespace plumb::raster {
 namespace {
 
 constexpr int band_rows = 16;
 
+// F0, FU, FV of ISR (24) at depth store.range, with f_x and f_y of (23) as its errata have them: f_y = tan(fov_y / 2),
+// f_x = aspect f_y, which a projection holds inverted.
+void set_frustum(const View& view, GBufferStore& store) {
+    const double fx = store.range / std::abs(view.view_to_clip[0][0]);
+    const double fy = store.range / std::abs(view.view_to_clip[1][1]);
+    const glm::dmat4& m = view.world_to_view;
+    for (int c = 0; c < 3; ++c) {
+        const double right = m[c][0], up = m[c][1];
+        store.corner[c] = float(view.forward[c] * store.range - right * fx + up * fy);
+        store.across[c] = float(2 * fx * right);
+        store.down[c] = float(-2 * fy * up);
+    }
+}
+
+GBufferStore store_of(const Layout& layout, const View& view) {
+    GBufferStore s;
+    s.position = layout.position, s.normal = layout.normal, s.albedo = layout.albedo, s.emission = layout.emission;
+    s.depth = layout.depth;
+    s.position_from_depth = layout.position_from_depth;
+    s.depth_from_position = layout.depth_from_position;
+    s.radiation_mask = layout.radiation_mask;
+    if (layout.depth_over_far) s.range = float(view.far), s.over_range = float(1 / view.far);
+    if (s.position_from_depth) set_frustum(view, s);
+    return s;
+}
+
 GBufferArgs args_of(const Geometry& geometry, const Surfaces& surfaces, const View& view,
                     const VisibilityBuffer& visible) {
     GBufferArgs a{};
     a.surfaces = surface_args(geometry, surfaces, view);
     for (int c = 0; c < 3; ++c) a.eye[c] = float(view.eye[c]), a.forward[c] = float(view.forward[c]);
-    a.width = visible.triangle.width;
+    a.width = visible.triangle.width, a.height = visible.triangle.height;
     a.triangle = visible.triangle.data();
     a.barycentrics = &visible.barycentrics.data()->x;
     return a;
 }
 
-void quantise_rows(Image4& image, int first, int last) {
+// Makes room for an image that is wanted, unless it is there; every texel will be written.
+template <class T>
+void fit(Image<T>& image, glm::ivec2 size, bool wanted) {
+    if (!wanted)
+        image = Image<T>();
+    else if (image.width != size.x || image.height != size.y)
+        image = Image<T>(size.x, size.y);
+}
+
+void write_ids(const Geometry& geometry, const VisibilityBuffer& visible, int first, int last,
+               Image<glm::ivec2>& id) {
     for (int y = first; y < last; ++y)
-        for (int x = 0; x < image.width; ++x) quantise(Format::rgba16f, image(x, y));
+        for (int x = 0; x < id.width; ++x) {
+            const std::int32_t t = visible.triangle(x, y);
+            id(x, y) = t >= 0 ? glm::ivec2(geometry.object[std::size_t(t)], t) : glm::ivec2(-1);
+        }
+}
+
+// Rounds rows [first, last) of the depth buffer to its format.
+void quantise_depth_buffer(Format format, Image1& depth, int first, int last) {
+    if (format != Format::d24s8) return;
+    for (int y = first; y < last; ++y)
+        for (int x = 0; x < depth.width; ++x) depth(x, y) = decode_depth24(encode_d24s8(depth(x, y), 0));
 }
 
 }  // namespace
 
 void draw_gbuffer(const Geometry& geometry, const Surfaces& surfaces, const View& view, glm::ivec2 size,
-                  const Layout& layout, const RunOptions& options, GBuffer& out) {
+                  const Layout& layout, const RunOptions& options, GBuffer& out, const GBufferWants& wants,
+                  Workspace* workspace) {
+    check_gbuffer(layout, geometry, view, options.threads);
     RunOptions half = options;
     if (options.progress) half.progress = [&](double share) { options.progress(0.5 * share); };
-    VisibilityBuffer visible = draw_visibility(geometry, view, size, half);
+    Workspace temporary;
+    Workspace& memory = workspace ? *workspace : temporary;
+    VisibilityBuffer& visible = memory.visible;
+    // The depth of `out` is drawn in place where the other two images have its size.
+    const bool fits = visible.triangle.width == size.x && visible.triangle.height == size.y;
+    visible.depth = fits && out.depth.width == size.x && out.depth.height == size.y ? std::move(out.depth) : Image1();
+    draw_visibility(geometry, &surfaces, view, size, half, visible, &memory);
+    out.depth = std::exchange(visible.depth, Image1());
     if (options.progress) half.progress = [&](double share) { options.progress(0.5 + 0.5 * share); };
 
-    const glm::vec4 nothing(0);
-    out.position = Image4(size.x, size.y, nothing);
-    out.normal = Image4(size.x, size.y, nothing);
-    out.albedo = Image4(size.x, size.y, nothing);
-    out.emission = Image4(size.x, size.y, nothing);
-    out.id = Image<glm::ivec2>(size.x, size.y, glm::ivec2(-1));
+    fit(out.position, size, wants.position);
+    fit(out.normal, size, wants.normal);
+    fit(out.albedo, size, wants.albedo);
+    fit(out.emission, size, wants.emission);
+    fit(out.id, size, wants.id);
     GBufferArgs args = args_of(geometry, surfaces, view, visible);
-    args.position = &out.position.data()->x;
-    args.normal = &out.normal.data()->x;
-    args.albedo = &out.albedo.data()->x;
-    args.emission = &out.emission.data()->x;
+    args.store = store_of(layout, view);
+    if (wants.position) args.position = &out.position.data()->x;
+    if (wants.normal) args.normal = &out.normal.data()->x;
+    if (wants.albedo) args.albedo = &out.albedo.data()->x;
+    if (wants.emission) args.emission = &out.emission.data()->x;
     dispatch(options.isa, [&](auto isa) {
         parallel_bands(size.y, band_rows, half, [&](int first, int last) {
             ResolveRows<isa()>::gbuffer(args, first, last);
-            for (int y = first; y < last; ++y)
-                for (int x = 0; x < size.x; ++x)
-                    if (const std::int32_t t = visible.triangle(x, y); t >= 0)
-                        out.id(x, y) = {geometry.object[std::size_t(t)], t};
-            if (layout == Layout::rgba16f)
-                for (Image4* image : {&out.position, &out.normal, &out.albedo, &out.emission})
-                    quantise_rows(*image, first, last);
+            if (wants.id) write_ids(geometry, visible, first, last, out.id);
+            quantise_rest(layout.albedo, out.albedo, first, last);
+            quantise_rest(layout.emission, out.emission, first, last);
+            quantise_depth_buffer(layout.depth_buffer, out.depth, first, last);
         });
     });
-    out.depth = std::move(visible.depth);
 }
 
 std::vector<TapValue> explain_gbuffer(const Geometry& geometry, const Surfaces& surfaces, const View& view,
                                       glm::ivec2 size, glm::ivec2 pixel) {
     RunOptions one;
     one.threads = 1;
-    const VisibilityBuffer visible = draw_visibility_rows(geometry, view, size, pixel.y, pixel.y + 1, one);
+    const VisibilityBuffer visible = draw_visibility_rows(geometry, &surfaces, view, size, pixel.y, pixel.y + 1, one);
     const std::int32_t triangle = visible.triangle(pixel.x, pixel.y);
     FpEnvironment environment;
     Recorder recorder;
@@ -89,7 +144,7 @@ StageInfo info_gbuffer() {
     s.outputs = {
         {"position", "image rgba32f", "m", "world-space position; w: linear eye depth"},
         {"normal", "image rgba32f", "", "unit normal on the side that is seen; w: 1 covered"},
-        {"albedo", "image rgba32f", "", "diffuse reflectance rho, linear"},
+        {"albedo", "image rgba32f", "", "diffuse reflectance rho, linear; w: radiation mask"},
         {"emission", "image rgba32f", "W/m2", "radiant exitance"},
         {"depth", "image r32f", "", "z of the depth buffer"},
         {"id", "image rg32i", "", "object, triangle; -1 where nothing is seen"},

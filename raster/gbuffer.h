@@ -14,18 +14,28 @@
 
 namespace plumb::raster {
 
+// Which buffers a later stage reads. The others come back empty, and what they alone need is not computed: without
+// albedo and emission no texture is read.
+struct GBufferWants {
+    bool position = true, normal = true, albedo = true, emission = true, id = true;
+};
+
+struct Workspace;  // raster/visibility.h
+
 struct GBuffer {
     Image4 position;       // xyz world, m; w: linear eye depth, m; all 0 where there is nothing
     Image4 normal;         // xyz unit, on the side of the triangle that the viewer sees; w: 1 covered, 0 nothing
-    Image4 albedo;         // xyz: diffuse reflectance rho, linear
+    Image4 albedo;         // xyz: diffuse reflectance rho, linear; w: 0, or the layout's radiation mask
     Image4 emission;       // xyz: radiant exitance, W/m2
-    Image1 depth;          // z of the depth buffer, never rounded to half; where nothing: 1 (reversed z: 0)
+    Image1 depth;          // z of the depth buffer; where nothing: 1 (reversed z: 0)
     Image<glm::ivec2> id;  // object, triangle; -1, -1 where there is nothing
 };
 
-// Allocates `out`. Buffers are rounded as the layout says.
+// Buffers are rounded as the layout says. Those of `out` that have the right size are written in place. Throws
+// InputError for what the layout cannot hold (check_gbuffer() of raster/layout.h).
 void draw_gbuffer(const Geometry& geometry, const Surfaces& surfaces, const View& view, glm::ivec2 size,
-                  const Layout& layout, const RunOptions& options, GBuffer& out);
+                  const Layout& layout, const RunOptions& options, GBuffer& out, const GBufferWants& wants = {},
+                  Workspace* workspace = nullptr);
 
 // Every named value of one pixel, in the order in which the kernel computes them, before rounding to the layout.
 std::vector<TapValue> explain_gbuffer(const Geometry& geometry, const Surfaces& surfaces, const View& view,

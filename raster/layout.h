@@ -1,44 +1,76 @@
-// How the passes store what they draw: a format for each buffer. A layout is data; kernels see fp32 or half records.
+// How the passes store what they draw: a format for each buffer. A layout is data. In memory everything stays fp32 (or
+// half) records; a pass rounds what it writes to what a render target of the format gives back. raster/README.md has a
+// table for each preset.
 #pragma once
 
 #include <string>
+#include <vector>
 
+#include "core/fields.h"
 #include "core/formats.h"
+#include "core/image.h"
+#include "core/scene.h"
+#include "core/view.h"
 
 namespace plumb::raster {
 
 struct Layout {
-    std::string name = "fp32";
+    std::string name = "fp32";  // of a preset, or "custom"
 
-    // The G-buffer. `depth` is linear eye depth, position's w.
+    // The G-buffer: the target that each part lies in. `depth` is linear eye depth, position's w, whose target may be
+    // the position's fourth channel; `depth_buffer` is what the depth test leaves behind.
     Format position = Format::rgba32f;
     Format normal = Format::rgba32f;
     Format albedo = Format::rgba32f;
     Format emission = Format::rgba32f;
     Format depth = Format::r32f;
-    // ISR 4.3: positions are rebuilt from the stored depth instead of being stored.
+    Format depth_buffer = Format::d32f;
+
+    // ISR 4.3: positions are rebuilt from the stored depth, not stored. LRA: depth follows from the stored position.
     bool position_from_depth = false;
+    bool depth_from_position = false;
+    bool depth_over_far = false;  // depth is stored divided by the far plane (ISR Listing 4)
+    bool radiation_mask = false;  // albedo's w: luminance of rho (ISR 4.2: alpha of CLR; weights of ISR (17))
 
     // Reflective shadow maps.
     Format rsm_position = Format::rgba32f;
     Format rsm_normal = Format::rgba32f;
     Format rsm_flux = Format::rgba32f;
-    Format rsm_depth = Format::r32f;
+    Format rsm_depth = Format::r32f;  // position's w
 
     // True where a texel record of the map fits halves without loss: a gather then reads 32 bytes a texel, not 64.
     bool half_records() const {
-        return rsm_position == Format::rgba16f && rsm_normal == Format::rgba16f && rsm_flux == Format::rgba16f;
+        return rsm_position == Format::rgba16f && rsm_normal == Format::rgba16f && rsm_flux == Format::rgba16f &&
+               rsm_depth == Format::r16f;
     }
 
     bool operator==(const Layout&) const = default;
 
     static const Layout fp32;     // nothing is rounded
-    static const Layout rgba16f;  // VRSM fig. 4.2-4.4: every colour target is RGBA16F, rounded to nearest even
+    static const Layout rgba16f;  // every colour target is RGBA16F, rounded to nearest even
+    static const Layout vrsm;     // VRSM fig. 4.2-4.3
+    static const Layout isr;      // ISR fig. 4.1
+    static const Layout lra;      // LRA 4.2.1, 6.2.1
 };
 
-inline const Layout Layout::fp32{};
-inline const Layout Layout::rgba16f{"rgba16f",       Format::rgba16f, Format::rgba16f, Format::rgba16f,
-                                    Format::rgba16f, Format::r16f,    false,           Format::rgba16f,
-                                    Format::rgba16f, Format::rgba16f, Format::r16f};
+// All presets, in the order of their names' list: fp32, rgba16f, vrsm, isr, lra.
+const std::vector<Layout>& layouts();
+
+// A preset by name, or the start of a user's own: fp32 by the name "custom". Throws InputError at `place`.
+Layout parse_layout(const std::string& name, const std::string& place);
+
+// What a [layout] table holds.
+std::vector<Field> fields(Layout& layout);
+
+// Throws InputError at `place` that names the buffer: for a format that cannot hold it, for parts that contradict each
+// other, and for a preset's name on anything but the preset.
+void validate(const Layout& layout, const std::string& place);
+
+// Before a pass computes: throws InputError that names layout and extent where a position or a depth that the view may
+// see overflows its 16-bit target, and where the layout asks what the view has not: a far plane, a perspective.
+void check_gbuffer(const Layout& layout, const Geometry& geometry, const View& view, int threads);
+
+// Rounds rows [first, last) where the row kernels leave a format out (quantised_by_kernel()); else does nothing.
+void quantise_rest(Format format, Image4& image, int first, int last);
 
 }  // namespace plumb::raster

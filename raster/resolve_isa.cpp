@@ -1,6 +1,7 @@
 #include "core/tap.h"
 #include "core/wide.h"
 #include "raster/resolve_rows.h"
+#include "raster/texel_rows.h"
 
 namespace plumb::raster {
 
@@ -11,49 +12,85 @@ using N = number<F>;
 using I = index_t<F>;
 
 // A packet of consecutive pixels of a row: which are covered, and by what. Lanes that see nothing, or lie beyond the
-// row, read triangle 0 and are not written.
+// row, read triangle 0.
 struct Packet {
-    I pixel, triangle;
+    I x, triangle;
     vec2<F> barycentrics;
     mask_t<F> covered;
+    int count;  // lanes within the row
 };
 PLUMB_INLINE Packet packet(const std::int32_t* triangle, const float* barycentrics, int width, int x, int y) {
-    const I column = min(N::iota(x), I(width - 1)), pixel = I(y) * I(width) + column;
+    const std::ptrdiff_t first = std::ptrdiff_t(y) * width + x;
+    if (x + N::width <= width) {
+        const I seen = PLUMB_ISA::load_row<F>(triangle + first);
+        return {N::iota(x), max(seen, I(0)), PLUMB_ISA::load_pairs<F>(barycentrics + 2 * first),
+                mask_t<F>(seen >= I(0)), N::width};
+    }
+    const I pixel = min(N::iota(x), I(width - 1)) + I(y) * I(width);
     const I seen = N::fetch(triangle, pixel);
-    return {pixel, max(seen, I(0)),
+    return {N::iota(x), max(seen, I(0)),
             {N::fetch(barycentrics, pixel * I(2)), N::fetch(barycentrics, pixel * I(2) + I(1))},
-            mask_t<F>((seen >= I(0)) & (N::iota(x) < I(width)))};
+            mask_t<F>((seen >= I(0)) & (N::iota(x) < I(width))), width - x};
+}
+
+// Writes a packet's texels where there is a target; 0 where nothing is seen.
+PLUMB_INLINE void put(float* target, std::ptrdiff_t first, const vec4<F>& value, const Packet& p) {
+    if (!target) return;
+    const F zero(0.0f);
+    const vec4<F> v{select(p.covered, value.x, zero), select(p.covered, value.y, zero),
+                    select(p.covered, value.z, zero), select(p.covered, value.w, zero)};
+    PLUMB_ISA::store_row4<F>(target + 4 * first, v, p.count);
+}
+
+// The branches that no target asks for fall away when this is compiled: with them textures, and normal maps.
+template <bool with_colour, bool with_normal>
+void gbuffer_rows(const GBufferArgs& in, int first, int last) {
+    NoTap tap;
+    const vec4<F> nothing(F(0.0f), F(0.0f), F(0.0f), F(0.0f));
+    for (int y = first; y < last; ++y) {
+        for (int x = 0; x < in.width; x += N::width) {
+            const Packet p = packet(in.triangle, in.barycentrics, in.width, x, y);
+            const std::ptrdiff_t at = std::ptrdiff_t(y) * in.width + x;
+            GBufferPixel<F> out{nothing, nothing, nothing, nothing};
+            if (any(p.covered))
+                out = stored<F>(in, raster::gbuffer<F>(in, p.triangle, p.barycentrics, tap), p.x, I(y));
+            put(in.position, at, out.position, p);
+            if (with_normal) put(in.normal, at, out.normal, p);
+            if (with_colour) put(in.albedo, at, out.albedo, p), put(in.emission, at, out.emission, p);
+        }
+    }
 }
 
 }  // namespace
 
 template <>
 void ResolveRows<Isa::PLUMB_ISA>::gbuffer(const GBufferArgs& in, int first, int last) {
-    NoTap tap;
-    for (int y = first; y < last; ++y) {
-        for (int x = 0; x < in.width; x += N::width) {
-            const Packet p = packet(in.triangle, in.barycentrics, in.width, x, y);
-            if (!any(p.covered)) continue;
-            const GBufferPixel<F> out = raster::gbuffer<F>(in, p.triangle, p.barycentrics, tap);
-            N::store4(in.position, p.pixel, out.position, p.covered);
-            N::store4(in.normal, p.pixel, out.normal, p.covered);
-            N::store4(in.albedo, p.pixel, out.albedo, p.covered);
-            N::store4(in.emission, p.pixel, out.emission, p.covered);
-        }
-    }
+    const bool colour = in.albedo || in.emission;
+    if (colour && in.normal) return gbuffer_rows<true, true>(in, first, last);
+    if (colour) return gbuffer_rows<true, false>(in, first, last);
+    if (in.normal) return gbuffer_rows<false, true>(in, first, last);
+    if (in.position) return gbuffer_rows<false, false>(in, first, last);
 }
 
 template <>
-void ResolveRows<Isa::PLUMB_ISA>::rsm(const RsmArgs& in, int first, int last) {
+void ResolveRows<Isa::PLUMB_ISA>::rsm(const RsmArgs& in, int first, int last, const RsmStore& store) {
     NoTap tap;
+    const vec4<F> nothing(F(0.0f), F(0.0f), F(0.0f), F(0.0f));
     for (int y = first; y < last; ++y) {
         for (int x = 0; x < in.size; x += N::width) {
             const Packet p = packet(in.triangle, in.barycentrics, in.size, x, y);
-            if (!any(p.covered)) continue;
-            const RsmTexel<F> out = raster::rsm<F>(in, N::iota(x), I(y), p.triangle, p.barycentrics, tap);
-            N::store4(in.position, p.pixel, out.position, p.covered);
-            N::store4(in.normal, p.pixel, out.normal, p.covered);
-            N::store4(in.flux, p.pixel, out.flux, p.covered);
+            const std::ptrdiff_t at = std::ptrdiff_t(y) * in.size + x;
+            RsmTexel<F> out{nothing, nothing, nothing};
+            if (any(p.covered)) {
+                out = raster::rsm<F>(in, p.x, I(y), p.triangle, p.barycentrics, tap);
+                out.position = vec4<F>(xyz<F>(quantised<F>(store.position, out.position)),
+                                       stored_depth(store.depth, out.position.w));
+                out.normal = vec4<F>(stored_normal<F>(store.normal, out.normal), out.normal.w);
+                out.flux = vec4<F>(xyz<F>(quantised<F>(store.flux, out.flux)), F(0.0f));
+            }
+            put(in.position, at, out.position, p);
+            put(in.normal, at, out.normal, p);
+            put(in.flux, at, out.flux, p);
         }
     }
 }

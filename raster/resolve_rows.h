@@ -1,5 +1,5 @@
 // The kernels over rows of pixels, one specialisation per instruction set (resolve_isa.cpp). Pixels that see nothing
-// are left as they are.
+// become 0.
 #pragma once
 
 #include "core/isa.h"
@@ -8,10 +8,15 @@
 
 namespace plumb::raster {
 
+// How the texels of a reflective shadow map are stored; `depth` is position's w.
+struct RsmStore {
+    Format position = Format::rgba32f, normal = Format::rgba32f, flux = Format::rgba32f, depth = Format::r32f;
+};
+
 template <Isa isa>
 struct ResolveRows {
     static void gbuffer(const GBufferArgs& in, int first, int last);
-    static void rsm(const RsmArgs& in, int first, int last);
+    static void rsm(const RsmArgs& in, int first, int last, const RsmStore& store = {});
 };
 
 }  // namespace plumb::raster

@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "raster/visibility.h"
 #include "raster/visibility_kernel.h"
 
 namespace plumb::raster {
@@ -36,6 +37,7 @@ struct Workspace {
     Scratch<WindowVertex> window;
     Scratch<VertexDepth> depths;
     std::vector<VisibleChunk> chunks;
+    VisibilityBuffer visible;  // of a pass that resolves attributes from it
 };
 
 }  // namespace plumb::raster

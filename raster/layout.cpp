@@ -1,0 +1,203 @@
+#include "raster/layout.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+
+#include "core/error.h"
+#include "core/parallel.h"
+#include "core/quantise_kernel.h"
+
+namespace plumb::raster {
+namespace {
+
+constexpr double largest_half = 65504;
+constexpr int vertices_per_band = 65536;
+
+Layout all_half(const char* name) {
+    Layout l;
+    l.name = name;
+    l.position = l.normal = l.albedo = l.emission = Format::rgba16f;
+    l.rsm_position = l.rsm_normal = l.rsm_flux = Format::rgba16f;
+    l.depth = l.rsm_depth = Format::r16f;
+    return l;
+}
+
+Layout make_isr() {
+    Layout l;
+    l.name = "isr";
+    l.normal = Format::normal8;
+    l.albedo = Format::rgba8;
+    l.depth_buffer = Format::d24s8;
+    l.position_from_depth = l.depth_over_far = l.radiation_mask = true;
+    return l;
+}
+
+Layout make_lra() {
+    Layout l = all_half("lra");
+    l.depth = Format::r32f;
+    l.depth_from_position = true;
+    l.rsm_depth = Format::r32f;
+    return l;
+}
+
+std::vector<std::string> format_names() {
+    std::vector<std::string> names;
+    for (const FormatInfo& f : formats()) names.push_back(f.name);
+    return names;
+}
+
+// A buffer of a layout and the formats that can hold it: signed and far-reaching, unit vectors, or colours.
+struct BufferRule {
+    const char* name;
+    Format Layout::* format;
+    const char* meaning;
+    std::vector<Format> allowed;
+};
+const std::vector<BufferRule>& buffer_rules() {
+    using enum Format;
+    static const std::vector<Format> positions{rgba32f, rgba16f}, depths{r32f, r16f};
+    static const std::vector<Format> normals{rgba32f, rgba16f, r10g10b10a2, octahedral16, octahedral8, normal8};
+    static const std::vector<Format> colours{rgba32f, rgba16f, rgba8, r11g11b10f, r10g10b10a2, rgbe};
+    static const std::vector<Format> radiances{rgba32f, rgba16f, r11g11b10f, rgbe};
+    static const std::vector<BufferRule> rules = {
+        {"position", &Layout::position, "target of world-space positions, xyz", positions},
+        {"normal", &Layout::normal, "target of unit normals", normals},
+        {"albedo", &Layout::albedo, "target of the diffuse reflectance", colours},
+        {"emission", &Layout::emission, "target of the radiant exitance", radiances},
+        {"depth", &Layout::depth, "target of linear eye depth", depths},
+        {"depth_buffer", &Layout::depth_buffer, "format of the depth test's buffer", {d32f, d24s8, r32f}},
+        {"rsm_position", &Layout::rsm_position, "target of positions in reflective shadow maps", positions},
+        {"rsm_normal", &Layout::rsm_normal, "target of normals in reflective shadow maps", normals},
+        {"rsm_flux", &Layout::rsm_flux, "target of flux in reflective shadow maps", radiances},
+        {"rsm_depth", &Layout::rsm_depth, "target of linear depth in reflective shadow maps", depths},
+    };
+    return rules;
+}
+
+// The largest |coordinate| along each axis among all vertices.
+glm::dvec3 extent_of(const Geometry& geometry, int threads) {
+    glm::vec3 extent(0);
+    std::mutex mutex;  // a maximum does not depend on the order in which it is taken
+    const int n = int(geometry.vertices.size());
+    parallel_bands(n, vertices_per_band, threads, [&](int first, int last) {
+        glm::vec3 m(0);
+        for (int i = first; i < last; ++i) {
+            const glm::vec3 p = glm::abs(geometry.vertices[std::size_t(i)].position);
+            m = {std::max(m.x, p.x), std::max(m.y, p.y), std::max(m.z, p.z)};
+        }
+        const std::lock_guard lock(mutex);
+        extent = {std::max(extent.x, m.x), std::max(extent.y, m.y), std::max(extent.z, m.z)};
+    });
+    return glm::dvec3(extent);
+}
+
+// Distance from the eye to the corner of the far plane that lies farthest away, m; infinite without a far plane.
+double reach_of(const View& view) {
+    if (view.orthographic) return unbounded;
+    const double x = 1 / view.view_to_clip[0][0], y = 1 / view.view_to_clip[1][1];
+    return view.far * std::sqrt(1 + x * x + y * y);
+}
+
+}  // namespace
+
+const Layout Layout::fp32{};
+const Layout Layout::rgba16f = all_half("rgba16f");
+const Layout Layout::vrsm = all_half("vrsm");
+const Layout Layout::isr = make_isr();
+const Layout Layout::lra = make_lra();
+
+const std::vector<Layout>& layouts() {
+    static const std::vector<Layout> all = {Layout::fp32, Layout::rgba16f, Layout::vrsm, Layout::isr, Layout::lra};
+    return all;
+}
+
+Layout parse_layout(const std::string& name, const std::string& place) {
+    int index = 0;
+    Field field{"layout", &index, "", "", 0, 0, {}};
+    for (const Layout& l : layouts()) field.choices.push_back(l.name);
+    field.choices.push_back("custom");
+    set_field(field, name, place);
+    if (index < int(layouts().size())) return layouts()[std::size_t(index)];
+    Layout custom;
+    custom.name = "custom";
+    return custom;
+}
+
+std::vector<Field> fields(Layout& l) {
+    std::vector<Field> all;
+    for (const BufferRule& rule : buffer_rules())
+        all.push_back({rule.name, as_int(l.*rule.format), "", rule.meaning, 0, 0, format_names()});
+    auto add = [&](const char* name, bool& value, const char* meaning) {
+        all.push_back({name, &value, "", meaning, 0, 0, {}});
+    };
+    add("position_from_depth", l.position_from_depth, "rebuild positions from the stored depth (ISR 4.3)");
+    add("depth_from_position", l.depth_from_position, "take linear depth from the stored position");
+    add("depth_over_far", l.depth_over_far, "store depth divided by the far plane (ISR Listing 4)");
+    add("radiation_mask", l.radiation_mask, "albedo's alpha: luminance of the reflectance (ISR 4.2)");
+    return all;
+}
+
+void validate(const Layout& layout, const std::string& place) {
+    for (const Layout& preset : layouts())
+        if (preset.name == layout.name && !(preset == layout))
+            throw InputError(fmt::format("{}: layout \"{}\" is a preset: [layout] is for [render] layout = \"custom\"",
+                                         place, layout.name));
+    for (const BufferRule& rule : buffer_rules()) {
+        const Format format = layout.*rule.format;
+        if (std::find(rule.allowed.begin(), rule.allowed.end(), format) != rule.allowed.end()) continue;
+        std::vector<std::string> names;
+        for (const Format allowed : rule.allowed) names.push_back(info(allowed).name);
+        throw InputError(fmt::format("{}: [layout] {} = \"{}\" cannot hold it: expected one of {}", place, rule.name,
+                                     info(format).name, fmt::join(names, ", ")));
+    }
+    if (layout.position_from_depth && layout.depth_from_position)
+        throw InputError(place + ": [layout] position_from_depth and depth_from_position: one of them must be stored");
+    if (layout.radiation_mask && (layout.albedo == Format::r11g11b10f || layout.albedo == Format::rgbe))
+        throw InputError(fmt::format("{}: [layout] radiation_mask: albedo = \"{}\" has no alpha", place,
+                                     info(layout.albedo).name));
+}
+
+void check_gbuffer(const Layout& layout, const Geometry& geometry, const View& view, int threads) {
+    validate(layout, "gbuffer");
+    if (layout.position_from_depth && view.orthographic)
+        throw InputError(fmt::format("gbuffer: layout \"{}\" rebuilds positions from depth (ISR 4.3): expected a "
+                                     "perspective view", layout.name));
+    if (layout.depth_over_far && !std::isfinite(view.far))
+        throw InputError(fmt::format("gbuffer: layout \"{}\" divides depth by the far plane, which is infinite: "
+                                     "expected a finite one, or a layout that stores metres", layout.name));
+
+    // What is seen lies within the frustum and within the scene.
+    const bool half_positions = layout.position == Format::rgba16f && !layout.position_from_depth;
+    const bool half_depth = layout.depth == Format::r16f && !layout.depth_from_position && !layout.depth_over_far;
+    if (!half_positions && !half_depth) return;
+    const double reach = reach_of(view);
+    const glm::dvec3 eye = glm::abs(view.eye);
+    if (std::max({eye.x, eye.y, eye.z}) + reach <= largest_half) return;
+    const glm::dvec3 extent = extent_of(geometry, threads);
+    double coordinate = 0, squared = 0;
+    for (int c = 0; c < 3; ++c) {
+        coordinate = std::max(coordinate, std::min(extent[c], eye[c] + reach));
+        squared += (extent[c] + eye[c]) * (extent[c] + eye[c]);
+    }
+    const double depth = std::min(view.far, std::sqrt(squared));
+    if (half_positions && !(coordinate <= largest_half))
+        throw InputError(fmt::format("gbuffer: positions up to {:.6g} km do not fit rgba16f (65.504 km), which layout "
+                                     "\"{}\" stores them in: use fp32, or positions rebuilt from depth",
+                                     coordinate / 1000, layout.name));
+    if (half_depth && !(depth <= largest_half))
+        throw InputError(fmt::format("gbuffer: depths up to {:.6g} km do not fit r16f (65.504 km), which layout \"{}\" "
+                                     "stores them in: use fp32, or a nearer far plane",
+                                     depth / 1000, layout.name));
+}
+
+void quantise_rest(Format format, Image4& image, int first, int last) {
+    if (quantised_by_kernel(format) || image.empty()) return;
+    for (int y = first; y < last; ++y)
+        for (int x = 0; x < image.width; ++x) quantise(format, image(x, y));
+}
+
+}  // namespace plumb::raster
