@@ -20,12 +20,13 @@ E parse_choice(const char* key, const std::vector<std::string>& choices, const s
 
 }  // namespace
 
-std::vector<std::string> method_tables() { return {"rsm", "shadow", "tonemap"}; }
+std::vector<std::string> method_tables() { return {"rsm", "shadow", "tonemap", "layout"}; }
 
 std::vector<Field> table_fields(Settings& s, const std::string& table, const std::string& place) {
     if (table == "rsm") return rsm::fields(s.rsm);
     if (table == "shadow") return direct::fields(s.shadow);
     if (table == "tonemap") return compose::fields(s.tonemap);
+    if (table == "layout") return raster::fields(s.layout);
     throw InputError(fmt::format("{}: unknown table [{}]; the nearest known one is [{}]", place, table,
                                  nearest_name(table, method_tables())));
 }
@@ -35,9 +36,7 @@ Method parse_method(const std::string& name, const std::string& place) {
 }
 
 raster::Layout parse_layout(const std::string& name, const std::string& place) {
-    enum class Preset : int { fp32, rgba16f };
-    return parse_choice<Preset>("layout", {"fp32", "rgba16f"}, name, place) == Preset::fp32 ? raster::Layout::fp32
-                                                                                          : raster::Layout::rgba16f;
+    return raster::parse_layout(name, place);
 }
 
 Settings settings_of(const Scene& scene) {
@@ -48,7 +47,9 @@ Settings settings_of(const Scene& scene) {
     for (const Setting& setting : scene.settings) {
         std::vector<Field> fields = table_fields(s, setting.table, setting.place);
         set_field(find_field(fields, setting.key, setting.place), setting.value, setting.place);
+        if (setting.table == "layout" && s.layout.name != "custom") raster::validate(s.layout, setting.place);
     }
+    raster::validate(s.layout, scene.name);
     return s;
 }
 

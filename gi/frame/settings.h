@@ -24,7 +24,7 @@ struct Settings {
     bool pruning = true;  // false: every stage runs, needed or not; the picture is the same
 };
 
-// The tables of a scene file that hold parameters: "rsm", "shadow", "tonemap".
+// The tables of a scene file that hold parameters: "rsm", "shadow", "tonemap", "layout" (of a custom layout).
 std::vector<std::string> method_tables();
 
 // The parameters of one table; throws InputError at `place` for a table that does not exist.

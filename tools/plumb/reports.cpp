@@ -49,7 +49,7 @@ Json settings_json(const frame::Settings& settings) {
     for (const std::string& table : frame::method_tables()) {
         Json values = Json::object();
         for (const Field& f : frame::table_fields(s, table, table)) values[f.name] = value_json(f);
-        json[table] = values;
+        json[table == "layout" ? "layout_formats" : table] = values;
     }
     return json;
 }
