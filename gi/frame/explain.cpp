@@ -42,8 +42,9 @@ struct Explainer {
         const raster::GBuffer& g = frame.gbuffer;
         const int l = stage.light;
         if (stage.name == "gbuffer") {
-            const View view = make_view(scene.camera, double(scene.frame_size.x) / scene.frame_size.y);
-            return raster::explain_gbuffer(geometry, surfaces, view, scene.frame_size, pixel);
+            const glm::ivec2 size = scene.frame_size;
+            const View view = make_view(scene.camera, double(size.x) / size.y, scene.convention, size);
+            return raster::explain_gbuffer(geometry, surfaces, view, size, pixel);
         }
         if (stage.name == "rsm")
             return explain_texel(lights[l], pixel);

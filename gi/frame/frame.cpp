@@ -95,8 +95,8 @@ Frame execute(const Scene& scene, const Settings& settings, const Plan& plan, co
         const auto start = std::chrono::steady_clock::now();
         const int l = stage.light;
         if (stage.name == "gbuffer") {
-            const View view = make_view(scene.camera, double(size.x) / size.y);
-            raster::draw_gbuffer(geometry, surfaces, view, size, settings.layout, options, f.gbuffer);
+            const View view = make_view(scene.camera, double(size.x) / size.y, scene.convention, size);
+            raster::draw_gbuffer(geometry, surfaces, view, size, settings.layout, options, f.gbuffer, {}, &workspace);
             run.bytes = bytes_of(f.gbuffer);
         } else if (stage.name == "rsm") {
             draw_maps(geometry, surfaces, lights[l], low, high, settings.layout, options, f.rsms[l], workspace);
