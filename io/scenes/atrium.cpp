@@ -18,6 +18,7 @@
 #include <string>
 
 #include "core/host_math.h"
+#include "core/tangents.h"
 
 #include "io/scenes/atrium_parts.h"
 #include "io/scenes/builder.h"
@@ -43,12 +44,14 @@ struct Palette {
 // Painting takes most of the time, so it is left out while triangles are counted.
 Palette make_palette(Builder& b) {
     using namespace textures;
-    auto textured = [&](const std::string& name, Texture texture, double size, float alpha_cutoff = 0) {
+    auto textured = [&](const std::string& name, Texture texture, double size, float alpha_cutoff = 0,
+                        int normals = -1) {
         texture.mips = true;
         Material m;
         m.name = name;
         m.reflectance = glm::vec3(1);
         m.alpha_cutoff = alpha_cutoff;
+        m.normal_texture = normals;
         m.texture = b.texture(texture);
         return Surface{b.material(m), size};
     };
@@ -63,7 +66,12 @@ Palette make_palette(Builder& b) {
     Blocks masonry;
     masonry.stone = {0.72, 0.61, 0.47};
     masonry.mortar = {0.55, 0.49, 0.41};
-    p.blocks = textured("blocks", blocks("blocks", masonry), 3);
+    const int relief = b.texture([&] {
+        Texture t = blocks_normals("blocks_normals", masonry);
+        t.mips = true;
+        return t;
+    }());
+    p.blocks = textured("blocks", blocks("blocks", masonry), 3, 0, relief);
     p.limestone = textured("limestone", stone("limestone", {0.72, 0.63, 0.5}, 0.5, 2), 1.5);
     p.plaster = textured("plaster", stone("plaster", {0.74, 0.62, 0.45}, 0.35, 3), 3);
     p.court = textured("court", marble("court", 4, {0.62, 0.55, 0.45}, {0.42, 0.33, 0.25}, 4), 3);
@@ -349,7 +357,7 @@ Camera view(std::uint32_t seed) {
     c.fov_y_deg = 60;
     c.position = {-11, 2.1, 0.9}, c.look_at = {0, 3.7, -0.5};
     if (seed == 2) c.position = {9.75, 8, 4}, c.look_at = {-3, 4.2, -3.2};
-    if (seed == 3) c.position = {10.4, 1.7, 3.1}, c.look_at = {-3, 4, -3.4};
+    if (seed == 3) c.position = {10.9, 1.9, 1.6}, c.look_at = {-3, 4, -3};
     return c;
 }
 
@@ -362,6 +370,12 @@ Scene atrium(const GenerateOptions& options) {
     Builder b("atrium");
     build(b, make_palette(b), detail, cloth);
     Scene scene = b.take();
+    for (Mesh& mesh : scene.meshes) {
+        const bool relief = std::any_of(mesh.material.begin(), mesh.material.end(), [&](std::int32_t m) {
+            return scene.materials[std::size_t(m)].normal_texture >= 0;
+        });
+        if (relief) generate_tangents(mesh);
+    }
     scene.seed = options.seed;
 
     Light sun;

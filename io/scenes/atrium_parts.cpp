@@ -54,6 +54,7 @@ void column(Builder& b, const Surface& s, const Place& place, const Column& c, d
     foot.push_back({1.14 * r, plinth + 0.4 * r});
     foot.push_back({1.1 * r, plinth + 0.5 * r});
     torus(foot, 1.1 * r, plinth + 0.54 * r, base, std::max(2, chords - 1));
+    foot.push_back({0.95 * r, base});
     b.lathe(s.material, place, foot, around, s.size, 50);
 
     // The shaft swells below its middle and ends in a ring.
@@ -64,6 +65,7 @@ void column(Builder& b, const Surface& s, const Place& place, const Column& c, d
         shaft.push_back({r * (1 + 0.06 * t * (1 - t) * 2 - 0.12 * t * t), base + t * (capital - base)});
     }
     torus(shaft, 0.88 * r, capital, capital + 0.16 * r, std::max(2, chords - 1));
+    shaft.push_back({0.8 * r, capital + 0.16 * r});
     b.lathe(s.material, place, shaft, around, s.size, 50);
 
     // The capital: a bell with two rows of leaves that curl outwards.

@@ -287,13 +287,13 @@ void Builder::frame(int material, const Place& place, const Profile& profile, co
 
 void Builder::cloth(int material, const Place& place, const Grid& g, const Point& thickness, const Patch& patch) {
     grid(material, place, g, patch);
-    Grid back = g;
-    back.texture.x = -g.texture.x;
-    // The same corners as those of the front, from right to left.
+    // The back exchanges u and v, which turns it around and keeps its diagonals: the sheets stay parallel.
     auto at = [&](int i, int j) { return patch(double(i) / g.columns, double(j) / g.rows); };
-    grid(material, place, back, [&](double u, double v) {
-        return at(g.columns - int(u * g.columns + 0.5), int(v * g.rows + 0.5)) - thickness;
-    });
+    Grid back = g;
+    std::swap(back.columns, back.rows);
+    std::swap(back.texture.x, back.texture.y);
+    grid(material, place, back,
+         [&](double u, double v) { return at(int(v * g.columns + 0.5), int(u * g.rows + 0.5)) - thickness; });
     Grid edge;
     edge.texture = {0.01, 0.01};
     for (int end = 0; end < 2; ++end) {

@@ -176,7 +176,7 @@ void vault(Builder& b, const Palette& p, double d) {
     const double low = 0.43, high = 0.57, edge = 1.1;  // where the openings lie, in half turns, and metres from the bay
     auto at = [](double x, double t) {
         const double angle = host::pi * t;
-        return Point(x, vault_y + vault_rise * host::sin(angle), nave_z * host::cos(angle));
+        return Point(x, vault_y + vault_rise * host::sin(angle), -nave_z * host::cos(angle));
     };
     auto piece = [&](double x0, double x1, double t0, double t1, int columns, int rows) {
         Grid g;
@@ -203,7 +203,7 @@ void vault(Builder& b, const Palette& p, double d) {
         quad(b, p.limestone, {to, y0, z}, {0, 0, -2 * z}, {0, y1 - y0, 0}, 1, 1);
         for (int bar = 1; bar < 3; ++bar) {  // glazing bars
             const double at_x = from + (to - from) * bar / 3;
-            b.box(p.metal.material, Place(1), {at_x - 0.04, y1 - 0.2, -z}, {at_x + 0.04, y1 - 0.1, z}, 1);
+            b.box(p.metal.material, Place(1), {at_x - 0.04, y1 - 0.2, z}, {at_x + 0.04, y1 - 0.1, -z}, 1);
         }
     }
     b.object("ribs");
