@@ -279,6 +279,15 @@ TEST_CASE("normal maps: no tangents, no bending; no vertex normals, the face's f
     }
 }
 
+TEST_CASE("surfaces: a material that names a texture out of range is refused", "[textures]") {
+    Fixture f;
+    f.scene.materials.push_back({"brick"});
+    f.scene.materials[0].emission_texture = 3;
+    CHECK_THROWS_WITH(f.args(), Catch::Contains("\"brick\": emission_texture = 3"));
+    f.scene.materials[0].emission_texture = -1, f.scene.materials[0].normal_texture = -2;
+    CHECK_THROWS_WITH(f.args(), Catch::Contains("\"brick\": normal_texture = -2"));
+}
+
 TEST_CASE("surfaces: every instruction set finds the same bits", "[textures]") {
     Fixture f;
     Random random(31);
