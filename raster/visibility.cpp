@@ -80,17 +80,18 @@ void transform_vertices(const Source& source, glm::ivec2 size, const RunOptions&
     throw_not_finite(source.geometry, wrong);
 }
 
-// A triangle that needs no clipping, from vertices that are in window space already.
-ScreenTriangle window_triangle(const WindowVertex* window, const VertexDepth* depths, const glm::uvec3& corners,
-                               std::int32_t triangle) {
-    ScreenTriangle t;
+// Appends a triangle that needs no clipping, from vertices that are in window space already. It is built where it will
+// lie: a copy would wait for all of its stores.
+void append_window_triangle(const WindowVertex* window, const VertexDepth* depths, const glm::uvec3& corners,
+                            std::int32_t triangle, std::vector<ScreenTriangle>& out) {
+    ScreenTriangle& t = out.emplace_back();
     for (int i = 0; i < 3; ++i) {
         t.x[i] = window[corners[i]].x, t.y[i] = window[corners[i]].y;
         t.z[i] = depths[corners[i]].z, t.inverse_w[i] = depths[corners[i]].inverse_w;
     }
     t.triangle = triangle;
     t.corners = -1;
-    return t;
+    if (area2(t) == 0) out.pop_back();
 }
 
 // Lists what may be seen of triangles [first, last), in their order: as append_triangle does it, but for triangles that
@@ -107,8 +108,8 @@ void collect(const Source& source, glm::ivec2 size, const WindowVertex* window, 
         if (kept[k] < 0) {
             const glm::vec4 corners[3] = {source.position(c.x), source.position(c.y), source.position(c.z)};
             append_triangle(out, corners, i, size, volume);
-        } else if (const ScreenTriangle t = window_triangle(window, depths, c, i); area2(t) != 0) {
-            out.triangles.push_back(t);
+        } else {
+            append_window_triangle(window, depths, c, i, out.triangles);
         }
     }
 }

@@ -17,7 +17,7 @@ struct Lanes {
     alignas(64) T lane[width];
 };
 
-// ---- vertices ---------------------------------------------------------------------------------------------------------
+// ---- vertices -------------------------------------------------------------------------------------------------------
 
 PLUMB_INLINE vec4<F> clip_position(const VertexArgs& in, I i) {
     if (!in.vertices) return N::fetch4(in.clip, i);
@@ -51,7 +51,7 @@ PLUMB_INLINE I snap_lanes(D clip, D w, int side) {
     return round_to_index(clip * D(128.0 * side) / w) + I(128 * (side - 1));
 }
 
-// ---- culling ----------------------------------------------------------------------------------------------------------
+// ---- culling --------------------------------------------------------------------------------------------------------
 
 struct Span {
     I low, high;    // of the corners, 1/256 pixel
@@ -84,7 +84,7 @@ PLUMB_INLINE M covers_corner(const I x[3], const I y[3], const Span& columns, co
     return !M(M(outside(none) & outside(right)) & M(outside(down) & outside(both)));
 }
 
-// ---- drawing ----------------------------------------------------------------------------------------------------------
+// ---- drawing --------------------------------------------------------------------------------------------------------
 
 // What is drawn into: a tile's rows, `side` pixels each. Reversed depths are kept negated, so that nearer is less.
 struct Tile {
@@ -149,10 +149,9 @@ PLUMB_INLINE void draw_triangle(const ScreenTriangle& t, std::int32_t id, const 
                 const D sum = widen(e[0]) * z[0] + widen(e[1]) * z[1] + widen(e[2]) * z[2];
                 const F depth = max(min(narrow(sum), F(1.0f)), F(-1.0f)), nearest = load_lanes(tile.nearest + at);
                 const M wins = alpha_test(e, M(inside & (depth < nearest)));
-                if (any(wins)) {
-                    store_lanes(tile.nearest + at, select(wins, depth, nearest));
-                    store_lanes(tile.winner + at, select(wins, I(id), load_lanes(tile.winner + at)));
-                }
+                // To ask first whether any lane wins would cost more, in branches that no processor foresees.
+                store_lanes(tile.nearest + at, select(wins, depth, nearest));
+                store_lanes(tile.winner + at, select(wins, I(id), load_lanes(tile.winner + at)));
             }
 #pragma GCC unroll 3
             for (int i = 0; i < 3; ++i) e[i] = e[i] + right[i];
@@ -227,7 +226,7 @@ PLUMB_INLINE void draw_chunk(const TileArgs& in, const ChunkView& chunk, int ind
     }
 }
 
-// ---- resolving --------------------------------------------------------------------------------------------------------
+// ---- resolving ------------------------------------------------------------------------------------------------------
 
 PLUMB_INLINE const ScreenTriangle& seen_by(const TileArgs& in, std::int32_t id) {
     return in.chunks[id >> chunk_bits].triangles[id & (masked - 1)];

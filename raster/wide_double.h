@@ -152,7 +152,9 @@ PLUMB_INLINE unsigned lane_bits(WideMask m) { return native::lane_bits(m.m); }
 // waits for every store before it.)
 PLUMB_INLINE Wide load_lanes(const float* p) { return native::load(p); }
 PLUMB_INLINE WideIndex load_lanes(const std::int32_t* p) { return native::load(p); }
-PLUMB_INLINE Doubles load_lanes(const double* p) { return {native::load(p), native::load(p + number<Wide>::width / 2)}; }
+PLUMB_INLINE Doubles load_lanes(const double* p) {
+    return {native::load(p), native::load(p + number<Wide>::width / 2)};
+}
 PLUMB_INLINE void store_lanes(float* p, Wide a) { native::store(p, a.v); }
 PLUMB_INLINE void store_lanes(std::int32_t* p, WideIndex a) { native::store(p, a.v); }
 PLUMB_INLINE void store_lanes(double* p, Doubles a) {
