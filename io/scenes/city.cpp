@@ -75,7 +75,7 @@ Scene city(const GenerateOptions& options) {
     scene.camera = {{-135, 88, 262}, {72, 4, 0}, {0, 1, 0}, 42, 0.5, 1200};
     Light sun;
     sun.name = "sun", sun.type = LightType::directional, sun.rsm_size = 1024;
-    sun.direction = {0.545f, -0.643f, -0.538f};
+    sun.direction = {0.48f, -0.768f, -0.424f};
     sun.intensity = {5.2f, 4.7f, 3.9f};
     scene.lights.push_back(sun);
     scene.environment.radiance = {0.42f, 0.58f, 0.85f};

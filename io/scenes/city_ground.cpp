@@ -23,7 +23,8 @@ void clump(Builder& b, int material, const Place& place, const Point& radii, int
         const bool pole = j == 0 || j == rows;
         const double reach = 1 - rough + 2 * rough * white_noise(pole ? 0 : i, j, seed);
         const double turn = 2 * host::pi * i / columns, tilt = host::pi * j / rows, ring = pole ? 0 : host::sin(tilt);
-        return radii * reach * Point(ring * host::sin(turn), -host::cos(tilt), ring * host::cos(turn));
+        // Uneven in its width alone: steep rows must not fold over each other.
+        return radii * Point(reach * ring * host::sin(turn), -host::cos(tilt), reach * ring * host::cos(turn));
     });
 }
 
@@ -86,6 +87,7 @@ void ground(Builder& b, const Palette& p, const Grade& grade) {
 void pavements(Builder& b, const Palette& p, const Grade& grade, const std::vector<Block>& blocks) {
     if (grade.fine < 1.2) return;
     for (const Block& block : blocks) {
+        if (!block.whole) continue;
         // A slab under the block, 1.2 m wider than its houses, and the court's ground.
         const glm::dvec2 centre = 0.25 * (block.street[0] + block.street[1] + block.street[2] + block.street[3]);
         Ring wide;
@@ -143,7 +145,7 @@ void tree(Builder& b, const Palette& p, TreeKind kind, const glm::dvec2& at, dou
                                    top.z + far * host::cos(turn));
         if (clumps > 1) limb(top, centre, 0.16, 0.05);
         clump(b, p.leaf[pine ? 1 : 0], place * move(centre), {size, (pine ? 0.42 : 0.85) * size, size}, columns, rows,
-              columns > 10 ? 0.17 : 0.1, seed * 31 + std::uint32_t(k));
+              columns > 10 ? 0.14 : 0.1, seed * 31 + std::uint32_t(k));
     }
 }
 

@@ -268,7 +268,7 @@ void roof_slope(Builder& b, const Palette& p, const Point c[4], double allowance
     while (each < 12 && quads > double(waves) * each * most_rows * (each == 2 ? 0.5 : 1)) each += 2;
     g.columns = waves * each;
     g.rows = std::clamp(int(quads / g.columns + 0.5), 1, 2 * most_rows);
-    const bool steps = g.rows >= 6;
+    const bool steps = 3 * g.rows >= 2 * most_rows;
     g.texture = {waves / 16.0, (steps ? g.rows : height / 0.42) / 16.0};
     const double amplitude = 0.09;
     b.grid(p.terracotta, Place(1), g, [&](double u, double v) {

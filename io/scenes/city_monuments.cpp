@@ -312,11 +312,11 @@ void colonnade(Builder& b, const Palette& p, const Grade& grade) {
             continue;
         }
         moulding(b, p.travertine, from, to, pieces,
-                 {{-1.4, 11.5}, {-1.4, 12.9}, {-2.1, 13.2}, {-2.1, 13.8}, {-1.4, 13.8}, {outer, 14}},
+                 {{1.4, 11.5}, {1.4, 12.9}, {2.1, 13.2}, {2.1, 13.8}, {1.4, 13.8}, {-outer, 14}},
                  behind(bend, from, to, 0), 30);
         moulding(b, p.travertine, from, to, pieces, {{outer, 11.5}, {outer, 13.9}, {outer - 0.5, 14.0}}, bend, 30);
         moulding(b, p.travertine, from, to, pieces, {{-1.4, 11.5}, {outer, 11.5}}, bend, 30);
-        moulding(b, p.travertine, from, to, pieces, {{outer + 1, 0}, {outer + 1, 0.3}, {-2.5, 0.3}}, bend, 30);
+        moulding(b, p.travertine, from, to, pieces, {{outer + 1, 0}, {outer + 1, 0.3}, {-2.5, 0.3}, {-2.5, 0}}, bend, 30);
         if (grade.fine < 2.2) continue;
         for (int k = 0; k < columns; ++k) {  // statues
             const double turn = from + (to - from) * (k + 0.5) / columns;

@@ -65,6 +65,7 @@ struct Lot {
 struct Block {
     Ring street, yard;        // outline of the houses and of the court behind them
     bool court = false;
+    bool whole = false;       // no house is missing
 };
 struct Plan {
     std::vector<Block> blocks;

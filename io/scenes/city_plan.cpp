@@ -99,7 +99,7 @@ void place_greenery(Plan& plan, const Grade& grade, Dice& dice) {
     }
     // In courts.
     for (const Block& block : plan.blocks) {
-        if (!block.court || grade.fine < 1.2) continue;
+        if (!block.court || !block.whole || grade.fine < 1.2) continue;
         const int count = 1 + dice.pick(3);
         for (int k = 0; k < count; ++k) {
             const double s = dice.between(0.25, 0.75), t = dice.between(0.25, 0.75);
@@ -177,6 +177,9 @@ Plan make_plan(const Grade& grade, std::uint32_t seed) {
             } else {
                 divide(plan, block, width, 0.02, dice);
             }
+            block.whole = grade.triangles >= 4000;
+            for (const Ring& ring : {block.street, block.yard})
+                for (const glm::dvec2& corner : ring) block.whole &= is_free(corner, 0);
             if (plan.lots.size() > before) plan.blocks.push_back(block);
         }
     place_greenery(plan, grade, dice);

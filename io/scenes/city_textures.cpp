@@ -37,9 +37,9 @@ Colour tiles(double u, double v, bool relief) {
     const double column = u * 16, row = v * 16;
     const int i = int(column), j = int(row);
     const double x = column - i, y = row - j, kind = white_noise(i, j, 31), age = fractal_noise(u, v, 3, 3, 32);
-    Colour c = mix(Colour(0.50, 0.22, 0.11), Colour(0.66, 0.38, 0.20), kind);
-    c = mix(c, Colour(0.30, 0.24, 0.17), 1.6 * age - 0.6);
-    if (kind > 0.93) c = Colour(0.62, 0.50, 0.36);
+    Colour c = mix(Colour(0.36, 0.155, 0.08), Colour(0.50, 0.27, 0.15), kind);
+    c = mix(c, Colour(0.21, 0.17, 0.13), 2.2 * age - 0.8);
+    if (kind > 0.93) c = Colour(0.50, 0.38, 0.26);
     double light = 0.85 + 0.2 * grain(u, v, 33);
     if (relief) light *= (0.45 + 0.75 * std::min(1.0, 4 * x * (1 - x))) * (y < 0.12 ? 0.5 : 1.0);
     return c * light;
@@ -95,9 +95,9 @@ Palette make_palette(Builder& b) {
         return b.texture(texture);
     };
     const int plaster_picture = picture("plaster", 256, plaster), bay_picture = picture("bay", 128, bay);
-    const glm::vec3 tint[tints] = {{0.86f, 0.62f, 0.38f}, {0.80f, 0.46f, 0.28f}, {0.90f, 0.78f, 0.56f},
-                                   {0.84f, 0.80f, 0.72f}, {0.78f, 0.52f, 0.40f}, {0.88f, 0.70f, 0.50f},
-                                   {0.70f, 0.62f, 0.54f}, {0.93f, 0.86f, 0.74f}};
+    const glm::vec3 tint[tints] = {{0.80f, 0.52f, 0.27f}, {0.70f, 0.33f, 0.20f}, {0.84f, 0.68f, 0.42f},
+                                   {0.74f, 0.70f, 0.62f}, {0.68f, 0.40f, 0.30f}, {0.80f, 0.60f, 0.40f},
+                                   {0.58f, 0.50f, 0.43f}, {0.86f, 0.76f, 0.60f}};
     const glm::vec3 shutters[4] = {{0.10f, 0.20f, 0.14f}, {0.22f, 0.15f, 0.09f}, {0.30f, 0.34f, 0.34f},
                                    {0.13f, 0.24f, 0.26f}};
     Palette p;

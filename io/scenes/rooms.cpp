@@ -177,13 +177,15 @@ Scene rooms(const GenerateOptions& options) {
     scene.camera = {{flat.camera.x, 1.55, flat.camera.y}, {mx, 1.05, mz}, {0, 1, 0}, 60, 0.05, 60};
     Light lamp;
     lamp.name = "lamp", lamp.position = {float(mx), float(flat.height - 0.66), float(mz)};
-    lamp.cone_inner_deg = 60, lamp.cone_outer_deg = 75, lamp.intensity = glm::vec3(9, 8.3f, 7.2f);
+    lamp.cone_inner_deg = 60, lamp.cone_outer_deg = 75, lamp.intensity = glm::vec3(26, 24, 20.5f);
     const bool sunny = dice.chance(0.6);
     if (sunny) lamp.intensity *= 0.4f;
     scene.lights.push_back(lamp);
     if (sunny) add_sun(scene, flat, dice);
     scene.environment.radiance = {1.4f, 1.8f, 2.4f};
     scene.frame_size = {1280, 720};
+    // The disc spans the map: what the lamp does not reach gathers from all that it does.
+    scene.settings = {{"rsm", "radius", 1.0, "rooms"}, {"rsm", "projection", std::string("clamped"), "rooms"}};
     scene.seed = options.seed;
     return scene;
 }

@@ -66,7 +66,9 @@ Finish make_finish(Builder& b, Dice& dice) {
     for (int k = 0; k < 4; ++k) f.cloth[k] = plain("cloth " + std::to_string(k), colour(dice, 0.7, dice.between(0.35, 0.75)));
     for (int k = 0; k < 6; ++k) f.paper[k] = plain("book " + std::to_string(k), colour(dice, 0.75, dice.between(0.2, 0.7)));
     f.metal = plain("metal", glm::vec3(0.12f));
-    f.shade = plain("shade", {0.80f, 0.74f, 0.62f});
+    Material shade;
+    shade.name = "shade", shade.reflectance = {0.80f, 0.74f, 0.62f}, shade.emission = {2.4f, 1.9f, 1.2f};
+    f.shade = b.material(shade);
     f.leaf = plain("leaf", {0.10f, 0.28f, 0.08f});
     const glm::dvec3 ground(colour(dice, 0.7, 0.5)), pattern(colour(dice, 0.5, 0.8));
     f.rug = plain("rug", glm::vec3(1), b.texture(paint("rug", 128, [=](double u, double v) {

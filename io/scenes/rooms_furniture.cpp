@@ -27,7 +27,9 @@ void cushion(const Tools& t, int material, const Place& place, const Point& low,
             g.columns = g.rows = n;
             t.b.grid(material, place, g, [&](double u, double v) {
                 Point q;
-                q[axis] = side, q[a] = side * (2 * u - 1), q[c] = 2 * v - 1;
+                // Exact opposites, so that faces share their edges.
+                const int i = int(u * n + 0.5), j = int(v * n + 0.5);
+                q[axis] = side, q[a] = side * (2.0 * i - n) / n, q[c] = (2.0 * j - n) / n;
                 // Towards the ball inside the box, a little: rounds edges and corners without opening them.
                 const double out = std::sqrt(glm::dot(q, q));
                 const Point r = q * (1 - bulge) + q / out * bulge * 1.15;
@@ -152,12 +154,13 @@ void plant(const Tools& t, const Place& place, Dice& dice) {
     for (int k = 0; k < leaves; ++k) {
         const double l = dice.between(0.4, 0.8), arch = dice.between(0.5, 1.1), turn = 360.0 * k / leaves + dice.between(-15, 15);
         Grid g;
-        g.columns = 2, g.rows = std::clamp(int(2 + t.detail * 0.3), 3, 24);
+        g.columns = 2, g.rows = std::clamp(int(2 + t.detail * 0.3), 3, 24), g.smooth = false;
         for (int side = 0; side < 2; ++side)
             t.b.grid(t.f.leaf, place * move({0, 0.26, 0}) * turn_y(turn), g, [&](double u, double v) {
-                const double s = side ? 1 - u : u, wide = 0.09 * v * (1.02 - v) * 4 * (s - 0.5);
-                const double crease = 0.02 * std::abs(2 * s - 1);
-                return Point(wide, l * (v * 1.3 - arch * 0.8 * v * v) + crease + (side ? 0 : -0.002), l * 0.75 * v * (0.3 + 0.7 * v));
+                // A lens, closed along its edge and pointed at both ends.
+                const double s = side ? 1 - u : u, bulge = 4 * v * (1 - v), edge = std::abs(2 * s - 1);
+                const double lift = bulge * (0.02 * edge - (side ? 0 : 0.003) * (1 - edge));
+                return Point(0.09 * bulge * (s - 0.5), l * (v * 1.3 - arch * 0.8 * v * v) + lift, l * 0.75 * v * (0.3 + 0.7 * v));
             });
     }
 }
