@@ -138,10 +138,11 @@ void shell(Builder& b, const Palette& p, double d) {
          face);
     ring(p.limestone, {{0.45, floor_2}, {0.45, floor_2 + 0.15}, {0.15, floor_2 + 0.15}, {0.15, floor_2}}, axis + 0.3);
     ring(p.limestone,
-         {{0.44, 6.93}, {0.49, 6.97}, {0.49, 7.05}, {0.11, 7.05}, {0.11, 6.97}, {0.16, 6.93}, {0.44, 6.93}}, axis + 0.3);
+         {{0.44, 6.93}, {0.49, 6.97}, {0.49, 7.05}, {0.11, 7.05}, {0.11, 6.97}, {0.16, 6.93}, {0.44, 6.93}},
+         axis + 0.3);
     ring(p.limestone,
-         {{0, 10.3}, {0.05, 10.32}, {0.05, 10.42}, {0.1, 10.46}, {0.1, 10.62}, {0.16, 10.68}, {0.26, 10.74}, {0.3, 10.75},
-          {0.3, 10.88}, {0, 10.92}},
+         {{0, 10.3}, {0.05, 10.32}, {0.05, 10.42}, {0.1, 10.46}, {0.1, 10.62}, {0.16, 10.68}, {0.26, 10.74},
+          {0.3, 10.75}, {0.3, 10.88}, {0, 10.92}},
          face_2);
 
     b.object("roof");
@@ -166,7 +167,8 @@ void lower_storey(Builder& b, const Palette& p, double d) {
 
     b.object("lower_arcade");
     const parts::ArchWall wall{1.5, 1.15, floor_2 - spring, 0.6};
-    const Profile archivolt{{{0, 0}, {0, 0.05}, {0.1, 0.05}, {0.11, 0.07}, {0.2, 0.07}, {0.22, 0.11}, {0.27, 0.11}, {0.27, 0}}};
+    const Profile archivolt{{{0, 0}, {0, 0.05}, {0.1, 0.05}, {0.11, 0.07}, {0.2, 0.07}, {0.22, 0.11},
+                             {0.27, 0.11}, {0.27, 0}}};
     for (int k = 0; k < 4; ++k)
         for (double x = -half_side(k) + 1.5; x < half_side(k); x += 3) {
             const Place place = on_side(k, x, spring);
@@ -223,7 +225,8 @@ void upper_storey(Builder& b, const Palette& p, double d) {
                   p.limestone.size);
             if (corner) continue;
             if (d < 0.15)
-                b.box(p.limestone.material, on_side(k, x, 0), {-0.12, 7.05, -0.12}, {0.12, spring_2, 0.12}, p.limestone.size);
+                b.box(p.limestone.material, on_side(k, x, 0), {-0.12, 7.05, -0.12}, {0.12, spring_2, 0.12},
+                      p.limestone.size);
             else
                 parts::column(b, p.limestone, on_side(k, x, 7.05), shape, 0.75 * d);
         }
@@ -238,7 +241,8 @@ void upper_storey(Builder& b, const Palette& p, double d) {
                 continue;
             }
             for (int i = 0; i < balusters; ++i)
-                parts::baluster(b, p.limestone, on_side(k, x + 0.17 + 1.16 * (i + 0.5) / balusters, 6.15), 0.79, 0.085, d);
+                parts::baluster(b, p.limestone, on_side(k, x + 0.17 + 1.16 * (i + 0.5) / balusters, 6.15), 0.79,
+                                0.085, d);
         }
     b.object("upper_arcade");
     for (int k = 0; k < 4; ++k)
@@ -323,9 +327,11 @@ void furnish(Builder& b, const Palette& p, double d) {
         for (int side = -1; side <= 1; side += 2)
             parts::urn(b, p.limestone, p.leaves, move({x, 0, side * 3.55}), std::uint32_t(++seed), d);
     b.object("ivy");
-    const double places[][3] = {{0, -7.5, 2.2}, {0, 1.5, 3.1}, {2, -4.5, 2.6}, {2, 6, 3.4}, {3, 1, 2.8}, {1, -1.5, 2.4}};
+    const double places[][3] = {{0, -7.5, 2.2}, {0, 1.5, 3.1}, {2, -4.5, 2.6},
+                                {2, 6, 3.4},    {3, 1, 2.8},   {1, -1.5, 2.4}};
     for (const double* at : places)
-        parts::hanging_leaves(b, p.leaves, on_side(int(at[0]), at[1], 7.08, -0.5), at[2], 1.9, std::uint32_t(++seed), d);
+        parts::hanging_leaves(b, p.leaves, on_side(int(at[0]), at[1], 7.08, -0.5), at[2], 1.9, std::uint32_t(++seed),
+                              d);
 }
 
 void curtains(Builder& b, const Palette& p, double cloth) {
@@ -337,8 +343,8 @@ void curtains(Builder& b, const Palette& p, double cloth) {
         for (int i = 0; i < 8; ++i) {
             b.object("curtain_" + std::to_string(8 * side + i));
             parts::Curtain c{1.13, 3.35, drawn[side][i], std::uint32_t(8 * side + i + 1)};
-            parts::curtain(b, p.cloth[std::size_t(colour[side][i])], p.gold, on_side(2 * side, -10.5 + 3 * i, spring - 0.06),
-                           c, cloth);
+            const Surface& fabric = p.cloth[std::size_t(colour[side][i])];
+            parts::curtain(b, fabric, p.gold, on_side(2 * side, -10.5 + 3 * i, spring - 0.06), c, cloth);
         }
 }
 
@@ -366,7 +372,8 @@ Camera view(std::uint32_t seed) {
 Scene atrium(const GenerateOptions& options) {
     // Find the detail for the number of triangles, then let the cloth take up what its steps leave.
     const double detail = fit_detail(options.triangles, 0.02, 20, [](Builder& b, double d) { build(b, {}, d, d); });
-    const double cloth = fit_detail(options.triangles, 0.02, 20, [&](Builder& b, double c) { build(b, {}, detail, c); });
+    const double cloth =
+        fit_detail(options.triangles, 0.02, 20, [&](Builder& b, double c) { build(b, {}, detail, c); });
     Builder b("atrium");
     build(b, make_palette(b), detail, cloth);
     Scene scene = b.take();
