@@ -8,6 +8,7 @@
 #include "core/parallel.h"
 #include "raster/light_view.h"
 #include "raster/resolve_rows.h"
+#include "raster/rsm_rows.h"
 #include "raster/visibility.h"
 
 namespace plumb::raster {
@@ -38,21 +39,6 @@ RsmArgs args_of(const Geometry& geometry, const Surfaces& surfaces, const Light&
     return a;
 }
 
-// Copies texels [first, last) into the records that a gather reads.
-void pack(Rsm& rsm, std::size_t first, std::size_t last) {
-    const Image4* images[3] = {&rsm.position, &rsm.normal, &rsm.flux};
-    for (std::size_t i = first; i < last; ++i)
-        for (int part = 0; part < 3; ++part)
-            for (int c = 0; c < 4; ++c) {
-                const std::size_t at = record_stride * i + std::size_t(4 * part + c);
-                const float value = images[part]->texels[i][c];
-                if (rsm.half)
-                    rsm.half_records[at] = float_to_half(value);
-                else
-                    rsm.records[at] = value;
-            }
-}
-
 }  // namespace
 
 void draw_rsm(const Geometry& geometry, const Surfaces& surfaces, const Light& light, const View& light_view,
@@ -79,18 +65,15 @@ void draw_rsm(const Geometry& geometry, const Surfaces& surfaces, const Light& l
         out.records.assign(components, 0.0f);
 
     RsmArgs args = args_of(geometry, surfaces, light, light_view, visible);
-    args.position = &out.position.data()->x;
-    args.normal = &out.normal.data()->x;
-    args.flux = &out.flux.data()->x;
+    const RsmImages images{&out.position.data()->x, &out.normal.data()->x, &out.flux.data()->x};
+    args.position = images.position, args.normal = images.normal, args.flux = images.flux;
+    const RsmStore store{layout.rsm_position, layout.rsm_normal, layout.rsm_flux, layout.rsm_depth};
     dispatch(options.isa, [&](auto isa) {
         parallel_bands(size, band_rows, half, [&](int first, int last) {
-            ResolveRows<isa()>::rsm(args, first, last);
-            const std::size_t side = std::size_t(size);
-            const std::size_t begin = std::size_t(first) * side, end = std::size_t(last) * side;
-            if (out.half)
-                for (Image4* image : {&out.position, &out.normal, &out.flux})
-                    for (std::size_t i = begin; i < end; ++i) quantise(Format::rgba16f, image->texels[i]);
-            pack(out, begin, end);
+            ResolveRows<isa()>::rsm(args, first, last, store);
+            const std::ptrdiff_t begin = std::ptrdiff_t(first) * size, end = std::ptrdiff_t(last) * size;
+            if (out.half) return RsmRows<isa()>::pack(images, out.half_records.data(), begin, end);
+            RsmRows<isa()>::pack(images, out.records.data(), begin, end);
         });
     });
 }
