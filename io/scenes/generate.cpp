@@ -21,7 +21,7 @@ const std::vector<GeneratedScene>& generated_scenes() {
         {"hall", "a vaulted hall open to the sun, after IPR's Open Hall", 150'000, 14'000, 4'000'000, scenes::hall},
         {"city", "a historic city by a river, 600 m wide (the scale of LRA 7.1's Rome)", 4'000'000, 1'000, 20'000'000,
          scenes::city},
-        {"rooms", "a furnished flat, another one for every seed", 60'000, 10'000, 4'000'000, scenes::rooms},
+        {"rooms", "a furnished flat, another one for every seed", 60'000, 20'000, 4'000'000, scenes::rooms},
         {"stress", "degenerate and extreme triangles, a case a cell", 20'000, 2'000, 4'000'000, scenes::stress},
     };
     return scenes;
