@@ -15,13 +15,14 @@ double smoothstep(double low, double high, double x) {
     return t * t * (3 - 2 * t);
 }
 
-// A bulge from (r, y0) to (r, y1) that stands out by half its height, as `cuts` chords; appended without its first point
-// where the profile ends there already.
+// A bulge from (r, y0) to (r, y1) that stands out by half its height, as `cuts` chords; appended without its first
+// point where the profile ends there already.
 void torus(std::vector<glm::dvec2>& profile, double r, double y0, double y1, int cuts) {
     const double half = (y1 - y0) / 2;
     for (int k = profile.empty() || profile.back() != glm::dvec2(r, y0) ? 0 : 1; k <= cuts; ++k) {
         const double angle = pi * k / cuts;
-        profile.push_back({r + (k == 0 || k == cuts ? 0 : half * host::sin(angle)), y0 + half - half * host::cos(angle)});
+        const double out = k == 0 || k == cuts ? 0 : half * host::sin(angle);
+        profile.push_back({r + out, y0 + half - half * host::cos(angle)});
     }
     profile.back().y = y1;
 }
@@ -181,8 +182,8 @@ void curtain(Builder& b, const Surface& s, const Surface& metal, const Place& pl
     for (int half = 0; half < 2; ++half) {
         const double x = (half == 0 ? -1 : 1) * 0.9 * c.half_width;
         const Place at = place * move({x, -0.58 * c.height, 0}) * scale({1.15, 1, 1.1});
-        b.lathe(metal.material, at, {{0.1, -0.05}, {0.125, -0.03}, {0.125, 0.03}, {0.1, 0.05}, {0.1, -0.05}}, cut(detail, 16, 5),
-                metal.size);
+        b.lathe(metal.material, at, {{0.1, -0.05}, {0.125, -0.03}, {0.125, 0.03}, {0.1, 0.05}, {0.1, -0.05}},
+                cut(detail, 16, 5), metal.size);
     }
 }
 
@@ -228,15 +229,16 @@ void lantern(Builder& b, const Surface& metal, const Surface& glass, const Place
     const int around = cut(detail, 8, 6);
     b.lathe(metal.material, place, {{0, -chain}, {0.012, -chain}, {0.012, 0}, {0, 0}}, 4, metal.size);
     const Place at = place * move({0, -chain, 0});
-    b.lathe(metal.material, at, {{0, -0.13}, {0.2, -0.12}, {0.19, -0.08}, {0.06, 0.02}, {0.02, 0.06}, {0, 0.06}}, around,
-            metal.size);
+    b.lathe(metal.material, at, {{0, -0.13}, {0.2, -0.12}, {0.19, -0.08}, {0.06, 0.02}, {0.02, 0.06}, {0, 0.06}},
+            around, metal.size);
     b.lathe(glass.material, at, {{0, -0.5}, {0.09, -0.5}, {0.15, -0.121}, {0, -0.121}}, around, glass.size);
     b.lathe(metal.material, at, {{0, -0.6}, {0.02, -0.58}, {0.12, -0.52}, {0.11, -0.49}, {0, -0.49}}, around,
             metal.size);
     // Bars over the panes.
     for (int k = 0; k < 4; ++k) {
         const Place bar = at * turn_y(90 * k + 45);
-        const Point corners[] = {{-0.012, -0.5, 0.1}, {0.012, -0.5, 0.1}, {0.012, -0.12, 0.165}, {-0.012, -0.12, 0.165}};
+        const Point corners[] = {
+            {-0.012, -0.5, 0.1}, {0.012, -0.5, 0.1}, {0.012, -0.12, 0.165}, {-0.012, -0.12, 0.165}};
         b.quad(metal.material, bar, corners, 1, 1, metal.size);
     }
 }
@@ -260,7 +262,8 @@ void urn(Builder& b, const Surface& s, const Surface& leaves, const Place& place
     g.columns = cut(detail, 3, 1), g.rows = cut(detail, 8, 2);
     g.texture = {0.5, 1.1};
     for (int k = 0; k < fronds; ++k) {
-        const double reach = 0.42 + 0.25 * white_noise(k, int(seed), 11), rise = 0.25 + 0.3 * white_noise(k, int(seed), 12);
+        const double reach = 0.42 + 0.25 * white_noise(k, int(seed), 11);
+        const double rise = 0.25 + 0.3 * white_noise(k, int(seed), 12);
         b.grid(leaves.material, place * turn_y(360.0 * k / fronds + 30 * white_noise(k, int(seed), 13)), g,
                [&](double u, double v) {
                    const double t = 1 - v, width = 0.24 * (1 - 0.4 * t);

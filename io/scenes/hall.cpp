@@ -1,5 +1,6 @@
-// A large hall that is open to the sun: IPR's Open Hall (tables 5.4 to 5.7), of which the thesis gives 512,026 receivers
-// on its surfaces, levels of detail up to 100 m away and two kinds of light, but no model and no number of triangles.
+// A large hall that is open to the sun: IPR's Open Hall (tables 5.4 to 5.7), of which the thesis gives 512,026
+// receivers on its surfaces, levels of detail up to 100 m away and two kinds of light, but no model and no number of
+// triangles.
 //
 //     z = -14  +------------------------------------------+    y = 15.5  crown of the nave's vault, with skylights
 //              |  aisle                                    |        11.5  the vault springs; aisles have beams at 11
@@ -11,7 +12,8 @@
 //            x = -30                                      30
 //
 // Seeds 1, 2 and 3 (and all others as 1) are three views, as the thesis has three cameras: along the nave to the
-// stairs, from the gallery, and from between the northern columns towards the open side. The geometry is the same in all.
+// stairs, from the gallery, and from between the northern columns towards the open side. The geometry is the same in
+// all of them.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -142,7 +144,8 @@ void shell(Builder& b, const Palette& p, double d) {
 void arcades(Builder& b, const Palette& p, double d) {
     const parts::Column shape{spring, 0.48, 0.66, 0.66};
     const parts::ArchWall wall{bay / 2, 2.4, vault_y - spring, 0.9};
-    const Profile archivolt{{{0, 0}, {0, 0.06}, {0.16, 0.06}, {0.18, 0.1}, {0.32, 0.1}, {0.36, 0.18}, {0.44, 0.18}, {0.44, 0}}};
+    const Profile archivolt{{{0, 0}, {0, 0.06}, {0.16, 0.06}, {0.18, 0.1}, {0.32, 0.1}, {0.36, 0.18},
+                             {0.44, 0.18}, {0.44, 0}}};
     b.object("columns");
     for (int side = 0; side < 2; ++side) {
         for (int i = 1; i < bays; ++i)
@@ -161,10 +164,12 @@ void arcades(Builder& b, const Palette& p, double d) {
                                      archivolt, 1.5 * d);
         }
     b.object("cornice");
-    const Profile cornice{{{0, 0}, {0.06, 0.02}, {0.06, 0.2}, {0.14, 0.26}, {0.14, 0.5}, {0.24, 0.6}, {0.4, 0.66}, {0.4, 0.84}, {0, 0.9}}};
+    const Profile cornice{{{0, 0}, {0.06, 0.02}, {0.06, 0.2}, {0.14, 0.26}, {0.14, 0.5}, {0.24, 0.6},
+                           {0.4, 0.66}, {0.4, 0.84}, {0, 0.9}}};
     for (int side = 0; side < 2; ++side) {
-        b.sweep(p.limestone.material, on_side(side, 0, vault_y - 0.9, nave_z - 0.45), cornice, cut(d, 40, 1), 2 * half_x,
-                p.limestone.size, [](double u, const glm::dvec2& c) { return Point(half_x * (2 * u - 1), c.y, c.x); });
+        b.sweep(p.limestone.material, on_side(side, 0, vault_y - 0.9, nave_z - 0.45), cornice, cut(d, 40, 1),
+                2 * half_x, p.limestone.size,
+                [](double u, const glm::dvec2& c) { return Point(half_x * (2 * u - 1), c.y, c.x); });
         parts::dentils(b, p.limestone, on_side(side, 0, vault_y - 0.62, nave_z - 0.59), 2 * half_x,
                        std::max(0.45, 0.3 / d), {0.22, 0.22, 0.16});
     }
@@ -207,7 +212,8 @@ void vault(Builder& b, const Palette& p, double d) {
         }
     }
     b.object("ribs");
-    const Profile rib{{{0, -0.4}, {-0.3, -0.4}, {-0.3, -0.25}, {-0.2, -0.25}, {-0.2, 0.25}, {-0.3, 0.25}, {-0.3, 0.4}, {0, 0.4}}};
+    const Profile rib{{{0, -0.4}, {-0.3, -0.4}, {-0.3, -0.25}, {-0.2, -0.25}, {-0.2, 0.25}, {-0.3, 0.25},
+                       {-0.3, 0.4}, {0, 0.4}}};
     for (int i = 1; i < bays; ++i)
         parts::arch_moulding(b, p.limestone,
                              move({-half_x + bay * i, vault_y, 0}) * scale({1, vault_rise / nave_z, 1}) * turn_y(90),
@@ -235,7 +241,8 @@ void gallery(Builder& b, const Palette& p, double d) {
         const double z = side * (stair_z + 0.16);
         for (int i = 0; i < steps; i += every)
             parts::baluster(b, p.limestone, move({foot + (i + 0.5) * tread, (i + 1) * rise, z}), 0.85, 0.1, d);
-        b.grid(p.limestone.material, Place(1), {1, 1, {4, 1}}, [&](double u, double v) {  // the string that carries them
+        // The string that carries them.
+        b.grid(p.limestone.material, Place(1), {1, 1, {4, 1}}, [&](double u, double v) {
             return Point(side > 0 ? foot + u * (gallery_x - foot) : gallery_x - u * (gallery_x - foot),
                          v * ((side > 0 ? u : 1 - u) * gallery_y + rise), side * (stair_z + 0.32));
         });
@@ -255,8 +262,9 @@ void gallery(Builder& b, const Palette& p, double d) {
         const double length = nave_z - stair_z - 0.6, middle = side * (stair_z + 0.3 + length / 2);
         const int count = 12 / every;
         for (int i = 0; i < count; ++i)
-            parts::baluster(b, p.limestone, move({gallery_x + 0.2, gallery_y, middle + length * ((i + 0.5) / count - 0.5)}),
-                            0.9, 0.1, d);
+            parts::baluster(b, p.limestone,
+                            move({gallery_x + 0.2, gallery_y, middle + length * ((i + 0.5) / count - 0.5)}), 0.9,
+                            0.1, d);
         b.box(p.limestone.material, Place(1), {gallery_x, gallery_y + 0.9, middle - length / 2 - 0.3},
               {gallery_x + 0.4, gallery_y + 1.05, middle + length / 2 + 0.3}, p.limestone.size);
         b.box(p.limestone.material, move({gallery_x + 0.2, gallery_y, side * (stair_z + 0.16)}), {-0.22, 0, -0.22},
@@ -294,7 +302,8 @@ void furnish(Builder& b, const Palette& p, double d) {
     g.columns = around, g.rows = rings;
     g.closed_u = true;
     b.grid(p.paint[2].material, place(1) * move({0, 1.15, 0}) * turn_y(35), g, [](double u, double v) {
-        const double a = u == 1 ? 0 : 2 * host::pi * u, c = host::pi * (v == 1 ? 1 : 1 + 2 * v), r = 0.85 + 0.3 * host::cos(c);
+        const double a = u == 1 ? 0 : 2 * host::pi * u, c = host::pi * (v == 1 ? 1 : 1 + 2 * v);
+        const double r = 0.85 + 0.3 * host::cos(c);
         return Point(r * host::cos(a), r * host::sin(a), 0.3 * host::sin(c));
     });
     b.object("cubes");
@@ -309,12 +318,13 @@ void furnish(Builder& b, const Palette& p, double d) {
             const Place bench = on_side(side, bay_x(i), 0, 6.1);
             b.box(p.wood.material, bench, {-1.1, 0.4, -0.25}, {1.1, 0.47, 0.25}, p.wood.size);
             for (int leg = -1; leg <= 1; leg += 2)
-                b.box(p.wood.material, bench, {leg * 0.85 - 0.05, 0, -0.22}, {leg * 0.85 + 0.05, 0.4, 0.22}, p.wood.size);
+                b.box(p.wood.material, bench, {leg * 0.85 - 0.05, 0, -0.22}, {leg * 0.85 + 0.05, 0.4, 0.22},
+                      p.wood.size);
         }
     b.object("lamps");
     for (int i = 1; i < bays; i += 2)
-        parts::lantern(b, p.metal, p.glass, move({-half_x + bay * i, vault_y + vault_rise - 0.28, 0}) * scale(Point(2.2)),
-                       2.8, 2 * d);
+        parts::lantern(b, p.metal, p.glass,
+                       move({-half_x + bay * i, vault_y + vault_rise - 0.28, 0}) * scale(Point(2.2)), 2.8, 2 * d);
 }
 
 void banners(Builder& b, const Palette& p, double cloth) {

@@ -164,7 +164,8 @@ Texture fabric(const std::string& name, std::uint32_t seed) {
         const double x = fraction(u * 4) - 0.5, y = fraction(v * 4 + 0.5 * (column % 2)) - 0.5;
         const double lozenge = std::abs(x) + 0.8 * std::abs(y), distance = std::sqrt(x * x + y * y);
         const double petals = distance - 0.16 - 0.09 * wave(host::atan2(y, x) / host::pi * 2.5 + 0.25);
-        const double motif = std::max(smoothstep(0.02, -0.02, petals), smoothstep(0.03, 0.012, std::abs(lozenge - 0.4)));
+        const double motif =
+            std::max(smoothstep(0.02, -0.02, petals), smoothstep(0.03, 0.012, std::abs(lozenge - 0.4)));
         const double tone = thread * (0.86 + 0.12 * worn(u, v));
         return mix(glm::dvec3(0.7), glm::dvec3(1.0, 0.97, 0.86), motif) * tone;
     });

@@ -146,11 +146,12 @@ TEST_CASE("atrium and hall: as many triangles as asked for, within 5 percent", "
         }
 }
 
-TEST_CASE("atrium and hall: cloth and balusters are closed", "[scenes]") {
+TEST_CASE("atrium and hall: cloth and spheres are closed", "[scenes]") {
     for (const char* name : {"atrium", "hall"}) {
         int closed = 0;
         for (const Mesh& mesh : make(name, 60'000).meshes) {
-            if (mesh.name.rfind("curtain", 0) != 0 && mesh.name.rfind("banner", 0) != 0 && mesh.name != "sphere") continue;
+            const bool cloth = mesh.name.rfind("curtain", 0) == 0 || mesh.name.rfind("banner", 0) == 0;
+            if (!cloth && mesh.name != "sphere") continue;
             INFO(name << ": " << mesh.name);
             CHECK(open_edges(mesh) == 0);
             ++closed;
@@ -200,7 +201,8 @@ TEST_CASE("atrium and hall: time to generate", "[.benchmark]") {
         for (const std::int64_t triangles : {20'000, 262'000, 4'000'000}) {
             const auto start = std::chrono::steady_clock::now();
             const std::int64_t made = count(make(name, triangles));
-            const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+            const auto end = std::chrono::steady_clock::now();
+            const double ms = std::chrono::duration<double, std::milli>(end - start).count();
             std::printf("%s: %lld triangles in %.0f ms\n", name, static_cast<long long>(made), ms);
         }
 }
