@@ -58,14 +58,16 @@ std::uint64_t gathered(Isa isa) {
 
     Buffer<float> irradiance(4 * width * height);
     rsm::GatherInputsView<float> in{};
-    in.u.to_texel_x[0] = in.u.to_texel_y[1] = 4.0f;
-    in.u.to_texel_x[3] = in.u.to_texel_y[3] = 8.0f;
-    in.u.to_texel_w[3] = 1.0f;
-    in.u.least_w = 1e-6f;
-    in.u.projection_low = -1e4f, in.u.projection_high = 1e4f;
+    raster::Projection& map = in.u.map;
+    map.to_texel_x[0] = map.to_texel_y[1] = 4.0f;
+    map.to_texel_x[3] = map.to_texel_y[3] = 8.0f;
+    map.to_texel_w[3] = 1.0f;
+    map.least_w = 1e-6f;
+    map.low = -1e4f, map.high = 1e4f;
+    map.size = map_size;
     in.u.least_distance2 = 1e-6f;
     in.u.scale = 0.25f;
-    in.u.size = map_size, in.u.samples = samples, in.u.rotations = rotations;
+    in.u.samples = samples, in.u.rotations = rotations;
     in.u.width = width, in.u.height = height, in.u.seed = 1;
     in.position = position.data(), in.normal = normal.data(), in.records = records.data();
     in.offsets = offsets.data(), in.weights = weights.data(), in.irradiance = irradiance.data();
