@@ -1,9 +1,10 @@
 #!/bin/bash
-# check_precise.sh <folder of .spv>: every floating-point operation of a twin is decorated NoContraction (`precise` in
-# GLSL), so that a driver may neither fuse nor reorder it. Prints each that is not, and fails.
+# check_precise.sh <folder of .spv>: every floating-point operation of a twin (core, raster, gi and their tests) is
+# decorated NoContraction (`precise` in GLSL), so that a driver may neither fuse nor reorder it. Prints each that is not,
+# and fails.
 set -euo pipefail
 shopt -s nullglob
-modules=("$1"/*.spv)
+modules=("$1"/{raster,gi,tests.core}.*.spv)
 [ ${#modules[@]} -gt 0 ] || { echo "no SPIR-V in $1"; exit 1; }
 status=0
 for module in "${modules[@]}"; do
