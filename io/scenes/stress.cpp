@@ -4,7 +4,7 @@
 //     coincident         nested depths      thin gaps            far away
 //     tiny               checkered edges    crossing the near    w = 0 and w < 0
 //                                           plane
-//     no normal          opposed normals    T junctions          one pixel each
+//     normals away       opposed normals    T junctions          one pixel each
 #include <algorithm>
 #include <cmath>
 
@@ -161,9 +161,10 @@ void screen_cells(Shelf& s, int n) {
 }
 
 void shading_cells(Shelf& s, int n) {
-    s.begin("no_normal");
+    // A cone that faces the viewer, with normals that point away: to light and gather it is a back.
+    s.begin("normals_away");
     for (int i = 0; i < n; ++i)
-        s.add({0, 0, 0.1}, on_circle(0.4, double(i) / n), on_circle(0.4, double(i + 1) / n), {0, 0, 0});
+        s.add({0, 0, 0.1}, on_circle(0.4, double(i) / n), on_circle(0.4, double(i + 1) / n), {0, 0, -1});
 
     // The three normals of each triangle cancel in its middle.
     s.begin("opposed_normals");
@@ -228,7 +229,7 @@ Scene stress(const GenerateOptions& options) {
     Light sun;
     sun.name = "sun";
     sun.type = LightType::directional;
-    sun.direction = glm::vec3(-0.4444f, -0.4444f, -0.7778f);
+    sun.direction = {-0.48f, -0.36f, -0.8f};
     sun.intensity = glm::vec3(3);
     scene.lights.push_back(sun);
     scene.environment.radiance = glm::vec3(0.1f);
