@@ -44,7 +44,7 @@ GBufferStore store_of(const Layout& layout, const View& view) {
 GBufferArgs args_of(const Geometry& geometry, const Surfaces& surfaces, const View& view,
                     const VisibilityBuffer& visible) {
     GBufferArgs a{};
-    a.surfaces = surface_args(geometry, surfaces, view);
+    a.surfaces = surface_args(geometry, surfaces, view, {visible.triangle.width, visible.triangle.height});
     for (int c = 0; c < 3; ++c) a.eye[c] = float(view.eye[c]), a.forward[c] = float(view.forward[c]);
     a.width = visible.triangle.width, a.height = visible.triangle.height;
     a.triangle = visible.triangle.data();

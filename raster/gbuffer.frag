@@ -7,6 +7,7 @@ layout(std140, binding = 0) uniform GBufferUniforms {
     vec4 viewer;
     vec3 eye;
     vec3 forward;
+    float pixel_area;  // surface_kernel.h; 0 where no texture has levels
 } u;
 layout(std430, binding = 10) readonly buffer Objects { int objects[]; };  // [triangle]
 
@@ -20,7 +21,7 @@ layout(location = 3) out vec4 emission;  // W/m2
 layout(location = 4) out ivec2 id;       // object, triangle
 
 void main() {
-    Surface s = surface(triangle, barycentrics, u.viewer);
+    Surface s = surface(triangle, barycentrics, Viewer(u.viewer, u.forward, u.pixel_area));
     float depth = linear_depth(u.eye, u.forward, s.position);
     position = vec4(s.position, depth);
     normal = vec4(s.normal, 1.0);

@@ -28,7 +28,7 @@ double half_width(const View& view) { return 1 / view.view_to_clip[0][0]; }
 RsmArgs args_of(const Geometry& geometry, const Surfaces& surfaces, const Light& light, const View& view,
                 const VisibilityBuffer& visible) {
     RsmArgs a{};
-    a.surfaces = surface_args(geometry, surfaces, view);
+    a.surfaces = surface_args(geometry, surfaces, view, glm::ivec2(light.rsm_size));
     for (int c = 0; c < 3; ++c) a.eye[c] = float(view.eye[c]), a.forward[c] = float(view.forward[c]);
     a.light = light_args(light);
     a.texel_scale = float(2 * half_width(view) / light.rsm_size);

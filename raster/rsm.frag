@@ -8,6 +8,7 @@ layout(std140, binding = 0) uniform RsmUniforms {
     vec4 viewer;
     vec3 eye;
     vec3 forward;
+    float pixel_area;   // surface_kernel.h; 0 where no texture has levels
     LightArgs light;
     float texel_scale;  // side of a texel: spot: at depth 1 m, m/m; directional: m
     float half_width;   // half the map's side, in the same unit
@@ -38,7 +39,7 @@ vec3 texel_power(int px, int py) {
 }
 
 void main() {
-    Surface s = surface(triangle, barycentrics, u.viewer);
+    Surface s = surface(triangle, barycentrics, Viewer(u.viewer, u.forward, u.pixel_area));
     float depth = linear_depth(u.eye, u.forward, s.position);
     vec3 power = texel_power(int(gl_FragCoord.x), int(gl_FragCoord.y));
     precise vec3 reflected = s.albedo * power;

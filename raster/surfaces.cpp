@@ -2,15 +2,17 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <cstring>
 
 #include "core/error.h"
 #include "core/host_math.h"
+#include "raster/mips.h"
 
 namespace plumb::raster {
 namespace {
 
-void append_texture(Surfaces& s, const Image<std::uint32_t>& image, std::int32_t flags) {
+void append_image(Surfaces& s, const Image<std::uint32_t>& image, std::int32_t flags) {
     s.textures.insert(s.textures.end(), {std::int32_t(s.texels.size()), image.width, image.height, flags});
     const std::size_t first = s.texels.size();
     s.texels.resize(first + image.size());
@@ -33,17 +35,34 @@ void check(const Texture& texture, std::size_t texels_so_far) {
                                      texture.name, image.width, image.height, texels_so_far));
 }
 
-// The row of a material's texture, as a kernel reads it from a record of floats: exact below 2^24.
-float row_of(const Material& m, const char* field, int texture, std::size_t textures) {
-    if (texture < -1 || texture >= int(textures))
-        throw InputError(fmt::format("material \"{}\": {} = {}: the scene has {}", m.name, field, texture, textures));
-    return float(texture + 1);
+// Appends a texture and its levels; returns its row.
+std::int32_t append_texture(Surfaces& s, const Texture& texture) {
+    check(texture, s.texels.size());
+    std::vector<Image<std::uint32_t>> levels;
+    if (texture.mips) levels = smaller_levels(texture, s.decode);
+    const auto row = std::int32_t(s.textures.size() / 4);
+    append_image(s, texture.texels, flags_of(texture) | int(levels.size()) << levels_shift);
+    for (const Image<std::uint32_t>& level : levels) {
+        if (s.texels.size() + level.size() >= (std::size_t(1) << 31))
+            throw InputError(fmt::format("texture \"{}\": mips: at most 2^31 texels fit in all", texture.name));
+        append_image(s, level, flags_of(texture));
+    }
+    s.any_levels = s.any_levels || !levels.empty();
+    return row;
 }
 
-void append_material(Surfaces& s, const Material& m, std::size_t textures, bool tangents) {
-    const float base = row_of(m, "texture", m.texture, textures);
-    const float emission = row_of(m, "emission_texture", m.emission_texture, textures);
-    const float normal = row_of(m, "normal_texture", m.normal_texture, textures);
+// The row of a material's texture, as a kernel reads it from a record of floats: exact below 2^24.
+float row_of(const Material& m, const char* field, int texture, const std::vector<std::int32_t>& rows) {
+    if (texture < -1 || texture >= int(rows.size()))
+        throw InputError(
+            fmt::format("material \"{}\": {} = {}: the scene has {}", m.name, field, texture, rows.size()));
+    return texture < 0 ? 0.0f : float(rows[std::size_t(texture)]);
+}
+
+void append_material(Surfaces& s, const Material& m, const std::vector<std::int32_t>& rows, bool tangents) {
+    const float base = row_of(m, "texture", m.texture, rows);
+    const float emission = row_of(m, "emission_texture", m.emission_texture, rows);
+    const float normal = row_of(m, "normal_texture", m.normal_texture, rows);
     s.materials.insert(s.materials.end(), {m.reflectance.x, m.reflectance.y, m.reflectance.z, m.alpha,    //
                                            m.emission.x, m.emission.y, m.emission.z, m.alpha_cutoff,      //
                                            base, emission, tangents ? normal : 0.0f, m.normal_scale,      //
@@ -68,15 +87,13 @@ Buffer<float> decode_table() {
 Surfaces prepare(const Scene& scene, const Geometry& geometry) {
     Surfaces s;
     s.decode = decode_table();
-    append_texture(s, Image<std::uint32_t>(1, 1, 0xffffffffu), flag_nearest);
-    if (scene.textures.size() >= (std::size_t(1) << 24))
-        throw InputError(fmt::format("{} textures: at most 2^24 - 1", scene.textures.size()));
-    for (const Texture& texture : scene.textures) {
-        check(texture, s.texels.size());
-        append_texture(s, texture.texels, flags_of(texture));
-    }
-    for (const Material& m : scene.materials)
-        append_material(s, m, scene.textures.size(), !geometry.tangents.empty());
+    append_image(s, Image<std::uint32_t>(1, 1, 0xffffffffu), flag_nearest);
+    std::vector<std::int32_t> rows;
+    for (const Texture& texture : scene.textures) rows.push_back(append_texture(s, texture));
+    if (s.textures.size() / 4 > (std::size_t(1) << 24))
+        throw InputError(fmt::format("{} textures with {} levels: at most 2^24 - 1 in all", scene.textures.size(),
+                                     s.textures.size() / 4 - 1));
+    for (const Material& m : scene.materials) append_material(s, m, rows, !geometry.tangents.empty());
     for (std::size_t t = 0; t < geometry.material.size(); ++t)
         if (geometry.material[t] < 0 || geometry.material[t] >= int(scene.materials.size()))
             throw InputError(fmt::format("triangle {}: material = {}: the scene has {}", t, geometry.material[t],
@@ -84,18 +101,22 @@ Surfaces prepare(const Scene& scene, const Geometry& geometry) {
     return s;
 }
 
-SurfaceArgs surface_args(const Geometry& geometry, const Surfaces& surfaces, const View& view) {
+SurfaceArgs surface_args(const Geometry& geometry, const Surfaces& surfaces, const View& view, glm::ivec2 size) {
     SurfaceArgs a{};
     a.vertices = reinterpret_cast<const float*>(geometry.vertices.data());  // null where there is none
     a.tangents = reinterpret_cast<const float*>(geometry.tangents.data());
     a.triangles = reinterpret_cast<const std::int32_t*>(geometry.triangles.data());
     a.material = geometry.material.data();
     a.materials = surfaces.materials.data();
-    a.textures = surfaces.textures.data();
-    a.texels = surfaces.texels.data();
-    a.decode = surfaces.decode.data();
+    a.textures.rows = surfaces.textures.data();
+    a.textures.texels = surfaces.texels.data();
+    a.textures.decode = surfaces.decode.data();
+    a.textures.levels = surfaces.any_levels && size.x > 0 && size.y > 0;
     for (int c = 0; c < 3; ++c) a.viewer[c] = float(view.orthographic ? -view.forward[c] : view.eye[c]);
     a.viewer[3] = view.orthographic ? 0.0f : 1.0f;
+    for (int c = 0; c < 3; ++c) a.forward[c] = float(view.forward[c]);
+    if (a.textures.levels)
+        a.pixel_area = float(4 / std::abs(view.view_to_clip[0][0] * view.view_to_clip[1][1] * size.x * size.y));
     return a;
 }
 
@@ -107,8 +128,8 @@ std::vector<Port> surface_ports() {
         {"materials", "buffer vec4", "W/m2",
          "[material][4]: reflectance, alpha; emission, alpha cutoff; textures (base, emission, normal), normal scale"},
         {"textures", "buffer i32", "",
-         "[texture][4]: first texel, width, height, 1 nearest | 2 sRGB | 4 wrap u | 16 wrap v; 0 is white"},
-        {"texels", "buffer i32", "", "RGBA8 texels of all textures"},
+         "[row][4]: first texel, width, height, 1 nearest | 2 sRGB | 4 wrap u | 16 wrap v | 64 levels; 0 is white"},
+        {"texels", "buffer i32", "", "RGBA8 texels of all textures and levels"},
         {"decode", "buffer f32", "", "[2][256]: byte to linear value, plain and sRGB"},
         {"tangents", "buffer vec4", "", "[vertex]: tangent, side of the bitangent; empty where no map reads them"},
     };

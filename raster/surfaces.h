@@ -17,21 +17,25 @@ struct Surfaces {
                                     // `textures` (base, emission, normal; 0: none), scale of the normal; padding
     Buffer<std::int32_t> masked;    // [material]: 1 where the alpha cutoff is above 0
     bool any_masked = false;
-    Buffer<std::int32_t> textures;  // [texture][4]: first texel, width, height, flags (surface_kernel.h)
+    Buffer<std::int32_t> textures;  // [row][4]: first texel, width, height, flags (texture_kernel.h)
     Buffer<std::int32_t> texels;    // RGBA8, red in the lowest byte
+    bool any_levels = false;        // whether any texture has levels of detail
     Buffer<float> decode;           // [2][256]: byte / 255, and the exact sRGB curve, each rounded once
 };
 
-// Row 0 of `textures` is one white texel, for materials that have none; texture i of the scene is row i + 1. A normal
-// map is dropped where the geometry has no tangents. Throws InputError for indices out of range and for textures without
+// Row 0 of `textures` is one white texel, for materials that have none. The scene's textures follow in their order,
+// each with its smaller levels after it where it has mips (mips.h): without any, texture i is row i + 1. A normal map
+// is dropped where the geometry has no tangents. Throws InputError for indices out of range and for textures without
 // texels.
 Surfaces prepare(const Scene& scene, const Geometry& geometry);
 
 // [2][256], as above.
 Buffer<float> decode_table();
 
-// What the kernels read. The arguments must outlive the result.
-SurfaceArgs surface_args(const Geometry& geometry, const Surfaces& surfaces, const View& view);
+// What the kernels read. The arguments must outlive the result. A frame of `size` pixels chooses levels of detail;
+// without a size every texture is read at level 0.
+SurfaceArgs surface_args(const Geometry& geometry, const Surfaces& surfaces, const View& view,
+                         glm::ivec2 size = {0, 0});
 
 // The same as a stage's inputs.
 std::vector<Port> surface_ports();

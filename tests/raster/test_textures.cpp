@@ -44,8 +44,8 @@ struct Fixture {
 
 vec3<float> lookup(const SurfaceArgs& in, int texture, float u, float v) {
     NoTap tap;
-    const TexelQuad<float> q = fetch_quad<float>(in, texture + 1, {u, v}, tap);
-    return filter_rgb<float>(in, q, q.curve);
+    const TexelQuad<float> q = fetch_quad<float>(in.textures, texture + 1, {u, v}, tap);
+    return filter_rgb<float>(in.textures, q, q.curve);
 }
 
 // The column that a nearest lookup finds.
