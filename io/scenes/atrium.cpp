@@ -390,6 +390,7 @@ Scene atrium(const GenerateOptions& options) {
     sun.type = LightType::directional;
     sun.direction = glm::vec3(glm::normalize(glm::dvec3(0.3, -1, -0.36)));
     sun.intensity = {900, 820, 680};  // W/m2
+    sun.rsm_size = 1024;              // 0.035 m a texel
     scene.lights = {sun};
     scene.environment.radiance = {70, 105, 150};  // W/(m2 sr)
     scene.camera = view(options.seed);
@@ -397,6 +398,7 @@ Scene atrium(const GenerateOptions& options) {
     const std::string place = "atrium";
     scene.settings = {{"rsm", "radius", 0.7, place}, {"rsm", "samples", 1024.0, place},
                       {"rsm", "projection", std::string("clamped"), place}, {"rsm", "min_distance", 0.5, place},
+                      {"shadow", "mode", std::string("density"), place},
                       {"tonemap", "operator", std::string("filmic"), place}, {"tonemap", "exposure", 0.027, place}};
     return scene;
 }
