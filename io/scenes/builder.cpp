@@ -316,7 +316,8 @@ void Builder::triangle(int material, const Place& place, const Point& a, const P
     begin_mesh();
     const Mapping mapping(place);
     const Point n = cross(b - a, c - a);
-    const std::uint32_t i = vertex(mapping, a, n, 0, 0), j = vertex(mapping, b, n, 1, 0), k = vertex(mapping, c, n, 0, 1);
+    const std::uint32_t i = vertex(mapping, a, n, 0, 0), j = vertex(mapping, b, n, 1, 0),
+                        k = vertex(mapping, c, n, 0, 1);
     face(material, mapping, i, j, k);
 }
 

@@ -30,7 +30,7 @@ struct Grid {
     int columns = 1, rows = 1;          // quads along u and v
     glm::dvec2 texture{1, 1};           // texture coordinates at u = 1, v = 1; (0, 0) lies at u = 0, v = 0
     bool smooth = true;                 // shared vertices and smooth normals; false: each quad flat
-    bool closed_u = false;              // u = 1 is u = 0: the normals of the seam agree (its texture coordinates do not)
+    bool closed_u = false;  // u = 1 is u = 0: the normals of the seam agree (its texture coordinates do not)
     bool pole = false;                  // v = 0 is one point: its row is of triangles
     std::function<glm::dvec2(const Point&)> projection = {};  // texture coordinates of a position, instead of `texture`
 };
@@ -58,11 +58,12 @@ class Builder {
 
     // Appends parts. A degenerate quad (a pole) becomes one triangle; a triangle of no area is left out.
     void grid(int material, const Place& place, const Grid& grid, const Patch& patch);
-    // Corners counter-clockwise from the front; cut into columns x rows; texture coordinates in metres / `texture_size`.
+    // Corners counter-clockwise from the front; cut into columns x rows; texture coordinates in metres /
+    // `texture_size`.
     void quad(int material, const Place& place, const Point corners[4], int columns = 1, int rows = 1,
               double texture_size = 1);
-    // A wall with openings: the rectangle between the first and last lines at x = across, y = up in the plane z = 0, its
-    // front towards +z, cut at all lines; a cell (column, row) for which `open` is true is left out.
+    // A wall with openings: the rectangle between the first and last lines at x = across, y = up in the plane z = 0,
+    // its front towards +z, cut at all lines; a cell (column, row) for which `open` is true is left out.
     void sheet(int material, const Place& place, const std::vector<double>& across, const std::vector<double>& up,
                const std::function<bool(int, int)>& open, double texture_size = 1);
     // The box [low, high], outside in front; texture coordinates in metres / texture_size. cells: along each axis.
@@ -107,8 +108,8 @@ class Builder {
     std::vector<Point> points_, normals_;  // of the grid at hand: kept, since a scene has a million of them
 };
 
-// The detail in [low, high] with which `build` makes about so many triangles, by bisection of its logarithm: more detail
-// has to mean more triangles, apart from small steps.
+// The detail in [low, high] with which `build` makes about so many triangles, by bisection of its logarithm: more
+// detail has to mean more triangles, apart from small steps.
 double fit_detail(std::int64_t triangles, double low, double high,
                   const std::function<void(Builder& builder, double detail)>& build);
 
@@ -117,6 +118,17 @@ double fit_detail(std::int64_t triangles, double low, double high,
 double white_noise(int x, int y, std::uint32_t seed);
 double smooth_noise(double u, double v, int periods, std::uint32_t seed);
 double fractal_noise(double u, double v, int periods, int octaves, std::uint32_t seed);
+
+// Draws of a fixed sequence. Two draws in one list of arguments have no order: they take a statement each.
+struct Dice {
+    std::uint32_t seed = 1;
+    int row = 0;    // of the hash: scenes draw from rows of their own
+    int rolls = 0;
+    double operator()() { return white_noise(rolls++, row, seed); }  // [0, 1)
+    double between(double low, double high) { return low + (high - low) * (*this)(); }
+    int pick(int count) { return int((*this)() * count); }
+    bool chance(double probability) { return (*this)() < probability; }
+};
 
 // A texture of side x side texels from linear colours 0..1 at texel centres, sRGB-encoded; with alpha from the second.
 // `colour` is called by several threads.

@@ -106,7 +106,8 @@ void pavements(Builder& b, const Palette& p, const Grade& grade, const std::vect
             }
         };
         layer(p.paving, wide, 0, 0.16);
-        if (block.court) layer(white_noise(int(centre.x), int(centre.y), 3) < 0.6 ? p.grass : p.cobbles, block.yard, 0.16, 0.4);
+        if (block.court)
+            layer(white_noise(int(centre.x), int(centre.y), 3) < 0.6 ? p.grass : p.cobbles, block.yard, 0.16, 0.4);
     }
 }
 
@@ -116,7 +117,8 @@ void tree(Builder& b, const Palette& p, TreeKind kind, const glm::dvec2& at, dou
     const bool pine = kind == TreeKind::pine;
     if (kind == TreeKind::cypress) {
         const double h = dice.between(9, 15), r = dice.between(0.9, 1.4);
-        const int rows = std::clamp(int(std::sqrt(allowance / 1.4)), 3, 40), columns = std::clamp(int(allowance / 2 / rows), 4, 40);
+        const int rows = std::clamp(int(std::sqrt(allowance / 1.4)), 3, 40),
+                  columns = std::clamp(int(allowance / 2 / rows), 4, 40);
         clump(b, p.leaf[2], place * move({0, 0.5 * h + 0.4, 0}), {r, 0.5 * h, r}, columns, rows, 0.12, seed);
         return;
     }
@@ -137,12 +139,14 @@ void tree(Builder& b, const Palette& p, TreeKind kind, const glm::dvec2& at, dou
     limb({0, -1, 0}, top, pine ? 0.4 : 0.32, 0.2);
     const int clumps = allowance < 60 ? 1 : allowance < 200 ? 3 : allowance < 900 ? 6 : 9;
     const double each = (allowance - 2 * sides * (clumps > 1 ? clumps + 1 : 1)) / clumps;
-    const int rows = std::clamp(int(std::sqrt(each / 4)), 3, 24), columns = std::clamp(int(each / 2 / (rows - 1)), 4, 48);
+    const int rows = std::clamp(int(std::sqrt(each / 4)), 3, 24),
+              columns = std::clamp(int(each / 2 / (rows - 1)), 4, 48);
     for (int k = 0; k < clumps; ++k) {
-        const double turn = 2 * host::pi * (k * 0.381966 + 0.1 * dice()), far = clumps == 1 ? 0 : reach * dice.between(0.45, 0.75);
+        const double turn = 2 * host::pi * (k * 0.381966 + 0.1 * dice()),
+                     far = clumps == 1 ? 0 : reach * dice.between(0.45, 0.75);
         const double size = clumps == 1 ? reach : reach * dice.between(0.45, 0.62);
-        const Point centre = Point(top.x + far * host::sin(turn), h - (pine ? 0.5 * dice() : dice.between(-0.6, 2.2)),
-                                   top.z + far * host::cos(turn));
+        const double low = pine ? 0.5 * dice() : dice.between(-0.6, 2.2);
+        const Point centre(top.x + far * host::sin(turn), h - low, top.z + far * host::cos(turn));
         if (clumps > 1) limb(top, centre, 0.16, 0.05);
         clump(b, p.leaf[pine ? 1 : 0], place * move(centre), {size, (pine ? 0.42 : 0.85) * size, size}, columns, rows,
               columns > 10 ? 0.14 : 0.1, seed * 31 + std::uint32_t(k));

@@ -200,7 +200,7 @@ void pitched_roof(Builder& b, const Palette& p, const Lot& lot, double allowance
 }
 
 // A flat roof behind a parapet, with a hut over the stairs and a pergola.
-void terrace(Builder& b, const Palette& p, const Lot& lot, double allowance, Dice& dice) {
+void terrace(Builder& b, const Palette& p, const Lot& lot, double allowance) {
     const Ring& r = lot.ring;
     const double parapet = lot.eaves + 1.0, thick = 0.3;
     Ring in;
@@ -240,7 +240,6 @@ void terrace(Builder& b, const Palette& p, const Lot& lot, double allowance, Dic
     const double rest = allowance - 16 - double(b.triangles() - before);
     const int cells = std::max(1, int(std::sqrt(std::max(0.0, rest) / 2)));
     b.quad(p.paving, Place(1), floor, std::clamp(int(rest / 2 / cells), 1, 400), cells, 4);
-    (void)dice;
 }
 
 }  // namespace
@@ -327,7 +326,7 @@ void house(Builder& b, const Palette& p, const Lot& lot, double allowance) {
     for (int k = 0; k < chimneys; ++k) chimney(b, p, lot, lot.eaves + 0.26 * deep, dice);
     const double rest = allowance - double(b.triangles() - before);
     if (flat)
-        terrace(b, p, lot, rest, dice);
+        terrace(b, p, lot, rest);
     else
         pitched_roof(b, p, lot, rest);
 }

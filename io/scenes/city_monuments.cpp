@@ -66,7 +66,8 @@ void arcade_ring(Builder& b, const Palette& p, const Bend& bend, int bays, int a
         if (end > i) {
             for (std::size_t k = 1; k < floors.size(); ++k) {
                 const double y = floors[k];
-                const std::vector<glm::dvec2> profile = {{0, y - 0.9}, {0.45, y - 0.7}, {0.9, y - 0.2}, {0.9, y}, {0, y + 0.15}};
+                const std::vector<glm::dvec2> profile = {
+                    {0, y - 0.9}, {0.45, y - 0.7}, {0.9, y - 0.2}, {0.9, y}, {0, y + 0.15}};
                 moulding(b, p.travertine, i * step, end * step, end - i, profile, bend, 3.0 * (end - i));
             }
             const double y = floors.back();
@@ -120,11 +121,14 @@ void amphitheatre(Builder& b, const Palette& p, const Grade& grade) {
     const int around_count = std::max(bays, 16), steps = grade.fine < 1.3 ? 1 : grade.count(3, 34);
     const double top = grade.fine < 1.3 ? 30 : 20.5, out = grade.fine < 1.3 ? 0 : -9.6;
     for (int k = 0; k < steps; ++k) {
-        const double s = double(k) / steps, t = double(k + 1) / steps, z0 = -28 + s * (28 + out), z1 = -28 + t * (28 + out);
+        const double s = double(k) / steps, t = double(k + 1) / steps, z0 = -28 + s * (28 + out),
+                     z1 = -28 + t * (28 + out);
         const double y0 = 3 + s * (top - 3), y1 = 3 + t * (top - 3);
         const Bend worn = [&](double turn, double y, double z) {
             const int i = int(turn / full * around_count + 0.5) % around_count;
-            const double wear = grade.fine < 2 || k + 1 == steps ? 0 : white_noise(i, k, 91) > 0.8 ? 0.7 * (y1 - y0) : 0;
+            const double wear = grade.fine < 2 || k + 1 == steps ? 0
+                                : white_noise(i, k, 91) > 0.8    ? 0.7 * (y1 - y0)
+                                                                 : 0;
             return outer(turn, y - (y > y0 + 1e-9 ? wear : 0), z);
         };
         // Seen from the middle: the riser, then the tread.
@@ -148,7 +152,8 @@ void amphitheatre(Builder& b, const Palette& p, const Grade& grade) {
     for (int k = 0; k < walls; ++k) {
         const double z = arena.y + (k - 4) * 3.6, half = 26 * std::sqrt(std::max(0.0, 1 - (k - 4) * (k - 4) / 30.0));
         for (double x = -half; x < half - 3; x += 7)
-            b.box(p.brick, Place(1), {arena.x + x, 0, z}, {arena.x + x + 5.4, 1.2 + 1.3 * white_noise(k, int(x) + 90, 17), z + 0.8}, 3);
+            b.box(p.brick, Place(1), {arena.x + x, 0, z},
+                  {arena.x + x + 5.4, 1.2 + 1.3 * white_noise(k, int(x) + 90, 17), z + 0.8}, 3);
     }
 }
 
@@ -170,7 +175,8 @@ void dome(Builder& b, const Palette& p, const Grade& grade, const Place& place, 
             b.grid(p.travertine, at, g, [&](double u, double v) {
                 const glm::dvec2 q = profile[std::size_t(v * rows + 0.5)];
                 const int i = int(u * 3 + 0.5);
-                const double lift = i == 1 || i == 2 ? 1.025 : 0.99, w = (i < 2 ? -1 : 1) * 0.035 * (q.x + 0.25 * radius);
+                const double lift = i == 1 || i == 2 ? 1.025 : 0.99,
+                             w = (i < 2 ? -1 : 1) * 0.035 * (q.x + 0.25 * radius);
                 return Point(w, q.y * (i == 1 || i == 2 ? 1.02 : 1), q.x * lift);
             });
         }
@@ -178,9 +184,11 @@ void dome(Builder& b, const Palette& p, const Grade& grade, const Place& place, 
     const Place up = place * move({0, profile.back().y - 0.2, 0});
     const double r = 0.17 * radius;
     const int few = std::max(6, segments / 2);
-    b.lathe(p.travertine, up, {{1.3 * r, 0}, {1.3 * r, 0.3 * r}, {r, 0.35 * r}, {r, 2.2 * r}, {1.3 * r, 2.3 * r}, {1.3 * r, 2.5 * r}},
+    b.lathe(p.travertine, up,
+            {{1.3 * r, 0}, {1.3 * r, 0.3 * r}, {r, 0.35 * r}, {r, 2.2 * r}, {1.3 * r, 2.3 * r}, {1.3 * r, 2.5 * r}},
             few, 2);
-    b.lathe(p.lead, up * move({0, 2.5 * r, 0}), {{1.2 * r, 0}, {0.9 * r, 0.7 * r}, {0.3 * r, 1.2 * r}, {0.12 * r, 1.9 * r}, {0, 2.0 * r}}, few, 2);
+    b.lathe(p.lead, up * move({0, 2.5 * r, 0}),
+            {{1.2 * r, 0}, {0.9 * r, 0.7 * r}, {0.3 * r, 1.2 * r}, {0.12 * r, 1.9 * r}, {0, 2.0 * r}}, few, 2);
     b.box(p.metal, up, {-0.07, 4.4 * r, -0.07}, {0.07, 4.4 * r + 2.2, 0.07});
     b.box(p.metal, up, {-0.6, 4.4 * r + 1.4, -0.07}, {0.6, 4.4 * r + 1.55, 0.07});
 }
@@ -210,7 +218,8 @@ void drum(Builder& b, const Palette& p, const Grade& grade, const Place& place, 
         column(b, p.travertine, move(foot), 0.88 * height, 0.55, grade.fine < 2.4 ? 5 : grade.count(5, 20));
     }
     moulding(b, p.travertine, 0, full, 2 * bays,
-             {{0, 0.88 * height}, {1.4, 0.9 * height}, {1.6, 0.97 * height}, {1.6, height}, {-0.5, 1.02 * height}}, bend, 30);
+             {{0, 0.88 * height}, {1.4, 0.9 * height}, {1.6, 0.97 * height}, {1.6, height}, {-0.5, 1.02 * height}},
+             bend, 30);
 }
 
 }  // namespace
@@ -227,11 +236,13 @@ void domed_church(Builder& b, const Palette& p, const Grade& grade) {
             if (along_z) {
                 const double x = side ? x0 - o : x1 + o, from = side ? z0 : z1, to = side ? z1 : z0;
                 s[0] = {x, h - d, from}, s[1] = {x, h - d, to}, s[2] = {mx, h + rise, to}, s[3] = {mx, h + rise, from};
-                b.triangle(p.travertine, at, {x0, h, side ? z0 : z1}, {x1, h, side ? z0 : z1}, {mx, h + rise, side ? z0 : z1});
+                b.triangle(p.travertine, at, {x0, h, side ? z0 : z1}, {x1, h, side ? z0 : z1},
+                           {mx, h + rise, side ? z0 : z1});
             } else {
                 const double z = side ? z0 - o : z1 + o, from = side ? x1 : x0, to = side ? x0 : x1;
                 s[0] = {from, h - d, z}, s[1] = {to, h - d, z}, s[2] = {to, h + rise, mz}, s[3] = {from, h + rise, mz};
-                b.triangle(p.travertine, at, {side ? x0 : x1, h, z1}, {side ? x0 : x1, h, z0}, {side ? x0 : x1, h + rise, mz});
+                b.triangle(p.travertine, at, {side ? x0 : x1, h, z1}, {side ? x0 : x1, h, z0},
+                           {side ? x0 : x1, h + rise, mz});
             }
             for (Point& q : s) q += Point(church.x, 0, church.y);
             roof_slope(b, p, s, allowance);
@@ -251,8 +262,10 @@ void domed_church(Builder& b, const Palette& p, const Grade& grade) {
     if (grade.fine < 1.3) return;
     for (int k = 0; k < 4; ++k) {  // small domes at the corners
         const Place corner = crossing * move({k % 2 ? 20.0 : -20.0, 24, k / 2 ? 20.0 : -20.0});
-        b.lathe(p.travertine, corner * move({0, -10, 0}), {{4.4, 0}, {4.4, 13}, {4.9, 13.2}, {4.9, 13.8}}, grade.count(6, 40), 4);
-        b.lathe(p.lead, corner * move({0, 3.8, 0}), {{4.6, 0}, {4.2, 1.9}, {3.1, 3.7}, {1.4, 4.9}, {0.4, 5.3}, {0.3, 7}, {0, 7.4}}, grade.count(6, 40), 4);
+        b.lathe(p.travertine, corner * move({0, -10, 0}), {{4.4, 0}, {4.4, 13}, {4.9, 13.2}, {4.9, 13.8}},
+                grade.count(6, 40), 4);
+        b.lathe(p.lead, corner * move({0, 3.8, 0}),
+                {{4.6, 0}, {4.2, 1.9}, {3.1, 3.7}, {1.4, 4.9}, {0.4, 5.3}, {0.3, 7}, {0, 7.4}}, grade.count(6, 40), 4);
     }
 
     // The front: steps, a porch of columns under an entablature and a pediment, windows and doors between.
@@ -274,13 +287,15 @@ void domed_church(Builder& b, const Palette& p, const Grade& grade) {
         const Point top[4] = {{s * 24.2, 21.2, z + 6.6}, {s * 24.2, 21.2, z}, {0, 29.4, z}, {0, 29.4, z + 6.6}};
         const Point mirrored[4] = {top[1], top[0], top[3], top[2]};
         b.quad(p.lead, at, side ? top : mirrored, 1, 1, 4);
-        const Point rim[4] = {{s * 24.2, 20.9, z + 6.6}, {s * 24.2, 21.2, z + 6.6}, {0, 29.4, z + 6.6}, {0, 28.6, z + 6.6}};
+        const Point rim[4] = {
+            {s * 24.2, 20.9, z + 6.6}, {s * 24.2, 21.2, z + 6.6}, {0, 29.4, z + 6.6}, {0, 28.6, z + 6.6}};
         const Point rim_mirrored[4] = {rim[3], rim[2], rim[1], rim[0]};
         b.quad(p.travertine, at, side ? rim : rim_mirrored, 1, 1, 4);
     }
     for (int k = 0; k < 7; ++k) {
         const double x = -18 + 6 * k, w = k == 3 ? 1.7 : 1.1;
-        slab(b, k % 2 ? p.wood : p.glass, at, {x - w, k % 2 ? 0.9 : 8.5, z + 0.4}, {x + w, k % 2 ? 7.2 : 12.5, z + 0.5});
+        slab(b, k % 2 ? p.wood : p.glass, at, {x - w, k % 2 ? 0.9 : 8.5, z + 0.4},
+             {x + w, k % 2 ? 7.2 : 12.5, z + 0.5});
     }
     // Windows along nave and transept.
     for (int side = 0; side < 2; ++side)
@@ -316,14 +331,23 @@ void colonnade(Builder& b, const Palette& p, const Grade& grade) {
                  behind(bend, from, to, 0), 30);
         moulding(b, p.travertine, from, to, pieces, {{outer, 11.5}, {outer, 13.9}, {outer - 0.5, 14.0}}, bend, 30);
         moulding(b, p.travertine, from, to, pieces, {{-1.4, 11.5}, {outer, 11.5}}, bend, 30);
-        moulding(b, p.travertine, from, to, pieces, {{outer + 1, 0}, {outer + 1, 0.3}, {-2.5, 0.3}, {-2.5, 0}}, bend, 30);
+        moulding(b, p.travertine, from, to, pieces, {{outer + 1, 0}, {outer + 1, 0.3}, {-2.5, 0.3}, {-2.5, 0}}, bend,
+                 30);
         if (grade.fine < 2.2) continue;
         for (int k = 0; k < columns; ++k) {  // statues
             const double turn = from + (to - from) * (k + 0.5) / columns;
             const double lean = 0.1 * (white_noise(k, side, 5) - 0.5);
             b.box(p.travertine, move(bend(turn, 13.8, 0.2)), {-0.5, 0, -0.5}, {0.5, 0.9, 0.5}, 2);
             b.lathe(p.travertine, move(bend(turn, 14.7, 0.2)) * scale({1 + lean, 1, 1 - lean}),
-                    {{0.55, 0}, {0.42, 0.8}, {0.34, 1.2}, {0.5, 1.7}, {0.38, 2.05}, {0.14, 2.15}, {0.2, 2.4}, {0.12, 2.65}, {0, 2.7}},
+                    {{0.55, 0},
+                     {0.42, 0.8},
+                     {0.34, 1.2},
+                     {0.5, 1.7},
+                     {0.38, 2.05},
+                     {0.14, 2.15},
+                     {0.2, 2.4},
+                     {0.12, 2.65},
+                     {0, 2.7}},
                     std::max(5, segments - 6), 2);
         }
     }
@@ -347,7 +371,19 @@ void colonnade(Builder& b, const Palette& p, const Grade& grade) {
         const int around_count = grade.count(8, 64);
         b.lathe(p.travertine, at, {{5, 0}, {5, 0.8}, {4.6, 0.8}, {4.6, 0.4}}, around_count, 3);
         b.lathe(p.water, at, {{4.7, 0.6}, {0, 0.62}}, around_count, 3);
-        b.lathe(p.travertine, at, {{0.9, 0.4}, {0.6, 1.4}, {0.7, 2.4}, {2.4, 3.0}, {2.5, 3.2}, {2.2, 3.2}, {0.6, 2.9}, {0.4, 4}, {1.2, 4.4}, {1.1, 4.5}, {0, 4.4}}, around_count, 3);
+        b.lathe(p.travertine, at,
+                {{0.9, 0.4},
+                 {0.6, 1.4},
+                 {0.7, 2.4},
+                 {2.4, 3.0},
+                 {2.5, 3.2},
+                 {2.2, 3.2},
+                 {0.6, 2.9},
+                 {0.4, 4},
+                 {1.2, 4.4},
+                 {1.1, 4.5},
+                 {0, 4.4}},
+                around_count, 3);
     }
 }
 
@@ -377,7 +413,8 @@ void bridges(Builder& b, const Palette& p, const Grade& grade) {
                          return bend(along, std::min(low, 0.0), out);
                      });
             }
-            moulding(b, p.travertine, -half, half, 12, {{0, 0}, {0.3, 0}, {0.3, 1.1}, {-0.3, 1.1}, {-0.3, 0}}, bend, 12);
+            moulding(b, p.travertine, -half, half, 12, {{0, 0}, {0.3, 0}, {0.3, 1.1}, {-0.3, 1.1}, {-0.3, 0}}, bend,
+                     12);
         }
         Grid road;
         road.columns = 12, road.texture = {2 * half / 4, 2 * width / 4};

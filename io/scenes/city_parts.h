@@ -11,16 +11,6 @@
 
 namespace plumb::io::scenes::town {
 
-// Draws of a fixed sequence.
-struct Dice {
-    std::uint32_t seed = 1;
-    int rolls = 0;
-    double operator()() { return white_noise(rolls++, 0, seed); }  // [0, 1)
-    double between(double low, double high) { return low + (high - low) * (*this)(); }
-    int pick(int count) { return int((*this)() * count); }
-    bool chance(double probability) { return (*this)() < probability; }
-};
-
 constexpr int tints = 8;
 
 // Indices of materials. A plaster has a painted twin with one bay of one storey to a texture, for distant houses.

@@ -1,4 +1,5 @@
-// Where streets run and houses stand: a grid of streets, turned and warped, blocks between them, lots around each block.
+// Where streets run and houses stand: a grid of streets, turned and warped, blocks between them, lots around each
+// block.
 #include <algorithm>
 #include <cmath>
 
@@ -157,7 +158,8 @@ Plan make_plan(const Grade& grade, std::uint32_t seed) {
         for (std::size_t j = 0; j + 1 < line[1].size(); ++j) {
             Block block;
             const Ring middle = {node(i, j + 1), node(i + 1, j + 1), node(i + 1, j), node(i, j)};
-            block.street = inset(middle, {street[1][j + 1] / 2, street[0][i + 1] / 2, street[1][j] / 2, street[0][i] / 2});
+            block.street =
+                inset(middle, {street[1][j + 1] / 2, street[0][i + 1] / 2, street[1][j] / 2, street[0][i] / 2});
             if (signed_area(block.street) < 250) continue;
             // Houses 9 to 12 m deep, but never so deep that the court closes.
             double narrow = 1e9;

@@ -43,7 +43,9 @@ void arch(Builder& b, int material, const Arch& a, const Bend& bend) {
 
     Grid g;
     g.columns = a.arc + 2;
-    const auto at = [&](const std::vector<glm::dvec2>& edge, double u) { return edge[std::size_t(u * g.columns + 0.5)]; };
+    const auto at = [&](const std::vector<glm::dvec2>& edge, double u) {
+        return edge[std::size_t(u * g.columns + 0.5)];
+    };
     g.texture = {2 * (a.y1 - a.y0) / a.texture_size, (middle - a.half_width - a.x0) / a.texture_size};
     b.grid(material, Place(1), g, [&](double u, double v) {
         const glm::dvec2 p = at(inner, u) + v * (at(outer, u) - at(inner, u));

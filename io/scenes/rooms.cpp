@@ -32,12 +32,16 @@ void wall_with_openings(Builder& b, int material, const Place& place, double fro
     std::vector<double> across, up;
     for (const Opening& o : openings) across.insert(across.end(), {o.from, o.to}), up.insert(up.end(), {o.low, o.high});
     const std::vector<double> xs = lines(from, to, across, cell), ys = lines(low, high, up, cell);
-    b.sheet(material, place, xs, ys, [&](int i, int j) {
-        const double x = 0.5 * (xs[std::size_t(i)] + xs[std::size_t(i) + 1]), y = 0.5 * (ys[std::size_t(j)] + ys[std::size_t(j) + 1]);
-        for (const Opening& o : openings)
-            if (x > o.from && x < o.to && y > o.low && y < o.high) return true;
-        return false;
-    }, 2);
+    b.sheet(
+        material, place, xs, ys,
+        [&](int i, int j) {
+            const double x = 0.5 * (xs[std::size_t(i)] + xs[std::size_t(i) + 1]),
+                         y = 0.5 * (ys[std::size_t(j)] + ys[std::size_t(j) + 1]);
+            for (const Opening& o : openings)
+                if (x > o.from && x < o.to && y > o.low && y < o.high) return true;
+            return false;
+        },
+        2);
 }
 
 // The four faces inside an opening, `deep` metres away from the room.
@@ -51,7 +55,8 @@ void reveal(Builder& b, int material, int floor, const Place& place, const Openi
 }
 
 void window_frame(Builder& b, const Finish& f, const Place& place, const Opening& o) {
-    const double w = 0.06, z0 = -outer_wall * 0.6, z1 = z0 + 0.06, middle = (o.from + o.to) / 2, y = o.low + 0.66 * (o.high - o.low);
+    const double w = 0.06, z0 = -outer_wall * 0.6, z1 = z0 + 0.06, middle = (o.from + o.to) / 2,
+                 y = o.low + 0.66 * (o.high - o.low);
     b.box(f.white, place, {o.from, o.low, z0}, {o.from + w, o.high, z1});
     b.box(f.white, place, {o.to - w, o.low, z0}, {o.to, o.high, z1});
     b.box(f.white, place, {o.from + w, o.low, z0}, {o.to - w, o.low + w, z1});
@@ -78,7 +83,8 @@ void shell(Builder& b, const Finish& f, const Flat& flat, const Room& room, int 
         std::vector<double> stops{0};
         for (const Opening& o : openings) {
             // Both rooms make half of a door's reveal.
-            reveal(b, o.window ? f.white : f.wood[0], o.window ? f.white : f.floor, place, o, o.window ? outer_wall : inner_wall / 2);
+            reveal(b, o.window ? f.white : f.wood[0], o.window ? f.white : f.floor, place, o,
+                   o.window ? outer_wall : inner_wall / 2);
             o.window ? window_frame(b, f, place, o) : door_frame(b, f, place, o);
             if (!o.window) stops.insert(stops.end(), {o.from - 0.08, o.to + 0.08});
         }
@@ -91,14 +97,16 @@ void shell(Builder& b, const Finish& f, const Flat& flat, const Room& room, int 
     const Box& r = room.floor;
     const int columns = std::max(1, int(room.width() / cell + 0.5)), rows = std::max(1, int(room.depth() / cell + 0.5));
     const Point down[4] = {{r.x0, 0, r.z1}, {r.x1, 0, r.z1}, {r.x1, 0, r.z0}, {r.x0, 0, r.z0}};
-    const Point up[4] = {{r.x0, flat.height, r.z0}, {r.x1, flat.height, r.z0}, {r.x1, flat.height, r.z1}, {r.x0, flat.height, r.z1}};
+    const Point up[4] = {
+        {r.x0, flat.height, r.z0}, {r.x1, flat.height, r.z0}, {r.x1, flat.height, r.z1}, {r.x0, flat.height, r.z1}};
     b.quad(f.floor, Place(1), down, columns, rows, 2.4);
     b.quad(f.ceiling, Place(1), up, columns, rows, 2);
 }
 
 // The outside: walls with the same windows, and a roof; so that the sun meets a solid house.
 void outside(Builder& b, const Finish& f, const Flat& flat) {
-    const Box o{flat.floor.x0 - outer_wall, flat.floor.z0 - outer_wall, flat.floor.x1 + outer_wall, flat.floor.z1 + outer_wall};
+    const Box o{flat.floor.x0 - outer_wall, flat.floor.z0 - outer_wall, flat.floor.x1 + outer_wall,
+                flat.floor.z1 + outer_wall};
     const double low = -0.3, high = flat.height + 0.3;
     const Point corner[4] = {{o.x0, 0, o.z1}, {o.x1, 0, o.z1}, {o.x1, 0, o.z0}, {o.x0, 0, o.z0}};
     const int side_of[4] = {2, 1, 0, 3};
@@ -108,7 +116,8 @@ void outside(Builder& b, const Finish& f, const Flat& flat) {
         std::vector<Opening> holes;
         for (const Room& room : flat.rooms) {
             if (!room.outside[std::size_t(side_of[k])]) continue;
-            const double begin[4] = {room.floor.x1 - o.x0, o.z1 - room.floor.z0, o.x1 - room.floor.x0, room.floor.z1 - o.z0};
+            const double begin[4] = {room.floor.x1 - o.x0, o.z1 - room.floor.z0, o.x1 - room.floor.x0,
+                                     room.floor.z1 - o.z0};
             for (const Opening& w : room.openings[std::size_t(side_of[k])])
                 holes.push_back({begin[k] - w.to, begin[k] - w.from, w.low, w.high, true});
         }
@@ -155,10 +164,10 @@ void add_sun(Scene& scene, const Flat& flat, Dice& dice) {
 
 Scene rooms(const GenerateOptions& options) {
     const double wanted = double(options.triangles > 0 ? options.triangles : 60'000);
-    Dice dice{options.seed};
+    Dice dice{options.seed, dice_row};
     const Flat flat = plan_flat(dice);
     Builder b("rooms");
-    Dice taste{options.seed * 2654435761u + 17};
+    Dice taste{options.seed * 2654435761u + 17, dice_row};
     const Finish finish = make_finish(b, taste);
 
     // Furniture as fine as six tenths of the triangles allow; cells of walls, floors and ceilings take the rest.
@@ -185,7 +194,11 @@ Scene rooms(const GenerateOptions& options) {
     scene.environment.radiance = {1.4f, 1.8f, 2.4f};
     scene.frame_size = {1280, 720};
     // The disc spans the map: what the lamp does not reach gathers from all that it does.
-    scene.settings = {{"rsm", "radius", 1.0, "rooms"}, {"rsm", "projection", std::string("clamped"), "rooms"}};
+    const std::string place = "rooms";
+    scene.settings = {{"rsm", "radius", 1.0, place}, {"rsm", "samples", 1024.0, place},
+                      {"rsm", "projection", std::string("clamped"), place}, {"rsm", "min_distance", 0.3, place},
+                      {"shadow", "mode", std::string("density"), place},
+                      {"tonemap", "operator", std::string("filmic"), place}, {"tonemap", "exposure", 1.6, place}};
     scene.seed = options.seed;
     return scene;
 }

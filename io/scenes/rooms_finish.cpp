@@ -35,8 +35,11 @@ glm::dvec3 weave(double u, double v, const glm::dvec3& a, const glm::dvec3& c) {
 }
 
 glm::dvec3 painting(double u, double v, std::uint32_t seed) {
-    const double land = 0.45 + 0.25 * fractal_noise(u, 0.3, 3, 3, seed), sun = (u - 0.7) * (u - 0.7) + (v - 0.75) * (v - 0.75);
-    if (v > land) return sun < 0.006 ? glm::dvec3(0.9, 0.7, 0.3) : glm::dvec3(0.35, 0.5, 0.7) + glm::dvec3(0.4, 0.2, 0.0) * (1 - v);
+    const double land = 0.45 + 0.25 * fractal_noise(u, 0.3, 3, 3, seed),
+                 sun = (u - 0.7) * (u - 0.7) + (v - 0.75) * (v - 0.75);
+    if (v > land)
+        return sun < 0.006 ? glm::dvec3(0.9, 0.7, 0.3)
+                           : glm::dvec3(0.35, 0.5, 0.7) + glm::dvec3(0.4, 0.2, 0.0) * (1 - v);
     const double n = fractal_noise(u, v, 5, 3, seed + 7);
     return glm::dvec3(0.15, 0.3, 0.1) * (1 - n) + glm::dvec3(0.5, 0.35, 0.12) * n;
 }
@@ -62,9 +65,12 @@ Finish make_finish(Builder& b, Dice& dice) {
         return boards(u, v, tone * glm::dvec3(0.28, 0.17, 0.09), tone * glm::dvec3(0.52, 0.35, 0.20));
     })));
     const glm::vec3 woods[3] = {{0.42f, 0.28f, 0.16f}, {0.20f, 0.12f, 0.07f}, {0.62f, 0.52f, 0.40f}};
-    for (int k = 0; k < 3; ++k) f.wood[k] = plain("wood " + std::to_string(k), woods[k] * float(dice.between(0.8, 1.1)));
-    for (int k = 0; k < 4; ++k) f.cloth[k] = plain("cloth " + std::to_string(k), colour(dice, 0.7, dice.between(0.35, 0.75)));
-    for (int k = 0; k < 6; ++k) f.paper[k] = plain("book " + std::to_string(k), colour(dice, 0.75, dice.between(0.2, 0.7)));
+    for (int k = 0; k < 3; ++k)
+        f.wood[k] = plain("wood " + std::to_string(k), woods[k] * float(dice.between(0.8, 1.1)));
+    for (int k = 0; k < 4; ++k)
+        f.cloth[k] = plain("cloth " + std::to_string(k), colour(dice, 0.7, dice.between(0.35, 0.75)));
+    for (int k = 0; k < 6; ++k)
+        f.paper[k] = plain("book " + std::to_string(k), colour(dice, 0.75, dice.between(0.2, 0.7)));
     f.metal = plain("metal", glm::vec3(0.12f));
     Material shade;
     shade.name = "shade", shade.reflectance = {0.80f, 0.74f, 0.62f}, shade.emission = {2.4f, 1.9f, 1.2f};
@@ -76,9 +82,9 @@ Finish make_finish(Builder& b, Dice& dice) {
     })));
     for (int k = 0; k < 3; ++k) {
         const std::uint32_t seed = 40 + 13 * std::uint32_t(dice.pick(50));
-        f.picture[k] = plain("picture " + std::to_string(k), glm::vec3(1), b.texture(paint("picture " + std::to_string(k), 96, [=](double u, double v) {
-            return painting(u, v, seed);
-        })));
+        f.picture[k] = plain("picture " + std::to_string(k), glm::vec3(1),
+                             b.texture(paint("picture " + std::to_string(k), 96,
+                                             [=](double u, double v) { return painting(u, v, seed); })));
     }
     return f;
 }

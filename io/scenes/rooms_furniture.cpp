@@ -65,7 +65,8 @@ void chair(const Tools& t, const Place& place, int wood, int cloth) {
 void books(const Tools& t, const Place& place, double from, double to, double y, double room, Dice& dice) {
     double x = from + 0.01;
     while (true) {
-        const double thick = dice.between(0.018, 0.05), h = room * dice.between(0.62, 0.92), d = dice.between(0.15, 0.22);
+        const double thick = dice.between(0.018, 0.05), h = room * dice.between(0.62, 0.92),
+                     d = dice.between(0.15, 0.22);
         if (x + thick > to - 0.01) return;
         if (dice.chance(0.06)) {
             x += dice.between(0.05, 0.2);  // a gap
@@ -95,14 +96,16 @@ void sofa(const Tools& t, const Place& place, double w, int cloth) {
     cushion(t, cloth, place, {-w / 2, 0.25, 0.02}, {w / 2, 0.8, 0.24}, 0.12);
     for (int k = -1; k <= 1; k += 2) {
         cushion(t, cloth, place, {k * w / 2 - 0.1, 0.08, 0.03}, {k * w / 2 + 0.1, 0.58, d}, 0.15);
-        for (double z : {0.1, d - 0.1}) t.b.box(t.f.metal, place, {k * (w / 2 - 0.1) - 0.02, 0, z}, {k * (w / 2 - 0.1) + 0.02, 0.08, z + 0.04});
+        for (double z : {0.1, d - 0.1})
+            t.b.box(t.f.metal, place, {k * (w / 2 - 0.1) - 0.02, 0, z}, {k * (w / 2 - 0.1) + 0.02, 0.08, z + 0.04});
     }
     const int seats = w > 1.7 ? 3 : 2;
     for (int k = 0; k < seats; ++k) {
         const double s = (w - 0.2) / seats, x = -w / 2 + 0.1 + k * s;
         cushion(t, cloth, place, {x + 0.01, 0.25, 0.22}, {x + s - 0.01, 0.44, d}, 0.2);
     }
-    cushion(t, t.f.cloth[3], place * move({w / 2 - 0.4, 0.45, 0.28}) * turn_y(20), {-0.2, 0, -0.06}, {0.2, 0.38, 0.1}, 0.5);
+    cushion(t, t.f.cloth[3], place * move({w / 2 - 0.4, 0.45, 0.28}) * turn_y(20), {-0.2, 0, -0.06}, {0.2, 0.38, 0.1},
+            0.5);
 }
 
 void bed(const Tools& t, const Place& place, double w, int wood, int cloth) {
@@ -117,7 +120,8 @@ void bed(const Tools& t, const Place& place, double w, int wood, int cloth) {
         const double x = (2 * u - 1) * (w / 2 + 0.25), over = std::max(0.0, std::abs(x) - w / 2 - 0.02);
         const double fold = 0.012 * host::sin(23 * x + 9 * v) + 0.03 * over * host::sin(40 * v);
         const double side = (x < 0 ? -1 : 1) * std::min(std::abs(x), w / 2 + 0.02);
-        return Point(side + (over > 0 ? (x < 0 ? -1 : 1) * std::abs(fold) : 0), 0.535 + (over > 0 ? -1.3 * over : fold), d - 1.4 * v);
+        return Point(side + (over > 0 ? (x < 0 ? -1 : 1) * std::abs(fold) : 0), 0.535 + (over > 0 ? -1.3 * over : fold),
+                     d - 1.4 * v);
     });
     for (int k = 0; k < (w > 1.2 ? 2 : 1); ++k) {
         const double x = w > 1.2 ? (k ? w / 4 : -w / 4) : 0;
@@ -132,27 +136,41 @@ void wardrobe(const Tools& t, const Place& place, double w, double h, int wood) 
     for (int k = 0; k < doors; ++k) {
         const double x = -w / 2 + w * k / doors;
         t.b.box(wood, place, {x + 0.01, 0.08, 0.55}, {x + w / doors - 0.01, h - 0.02, 0.57}, 1, {1, t.cells(h), 1});
-        t.b.box(t.f.metal, place, {x + (k % 2 ? 0.04 : w / doors - 0.06), 0.45 * h, 0.57}, {x + (k % 2 ? 0.06 : w / doors - 0.04), 0.45 * h + 0.14, 0.6});
+        t.b.box(t.f.metal, place, {x + (k % 2 ? 0.04 : w / doors - 0.06), 0.45 * h, 0.57},
+                {x + (k % 2 ? 0.06 : w / doors - 0.04), 0.45 * h + 0.14, 0.6});
     }
 }
 
 void floor_lamp(const Tools& t, const Place& place, double h) {
-    t.b.lathe(t.f.metal, place, {{0.15, 0}, {0.15, 0.02}, {0.02, 0.04}, {0.012, 0.1}, {0.012, h - 0.1}, {0, h - 0.09}}, t.around(), 1);
+    t.b.lathe(t.f.metal, place, {{0.15, 0}, {0.15, 0.02}, {0.02, 0.04}, {0.012, 0.1}, {0.012, h - 0.1}, {0, h - 0.09}},
+              t.around(), 1);
     const Place at = place * move({0, h - 0.32, 0});
     t.b.lathe(t.f.shade, at, {{0.2, 0}, {0.13, 0.3}}, 2 * t.around(), 1);
     t.b.lathe(t.f.shade, at, {{0.12, 0.295}, {0.19, 0.005}}, 2 * t.around(), 1);
 }
 
 void vase(const Tools& t, const Place& place, int material, double s) {
-    t.b.lathe(material, place * scale({s, s, s}), {{0, 0}, {0.06, 0}, {0.09, 0.08}, {0.1, 0.14}, {0.06, 0.24}, {0.04, 0.28}, {0.055, 0.32}, {0.04, 0.315}, {0.03, 0.27}, {0, 0.26}},
+    t.b.lathe(material, place * scale({s, s, s}),
+              {{0, 0},
+               {0.06, 0},
+               {0.09, 0.08},
+               {0.1, 0.14},
+               {0.06, 0.24},
+               {0.04, 0.28},
+               {0.055, 0.32},
+               {0.04, 0.315},
+               {0.03, 0.27},
+               {0, 0.26}},
               t.around(), 0.5);
 }
 
 void plant(const Tools& t, const Place& place, Dice& dice) {
-    t.b.lathe(t.f.cloth[1], place, {{0, 0}, {0.13, 0}, {0.17, 0.3}, {0.15, 0.3}, {0.14, 0.26}, {0, 0.26}}, t.around(), 1);
+    t.b.lathe(t.f.cloth[1], place, {{0, 0}, {0.13, 0}, {0.17, 0.3}, {0.15, 0.3}, {0.14, 0.26}, {0, 0.26}}, t.around(),
+              1);
     const int leaves = 14;
     for (int k = 0; k < leaves; ++k) {
-        const double l = dice.between(0.4, 0.8), arch = dice.between(0.5, 1.1), turn = 360.0 * k / leaves + dice.between(-15, 15);
+        const double l = dice.between(0.4, 0.8), arch = dice.between(0.5, 1.1),
+                     turn = 360.0 * k / leaves + dice.between(-15, 15);
         Grid g;
         g.columns = 2, g.rows = std::clamp(int(2 + t.detail * 0.3), 3, 24), g.smooth = false;
         for (int side = 0; side < 2; ++side)
@@ -160,17 +178,20 @@ void plant(const Tools& t, const Place& place, Dice& dice) {
                 // A lens, closed along its edge and pointed at both ends.
                 const double s = side ? 1 - u : u, bulge = 4 * v * (1 - v), edge = std::abs(2 * s - 1);
                 const double lift = bulge * (0.02 * edge - (side ? 0 : 0.003) * (1 - edge));
-                return Point(0.09 * bulge * (s - 0.5), l * (v * 1.3 - arch * 0.8 * v * v) + lift, l * 0.75 * v * (0.3 + 0.7 * v));
+                return Point(0.09 * bulge * (s - 0.5), l * (v * 1.3 - arch * 0.8 * v * v) + lift,
+                             l * 0.75 * v * (0.3 + 0.7 * v));
             });
     }
 }
 
 void rug(const Tools& t, const Place& place, double w, double d) {
     const int c = t.cells(2 * w), r = t.cells(2 * d);
-    const Point top[4] = {{-w / 2, 0.012, d / 2}, {w / 2, 0.012, d / 2}, {w / 2, 0.012, -d / 2}, {-w / 2, 0.012, -d / 2}};
+    const Point top[4] = {
+        {-w / 2, 0.012, d / 2}, {w / 2, 0.012, d / 2}, {w / 2, 0.012, -d / 2}, {-w / 2, 0.012, -d / 2}};
     t.b.quad(t.f.rug, place, top, c, r, std::max(w, d));
     for (int k = 0; k < 4; ++k) {
-        const Point side[4] = {top[k] - Point(0, 0.012, 0), top[(k + 1) % 4] - Point(0, 0.012, 0), top[(k + 1) % 4], top[k]};
+        const Point side[4] = {top[k] - Point(0, 0.012, 0), top[(k + 1) % 4] - Point(0, 0.012, 0), top[(k + 1) % 4],
+                               top[k]};
         t.b.quad(t.f.cloth[0], place, side);
     }
 }
@@ -248,7 +269,8 @@ void dining(const Tools& t, Room& room, Dice& dice) {
     const int places = w > 1.6 ? 3 : 2;
     for (int k = 0; k < places; ++k)
         for (int side = 0; side < 2; ++side) {
-            const double x = (k - (places - 1) / 2.0) * (w / places), z = (side ? 1 : -1) * (d / 2 + dice.between(0.0, 0.25));
+            const double x = (k - (places - 1) / 2.0) * (w / places),
+                         z = (side ? 1 : -1) * (d / 2 + dice.between(0.0, 0.25));
             chair(t, at * move({x, 0, z}) * turn_y((side ? 180 : 0) + dice.between(-14, 14)), wood, cloth);
         }
 }
@@ -264,7 +286,8 @@ void living(const Tools& t, Room& room, Dice& dice) {
         bool clear = true;
         for (const Box& other : room.taken) clear &= !overlaps(box, other);
         rug(t, front, 2.2, 1.3);
-        if (clear && box.x0 > room.floor.x0 + 0.2 && box.x1 < room.floor.x1 - 0.2 && box.z0 > room.floor.z0 + 0.2 && box.z1 < room.floor.z1 - 0.2) {
+        if (clear && box.x0 > room.floor.x0 + 0.2 && box.x1 < room.floor.x1 - 0.2 && box.z0 > room.floor.z0 + 0.2 &&
+            box.z1 < room.floor.z1 - 0.2) {
             table(t, front, 0.95, 0.55, 0.4, t.f.wood[dice.pick(3)]);
             vase(t, front * move({0.2, 0.4, 0.05}), t.f.cloth[dice.pick(4)], 0.6);
             room.taken.push_back(box);
@@ -276,7 +299,7 @@ void living(const Tools& t, Room& room, Dice& dice) {
 }  // namespace
 
 void furnish(Builder& b, const Finish& f, const Flat& flat, Room room, double detail, std::uint32_t seed) {
-    Dice dice{seed};
+    Dice dice{seed, dice_row};
     const Tools t{b, f, detail};
     Place at;
     if (room.kind == 0) living(t, room, dice);
@@ -308,7 +331,8 @@ void furnish(Builder& b, const Finish& f, const Flat& flat, Room room, double de
         const double w = dice.between(0.35, 0.9), h = dice.between(0.3, 0.7), length = side_length(room, side);
         const double x = dice.between(0.6, std::max(0.7, length - 0.6));
         bool clear = length > w + 0.4;
-        for (const Opening& o : room.openings[std::size_t(side)]) clear &= o.to < x - w / 2 - 0.1 || o.from > x + w / 2 + 0.1;
+        for (const Opening& o : room.openings[std::size_t(side)])
+            clear &= o.to < x - w / 2 - 0.1 || o.from > x + w / 2 + 0.1;
         const Box box = covered(side_frame(room, side) * move({x, 0, 0}), -w / 2 - 0.1, 0, w / 2 + 0.1, 0.3);
         for (const Box& other : room.taken) clear &= !overlaps(box, other);
         if (!clear) continue;
@@ -316,7 +340,8 @@ void furnish(Builder& b, const Finish& f, const Flat& flat, Room room, double de
         room.taken.push_back(box);
     }
     // A lamp that hangs from the ceiling: a cord and a shade, open below.
-    const Place lamp = move({(room.floor.x0 + room.floor.x1) / 2, flat.height - 0.65, (room.floor.z0 + room.floor.z1) / 2});
+    const Place lamp =
+        move({(room.floor.x0 + room.floor.x1) / 2, flat.height - 0.65, (room.floor.z0 + room.floor.z1) / 2});
     b.box(f.metal, lamp, {-0.006, 0.2, -0.006}, {0.006, 0.65, 0.006});
     b.lathe(f.shade, lamp, {{0.26, 0}, {0.22, 0.1}, {0.1, 0.19}, {0, 0.2}}, 2 * t.around(), 1);
     b.lathe(f.shade, lamp, {{0, 0.19}, {0.09, 0.18}, {0.21, 0.095}, {0.25, 0}}, 2 * t.around(), 1);

@@ -11,14 +11,7 @@
 
 namespace plumb::io::scenes::flat {
 
-struct Dice {
-    std::uint32_t seed = 1;
-    int rolls = 0;
-    double operator()() { return white_noise(rolls++, 7, seed); }
-    double between(double low, double high) { return low + (high - low) * (*this)(); }
-    int pick(int count) { return int((*this)() * count); }
-    bool chance(double probability) { return (*this)() < probability; }
-};
+constexpr int dice_row = 7;
 
 struct Opening {
     double from, to, low, high;  // m along the side, m above the floor

@@ -64,9 +64,11 @@ void add_door(std::vector<Room>& rooms, const Wall& wall, Dice& dice) {
         const Box& f = room.floor;
         const double reach = 0.8;
         if (wall.across_x)
-            room.taken.push_back(side == 1 ? Box{f.x1 - reach, at, f.x1, at + door_width} : Box{f.x0, at, f.x0 + reach, at + door_width});
+            room.taken.push_back(side == 1 ? Box{f.x1 - reach, at, f.x1, at + door_width}
+                                           : Box{f.x0, at, f.x0 + reach, at + door_width});
         else
-            room.taken.push_back(side == 2 ? Box{at, f.z1 - reach, at + door_width, f.z1} : Box{at, f.z0, at + door_width, f.z0 + reach});
+            room.taken.push_back(side == 2 ? Box{at, f.z1 - reach, at + door_width, f.z1}
+                                           : Box{at, f.z0, at + door_width, f.z0 + reach});
     };
     put(rooms[first], wall.across_x ? 1 : 2);
     put(rooms[second], wall.across_x ? 3 : 0);
@@ -81,7 +83,8 @@ void add_windows(Room& room, double height, Dice& dice) {
         for (int k = 0; k < count; ++k) {
             const double middle = length * (k + 0.5) / count;
             if (length < wide + 0.5) continue;
-            room.openings[std::size_t(side)].push_back({middle - wide / 2, middle + wide / 2, low ? 0.3 : 0.9, height - 0.35, true});
+            room.openings[std::size_t(side)].push_back(
+                {middle - wide / 2, middle + wide / 2, low ? 0.3 : 0.9, height - 0.35, true});
         }
     }
 }
@@ -99,7 +102,8 @@ double side_length(const Room& room, int side) { return side % 2 ? room.depth() 
 Flat plan_flat(Dice& dice) {
     Flat flat;
     const int wanted = 1 + dice.pick(4);
-    const double grow = 1 + 0.42 * (wanted - 1), width = dice.between(5.2, 7.0) * grow, depth = dice.between(4.2, 5.6) * (1 + 0.2 * (wanted - 1));
+    const double grow = 1 + 0.42 * (wanted - 1), width = dice.between(5.2, 7.0) * grow,
+                 depth = dice.between(4.2, 5.6) * (1 + 0.2 * (wanted - 1));
     flat.floor = {-width / 2, -depth / 2, width / 2, depth / 2};
     flat.height = dice.between(2.5, 3.2);
 
@@ -109,7 +113,8 @@ Flat plan_flat(Dice& dice) {
     for (const Box& box : boxes) {
         Room room;
         room.floor = box;
-        room.outside = {box.z0 == flat.floor.z0, box.x1 == flat.floor.x1, box.z1 == flat.floor.z1, box.x0 == flat.floor.x0};
+        room.outside = {box.z0 == flat.floor.z0, box.x1 == flat.floor.x1, box.z1 == flat.floor.z1,
+                        box.x0 == flat.floor.x0};
         flat.rooms.push_back(room);
     }
     for (const Wall& wall : walls) add_door(flat.rooms, wall, dice);
@@ -126,8 +131,9 @@ Flat plan_flat(Dice& dice) {
     const int corner = dice.pick(4);
     const Box& f = main.floor;
     const double clear = 1.0, x = corner % 2 ? f.x1 : f.x0, z = corner / 2 ? f.z1 : f.z0;
-    main.taken.push_back({std::min(x, corner % 2 ? x - clear : x + clear), std::min(z, corner / 2 ? z - clear : z + clear),
-                          std::max(x, corner % 2 ? x - clear : x + clear), std::max(z, corner / 2 ? z - clear : z + clear)});
+    main.taken.push_back(
+        {std::min(x, corner % 2 ? x - clear : x + clear), std::min(z, corner / 2 ? z - clear : z + clear),
+         std::max(x, corner % 2 ? x - clear : x + clear), std::max(z, corner / 2 ? z - clear : z + clear)});
     flat.camera = {x + (corner % 2 ? -0.4 : 0.4), z + (corner / 2 ? -0.4 : 0.4)};
     return flat;
 }

@@ -88,9 +88,10 @@ Geodesic geodesic(int n) {
     const double phi = (1 + std::sqrt(5.0)) / 2;
     const Point corners[12] = {{-1, phi, 0}, {1, phi, 0}, {-1, -phi, 0}, {1, -phi, 0}, {0, -1, phi}, {0, 1, phi},
                                {0, -1, -phi}, {0, 1, -phi}, {phi, 0, -1}, {phi, 0, 1}, {-phi, 0, -1}, {-phi, 0, 1}};
-    static constexpr int faces[20][3] = {
-        {0, 11, 5}, {0, 5, 1}, {0, 1, 7}, {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4}, {11, 10, 2}, {10, 7, 6}, {7, 1, 8},
-        {3, 9, 4}, {3, 4, 2}, {3, 2, 6}, {3, 6, 8}, {3, 8, 9}, {4, 9, 5}, {2, 4, 11}, {6, 2, 10}, {8, 6, 7}, {9, 8, 1}};
+    static constexpr int faces[20][3] = {{0, 11, 5}, {0, 5, 1},  {0, 1, 7},   {0, 7, 10}, {0, 10, 11},
+                                         {1, 5, 9},  {5, 11, 4}, {11, 10, 2}, {10, 7, 6}, {7, 1, 8},
+                                         {3, 9, 4},  {3, 4, 2},  {3, 2, 6},   {3, 6, 8},  {3, 8, 9},
+                                         {4, 9, 5},  {2, 4, 11}, {6, 2, 10},  {8, 6, 7},  {9, 8, 1}};
     Geodesic g;
     std::map<std::vector<int>, std::uint32_t> known;
     auto point = [&](const int* face, int i, int j) {
@@ -156,7 +157,8 @@ void look_into_furnace(Scene& scene) {
 Scene box(const GenerateOptions& options) {
     const int n = nearest_root(double(options.triangles) / 12);
     Builder b("box");
-    const int white = b.material(diffuse("white", glm::vec3(0.75f))), red = b.material(diffuse("red", {0.65f, 0.06f, 0.06f}));
+    const int white = b.material(diffuse("white", glm::vec3(0.75f))),
+              red = b.material(diffuse("red", {0.65f, 0.06f, 0.06f}));
     const int green = b.material(diffuse("green", {0.12f, 0.5f, 0.1f}));
     const int lamp = b.material(diffuse("lamp", glm::vec3(0.75f), glm::vec3(40)));
     add_room(b, n, white, red, green);
@@ -178,10 +180,12 @@ Scene shapes(const GenerateOptions& options) {
     while (count(n + 1, frequency_of(n + 1)) <= options.triangles) ++n;
     frequency = frequency_of(n);
     Builder b("shapes");
-    const int white = b.material(diffuse("white", glm::vec3(0.75f))), red = b.material(diffuse("red", {0.65f, 0.06f, 0.06f}));
+    const int white = b.material(diffuse("white", glm::vec3(0.75f))),
+              red = b.material(diffuse("red", {0.65f, 0.06f, 0.06f}));
     const int green = b.material(diffuse("green", {0.12f, 0.5f, 0.1f}));
     const int lamp = b.material(diffuse("lamp", glm::vec3(0.75f), {100.4f, 96.8f, 90.0f}));
-    const int blue = b.material(diffuse("blue", {0.2f, 0.35f, 0.7f})), yellow = b.material(diffuse("yellow", {0.8f, 0.6f, 0.15f}));
+    const int blue = b.material(diffuse("blue", {0.2f, 0.35f, 0.7f})),
+              yellow = b.material(diffuse("yellow", {0.8f, 0.6f, 0.15f}));
     add_room(b, n, white, red, green);
     b.object("torus");
     Grid ring;

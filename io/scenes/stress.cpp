@@ -136,7 +136,9 @@ void screen_cells(Shelf& s, int n) {
     const int cells = std::max(2, int(std::sqrt(n / 2)));
     for (int j = 0; j < cells; ++j)
         for (int i = 0; i < cells; ++i) {
-            auto corner = [&](int a, int b) { return Point(-0.4 + 0.8 * (i + a) / cells, -0.4 + 0.8 * (j + b) / cells, 0); };
+            auto corner = [&](int a, int b) {
+                return Point(-0.4 + 0.8 * (i + a) / cells, -0.4 + 0.8 * (j + b) / cells, 0);
+            };
             if ((i + j) % 2 == 0) {
                 s.add(corner(0, 0), corner(1, 0), corner(1, 1));
                 s.add(corner(0, 0), corner(1, 1), corner(0, 1));

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/host_math.h"
+#include "core/parallel.h"
 #include "io/scenes/builder.h"
 
 namespace plumb::io::scenes::textures {
@@ -90,13 +91,15 @@ Texture blocks(const std::string& name, const Blocks& b) {
 Texture blocks_normals(const std::string& name, const Blocks& b, double depth) {
     const Noise rough(16, 5, b.seed + 10), wobble(24, 2, b.seed + 30);
     std::vector<double> height(std::size_t(side) * side);
-    for (int y = 0; y < side; ++y)
-        for (int x = 0; x < side; ++x) {
-            const double u = (x + 0.5) / side, v = (y + 0.5) / side;
-            const double edge = find_block(b, u, v).edge + b.joint * 0.7 * (wobble(u, v) - 0.5);
-            const double worn = smoothstep(0.4 * b.joint, 2.2 * b.joint, edge);
-            height[std::size_t(y) * side + x] = depth * (worn + 0.35 * rough(u, v));
-        }
+    parallel_bands(side, 16, 0, [&](int first, int last) {
+        for (int y = first; y < last; ++y)
+            for (int x = 0; x < side; ++x) {
+                const double u = (x + 0.5) / side, v = (y + 0.5) / side;
+                const double edge = find_block(b, u, v).edge + b.joint * 0.7 * (wobble(u, v) - 0.5);
+                const double worn = smoothstep(0.4 * b.joint, 2.2 * b.joint, edge);
+                height[std::size_t(y) * side + x] = depth * (worn + 0.35 * rough(u, v));
+            }
+    });
     // Central differences; rows run downwards, the map's y upwards.
     auto at = [&](int x, int y) { return height[std::size_t(y & (side - 1)) * side + (x & (side - 1))]; };
     Texture texture;
@@ -154,20 +157,27 @@ Texture wood(const std::string& name, int boards, const glm::dvec3& tone, std::u
 
 Texture fabric(const std::string& name, std::uint32_t seed) {
     const Noise worn(4, 4, seed);
+    // A lozenge with petals: painted once, it comes back in every cell.
+    constexpr int cells = 4, cell = side / cells;
+    std::vector<double> motif(std::size_t(cell) * cell);
+    for (int j = 0; j < cell; ++j)
+        for (int i = 0; i < cell; ++i) {
+            const double x = (i + 0.5) / cell - 0.5, y = (j + 0.5) / cell - 0.5;
+            const double lozenge = std::abs(x) + 0.8 * std::abs(y), distance = std::sqrt(x * x + y * y);
+            const double petals = distance - 0.16 - 0.09 * wave(host::atan2(y, x) / host::pi * 2.5 + 0.25);
+            motif[std::size_t(j) * cell + i] =
+                std::max(smoothstep(0.02, -0.02, petals), smoothstep(0.03, 0.012, std::abs(lozenge - 0.4)));
+        }
     return paint(name, side, [&](double u, double v) {
         // Threads over and under each other.
         const double warp = wave(u * 64), weft = wave(v * 64);
         const bool over = (int(u * 64) + int(v * 64)) % 2 == 0;
         const double thread = 0.9 + 0.1 * (over ? warp : weft);
-        // A lozenge with petals in every cell, in half-drop.
-        const int column = int(u * 4);
-        const double x = fraction(u * 4) - 0.5, y = fraction(v * 4 + 0.5 * (column % 2)) - 0.5;
-        const double lozenge = std::abs(x) + 0.8 * std::abs(y), distance = std::sqrt(x * x + y * y);
-        const double petals = distance - 0.16 - 0.09 * wave(host::atan2(y, x) / host::pi * 2.5 + 0.25);
-        const double motif =
-            std::max(smoothstep(0.02, -0.02, petals), smoothstep(0.03, 0.012, std::abs(lozenge - 0.4)));
+        // In half-drop.
+        const double x = fraction(u * cells), y = fraction(v * cells + 0.5 * (int(u * cells) % 2));
         const double tone = thread * (0.86 + 0.12 * worn(u, v));
-        return mix(glm::dvec3(0.7), glm::dvec3(1.0, 0.97, 0.86), motif) * tone;
+        return mix(glm::dvec3(0.7), glm::dvec3(1.0, 0.97, 0.86), motif[std::size_t(y * cell) * cell + int(x * cell)]) *
+               tone;
     });
 }
 

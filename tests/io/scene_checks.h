@@ -35,7 +35,8 @@ inline Faults faults_of(const Scene& scene) {
                 ++faults.index;
                 continue;
             }
-            const glm::dvec3 a(mesh.vertices[t.x].position), b(mesh.vertices[t.y].position), c(mesh.vertices[t.z].position);
+            const glm::dvec3 a(mesh.vertices[t.x].position), b(mesh.vertices[t.y].position),
+                c(mesh.vertices[t.z].position);
             const glm::dvec3 n = glm::cross(b - a, c - a);
             faults.area += !(glm::dot(n, n) > 0);
             const glm::dvec3 shading = glm::dvec3(mesh.vertices[t.x].normal) + glm::dvec3(mesh.vertices[t.y].normal) +
@@ -72,7 +73,8 @@ inline RayHit first_hit(const Scene& scene, const glm::dvec3& from, const glm::d
             const double determinant = glm::dot(u, p);
             if (determinant == 0) continue;
             const glm::dvec3 s = from - a, q = glm::cross(s, u);
-            const double x = glm::dot(s, p) / determinant, y = glm::dot(d, q) / determinant, z = glm::dot(v, q) / determinant;
+            const double x = glm::dot(s, p) / determinant, y = glm::dot(d, q) / determinant,
+                         z = glm::dot(v, q) / determinant;
             if (x >= 0 && y >= 0 && x + y <= 1 && z > 1e-9 && z < hit.t) hit = {z, determinant > 0};
         }
     return hit;

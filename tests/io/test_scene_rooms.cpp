@@ -51,7 +51,7 @@ TEST_CASE("rooms: a hundred seeds are valid; rays meet a front or leave by a win
         validate(s.camera);
 
         // From the camera and from under the lamp the room is closed.
-        scenes::flat::Dice dice{seed};
+        scenes::Dice dice{seed, scenes::flat::dice_row};
         const scenes::flat::Flat flat = scenes::flat::plan_flat(dice);
         const glm::dvec3 lamp = glm::dvec3(s.lights[0].position) - glm::dvec3(0, 0.05, 0);
         int escaped = 0, backs = 0;
@@ -79,7 +79,7 @@ TEST_CASE("rooms: a hundred seeds are valid; rays meet a front or leave by a win
 
 TEST_CASE("rooms: every room can be reached through doors", "[io][scenes]") {
     for (std::uint32_t seed = 1; seed <= 200; ++seed) {
-        scenes::flat::Dice dice{seed};
+        scenes::Dice dice{seed, scenes::flat::dice_row};
         const scenes::flat::Flat flat = scenes::flat::plan_flat(dice);
         // A tree of n rooms has n - 1 doors, and each door is an opening of two rooms.
         std::size_t doors = 0;
