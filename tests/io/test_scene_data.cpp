@@ -1,0 +1,47 @@
+// The scenes of data/scenes that are generated: each file is read, and is the scene that its comment promises.
+#include <catch2/catch.hpp>
+#include <filesystem>
+#include <regex>
+#include <set>
+
+#include "files.h"
+#include "io/scene_file.h"
+#include "io/scenes/generate.h"
+
+using namespace plumb;
+using namespace plumb::io;
+
+namespace {
+
+std::string text_of(const std::filesystem::path& path) {
+    const auto bytes = read_bytes(path.string());
+    return std::string(bytes.begin(), bytes.end());
+}
+
+}  // namespace
+
+TEST_CASE("data/scenes: every generated scene has a file that is read", "[io][scenes]") {
+    const Folder folder;
+    std::set<std::string> seen;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(PLUMB_SOURCE_DIR "/data/scenes")) {
+        if (entry.path().extension() != ".toml") continue;
+        std::string text = text_of(entry.path());
+        std::smatch name, triangles;
+        if (!std::regex_search(text, name, std::regex("generate = \"(\\w+)\""))) continue;
+        INFO(entry.path());
+        REQUIRE(std::regex_search(text, triangles, std::regex("triangles = (\\d+)")));
+        for (const GeneratedScene& scene : generated_scenes()) {
+            if (name[1] != scene.name) continue;
+            CHECK(std::stoll(triangles[1]) == scene.triangles);
+            // As few triangles as it can be built from: the rest of the file is what is read here.
+            text.replace(std::size_t(triangles.position(1)), std::size_t(triangles.length(1)),
+                         std::to_string(scene.least_triangles));
+        }
+        const Scene s = load_scene(folder.put(entry.path().filename().string(), text),
+                                   {"rsm", "shadow", "tonemap", "layout"});
+        CHECK(!s.meshes.empty());
+        CHECK(s.frame_size.x >= 512);
+        seen.insert(name[1]);
+    }
+    CHECK(seen.size() == generated_scenes().size());
+}
