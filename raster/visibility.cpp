@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <numeric>
 
 #include "core/error.h"
 #include "core/parallel.h"
@@ -147,6 +148,15 @@ void sort_into_tiles(const Source& source, const Tiles& tiles, glm::ivec2 size, 
                   [](std::uint16_t) {});
 }
 
+// No depth of these triangles is nearer: see ChunkView and nearest_depth().
+float nearest_of(const std::vector<ScreenTriangle>& triangles, bool reversed_z) {
+    double least = 1;
+    const double sign = reversed_z ? -1 : 1;
+    for (const ScreenTriangle& t : triangles)
+        least = std::min({least, sign * t.z[0], sign * t.z[1], sign * t.z[2]});
+    return float(least - depth_slack);
+}
+
 // Fills the workspace's chunks with all triangles that may be seen.
 void set_up_triangles(const Source& source, const Tiles& tiles, glm::ivec2 size, const RunOptions& options,
                       Workspace& memory) {
@@ -164,6 +174,7 @@ void set_up_triangles(const Source& source, const Tiles& tiles, glm::ivec2 size,
             const int count = VisibilityKernels<isa()>::cull(args, first, last, kept);
             collect(source, size, window, depths, kept, count, chunk.screen);
             sort_into_tiles(source, tiles, size, chunk);
+            chunk.nearest = nearest_of(chunk.screen.triangles, source.reversed_z);
         });
     });
 }
@@ -176,11 +187,15 @@ void draw_tiles(const Source& source, const Tiles& tiles, glm::ivec2 size, const
         const VisibleChunk& c = memory.chunks[i];
         if (c.entries.empty() && c.large.empty()) continue;
         views.push_back({c.screen.triangles.data(), c.screen.corners.data(), c.start.data(), c.entries.data(),
-                         c.large.data(), std::int32_t(c.large.size())});
+                         c.large.data(), std::int32_t(c.large.size()), c.nearest});
     }
+    std::vector<std::int32_t> order(views.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::int32_t a, std::int32_t b) { return views[a].nearest < views[b].nearest; });
     const SurfaceArgs surfaces =
         source.surfaces ? surface_args(source.geometry, *source.surfaces, View()) : SurfaceArgs();
-    const TileArgs args{views.data(), int(views.size()), size, tiles.side(), source.reversed_z, &surfaces,
+    const TileArgs args{views.data(), order.data(), int(views.size()), size, tiles.side(), source.reversed_z, &surfaces,
                         out.triangle.data(), out.depth.data(), &out.barycentrics.data()->x};
     dispatch(options.isa, [&](auto isa) {
         parallel_bands(tiles.total(), 1, options, [&](int tile, int) {

@@ -1,3 +1,5 @@
+#include <cstring>
+
 #include "raster/visibility_kernel.h"
 #include "raster/wide_double.h"
 
@@ -86,13 +88,23 @@ PLUMB_INLINE M covers_corner(const I x[3], const I y[3], const Span& columns, co
 
 // ---- drawing --------------------------------------------------------------------------------------------------------
 
-// What is drawn into: a tile's rows, `side` pixels each. Reversed depths are kept negated, so that nearer is less.
+// A packet of lanes is a block of pixels, nearly square: small triangles then touch few of them. Lane k is column
+// k % block_width and row k / block_width.
+constexpr int block_shift = width >= 8 ? 2 : width >= 4 ? 1 : 0, block_width = 1 << block_shift,
+              block_height = width / block_width;
+
+// What is drawn into: a tile's blocks, row by row of blocks. Reversed depths are kept negated, so that nearer is less.
 struct Tile {
     glm::ivec2 origin, end;  // pixels of the frame; end is clipped to the frame
     int side;
     float* nearest;
     std::int32_t* winner;
     float sign;
+
+    // Where the block lies whose first pixel is (x, y) of the frame.
+    PLUMB_INLINE std::ptrdiff_t block(int x, int y) const {
+        return std::ptrdiff_t(y - origin.y) * side + (x - origin.x) * block_height;
+    }
 };
 
 // The columns and rows of the tile that the triangle's box holds, inclusive.
@@ -108,50 +120,60 @@ PLUMB_INLINE Box box_in(const Tile& tile, const ScreenTriangle& t) {
             max(high_x - low_x, high_y - low_y) < 64 * 256};
 }
 
-// Edge functions of a packet of columns: 32-bit integers where the triangle is less than 64 pixels wide and high (below
-// 2^30, also in the lanes of the packet that lie outside), else doubles, exact too (below 2^53).
-PLUMB_INLINE I edge_lanes(I, std::int64_t value, std::int64_t step) {
-    return I(std::int32_t(value)) + I(std::int32_t(step)) * N::iota(0);
-}
-PLUMB_INLINE D edge_lanes(D, std::int64_t value, std::int64_t step) {
-    return D(double(value)) + D(double(step)) * widen(N::iota(0));
-}
-PLUMB_INLINE I edge_splat(I, std::int64_t value) { return I(std::int32_t(value)); }
-PLUMB_INLINE D edge_splat(D, std::int64_t value) { return D(double(value)); }
+// Edge functions of a block's lanes are 32-bit integers where the triangle is less than 64 pixels wide and high (below
+// 2^30, also in the lanes of the block that lie outside), else doubles, exact too (below 2^53).
+template <class E>
+struct Scalar {
+    using Type = double;
+    static PLUMB_INLINE D lanes(I i) { return widen(i); }
+};
+template <>
+struct Scalar<I> {
+    using Type = std::int32_t;
+    static PLUMB_INLINE I lanes(I i) { return i; }
+};
 
-// Draws a triangle into a tile. `alpha_test(e, wins)` may take lanes away from those that pass the depth test.
+// Draws a triangle into a tile. Of equal depths the earlier triangle's stays, in whatever order they come.
+// `alpha_test(e, wins)` may take lanes away from those that pass the depth test.
 template <class E, class AlphaTest>
 PLUMB_INLINE void draw_triangle(const ScreenTriangle& t, std::int32_t id, const Box& box, const Tile& tile,
                                 const AlphaTest& alpha_test) {
-    const std::int64_t area = area2(t);
-    const bool clockwise = area > 0;
-    const double scale = 1 / double(clockwise ? area : -area);
-    const int first = box.left & -width;
+    using S = typename Scalar<E>::Type;
+    const S area = S(t.x[1] - t.x[0]) * S(t.y[2] - t.y[0]) - S(t.y[1] - t.y[0]) * S(t.x[2] - t.x[0]);
+    const int sign = area > 0 ? 1 : -1;
+    const double scale = 1 / double(S(sign) * area);
+    const int first = box.left & -block_width, top = box.top & -block_height;
+    const I columns = (N::iota(0) & I(block_width - 1)) << 8, rows = (N::iota(0) >> block_shift) << 8;
     E edge[3], right[3], down[3], least[3];
     D z[3];
 #pragma GCC unroll 3
     for (int i = 0; i < 3; ++i) {
-        const EdgeRow e = edge_row(t, clockwise, i, box.top), next = edge_row(t, clockwise, i, box.top + 1);
-        edge[i] = edge_lanes(E(), e.value + e.step * first, e.step);
-        right[i] = edge_splat(E(), e.step * width);
-        down[i] = edge_splat(E(), next.value - e.value);
-        least[i] = edge_splat(E(), e.least);
+        // As edge_row() does it.
+        const int a = (i + 1) % 3, b = (i + 2) % 3;
+        const int dx = sign * (t.x[b] - t.x[a]), dy = sign * (t.y[b] - t.y[a]);
+        edge[i] = E(S(dx)) * Scalar<E>::lanes(rows + I(256 * top - t.y[a])) -
+                  E(S(dy)) * Scalar<E>::lanes(columns + I(256 * first - t.x[a]));
+        right[i] = E(S(-256 * block_width) * S(dy));
+        down[i] = E(S(256 * block_height) * S(dx));
+        least[i] = E(S(dy < 0 || (dy == 0 && dx > 0) ? 0 : 1));
         // Adding 0 turns a depth of -0 into 0: no sum of lanes that are covered is then -0 before the sign is applied.
         z[i] = D(double(tile.sign) * (t.z[i] * scale + 0.0));
     }
-    std::ptrdiff_t at_row = std::ptrdiff_t(box.top - tile.origin.y) * tile.side + (first - tile.origin.x);
-    for (int y = box.top; y <= box.bottom; ++y, at_row += tile.side) {
+    std::ptrdiff_t at_row = tile.block(first, top);
+    for (int y = top; y <= box.bottom; y += block_height, at_row += block_height * tile.side) {
         E e[3] = {edge[0], edge[1], edge[2]};
         std::ptrdiff_t at = at_row;
-        for (int x = first; x <= box.right; x += width, at += width) {
+        for (int x = first; x <= box.right; x += block_width, at += width) {
             const M inside = !any_negative(e[0] - least[0], e[1] - least[1], e[2] - least[2]);
             if (any(inside)) {
                 const D sum = widen(e[0]) * z[0] + widen(e[1]) * z[1] + widen(e[2]) * z[2];
                 const F depth = max(min(narrow(sum), F(1.0f)), F(-1.0f)), nearest = load_lanes(tile.nearest + at);
-                const M wins = alpha_test(e, M(inside & (depth < nearest)));
+                const I winner = load_lanes(tile.winner + at);
+                const M passes = M((depth < nearest) | M((depth == nearest) & (I(id) < winner)));
+                const M wins = alpha_test(e, M(inside & passes));
                 // To ask first whether any lane wins would cost more, in branches that no processor foresees.
                 store_lanes(tile.nearest + at, select(wins, depth, nearest));
-                store_lanes(tile.winner + at, select(wins, I(id), load_lanes(tile.winner + at)));
+                store_lanes(tile.winner + at, select(wins, I(id), winner));
             }
 #pragma GCC unroll 3
             for (int i = 0; i < 3; ++i) e[i] = e[i] + right[i];
@@ -159,6 +181,17 @@ PLUMB_INLINE void draw_triangle(const ScreenTriangle& t, std::int32_t id, const 
 #pragma GCC unroll 3
         for (int i = 0; i < 3; ++i) edge[i] = edge[i] + down[i];
     }
+}
+
+// True where all that is drawn in the triangle's box is nearer than the triangle: its depths are not nearer than its
+// nearest corner's, and rounding to float keeps that order.
+PLUMB_INLINE bool hidden(const ScreenTriangle& t, const Box& box, const Tile& tile) {
+    const double sign = tile.sign;
+    const F bound(float(min(min(sign * t.z[0], sign * t.z[1]), sign * t.z[2]) - depth_slack));
+    for (int y = box.top & -block_height; y <= box.bottom; y += block_height)
+        for (int x = box.left & -block_width; x <= box.right; x += block_width)
+            if (any(M(load_lanes(tile.nearest + tile.block(x, y)) >= bound))) return false;
+    return true;
 }
 
 // True where one edge leaves all of the box outside.
@@ -194,6 +227,7 @@ void draw_entry(const TileArgs& in, const ChunkView& chunk, int entry, std::int3
     const ScreenTriangle& t = chunk.triangles[k];
     const Box box = box_in(tile, t);
     if (box.left > box.right || box.top > box.bottom) return;
+    if (hidden(t, box, tile)) return;
     if (!box.small && misses(t, box)) return;
     if (entry & masked) {
         // Masks are rare: one form of edge functions serves all sizes.
@@ -209,9 +243,17 @@ void draw_entry(const TileArgs& in, const ChunkView& chunk, int entry, std::int3
     }
 }
 
-// Merges what touches this tile and what touches many, both in drawing order.
-PLUMB_INLINE void draw_chunk(const TileArgs& in, const ChunkView& chunk, int index, int tile_index, const Tile& tile) {
-    const std::uint16_t* a = chunk.entries + chunk.start[tile_index];
+// Of each lane the farthest depth in all blocks.
+F farthest_in(const Tile& tile, int blocks) {
+    F farthest(-1.0f);
+    for (int i = 0; i < blocks; ++i) farthest = max(farthest, load_lanes(tile.nearest + i * width));
+    return farthest;
+}
+
+// Merges what touches this tile and what touches many, both in drawing order. Returns the number of entries.
+PLUMB_INLINE int draw_chunk(const TileArgs& in, const ChunkView& chunk, int index, int tile_index, const Tile& tile) {
+    const std::uint16_t* const a_first = chunk.entries + chunk.start[tile_index];
+    const std::uint16_t* a = a_first;
     const std::uint16_t* const a_end = chunk.entries + chunk.start[tile_index + 1];
     const std::uint16_t* b = chunk.large;
     const std::uint16_t* const b_end = b + chunk.large_count;
@@ -224,6 +266,7 @@ PLUMB_INLINE void draw_chunk(const TileArgs& in, const ChunkView& chunk, int ind
         }
         draw_entry(in, chunk, take_a ? *a++ : *b++, index << chunk_bits, tile);
     }
+    return int(a_end - a_first) + chunk.large_count;
 }
 
 // ---- resolving ------------------------------------------------------------------------------------------------------
@@ -289,7 +332,7 @@ PLUMB_INLINE vec2<F> barycentrics_of(const TileArgs& in, std::int32_t id, int co
 #pragma GCC unroll 3
     for (int i = 0; i < 3; ++i) {
         const EdgeRow edge = edge_row(t, clockwise, i, row);
-        e[i] = edge_lanes(D(), edge.value + edge.step * column, edge.step);
+        e[i] = D(double(edge.value + edge.step * column)) + D(double(edge.step)) * widen(N::iota(0));
     }
     return barycentrics_of(t, in.chunks[id >> chunk_bits].corners, e);
 }
@@ -346,13 +389,20 @@ PLUMB_INLINE void resolve_packet(const TileArgs& in, const Strip& seen, int at, 
     }
 }
 
-// Writes `columns` pixels of a row.
-void resolve_strip(const TileArgs& in, const float* nearest, const std::int32_t* winner, float sign, int x, int y,
-                   int columns) {
+// Writes `columns` pixels of a row, from (x, y) of the frame on.
+void resolve_strip(const TileArgs& in, const Tile& tile, int x, int y, int columns) {
+    alignas(64) float nearest[strip];
+    alignas(64) std::int32_t winner[strip];
+    const std::ptrdiff_t row = tile.block(x, y & -block_height) + (y & (block_height - 1)) * block_width;
+    for (int k = 0; k < strip; k += block_width) {
+        std::memcpy(nearest + k, tile.nearest + row + k * block_height, block_width * sizeof(float));
+        std::memcpy(winner + k, tile.winner + row + k * block_height, block_width * sizeof(std::int32_t));
+    }
     Strip seen;
     for (int at = 0; at < columns; at += width) fetch_packet(in, winner, at, seen);
     for (int at = 0; at < columns; at += width)
-        resolve_packet(in, seen, at, load_lanes(nearest + at) * F(sign), winner, x + at, y, min(width, columns - at));
+        resolve_packet(in, seen, at, load_lanes(nearest + at) * F(tile.sign), winner, x + at, y,
+                       min(width, columns - at));
 }
 
 }  // namespace
@@ -422,12 +472,17 @@ void VisibilityKernels<Isa::PLUMB_ISA>::draw_tile(const TileArgs& in, int tile_i
         store_lanes(nearest + i, F(in.reversed_z ? -0.0f : 1.0f));
         store_lanes(winner + i, I(-1));
     }
-    for (int c = 0; c < in.chunk_count; ++c) draw_chunk(in, in.chunks[c], c, tile_index, tile);
+    // Near chunks hide far ones: those behind all that is drawn need not be looked at.
+    const int blocks = in.side * in.side / width;
+    F farthest(1.0f);
+    for (int i = 0, drawn = 0; i < in.chunk_count; ++i) {
+        const ChunkView& chunk = in.chunks[in.order[i]];
+        if (drawn >= blocks) farthest = farthest_in(tile, blocks), drawn = 0;
+        if (!any(M(farthest >= F(chunk.nearest)))) break;
+        drawn += draw_chunk(in, chunk, in.order[i], tile_index, tile);
+    }
     for (int y = origin.y; y < tile.end.y; ++y)
-        for (int x = origin.x; x < tile.end.x; x += strip) {
-            const std::ptrdiff_t at = std::ptrdiff_t(y - origin.y) * in.side + (x - origin.x);
-            resolve_strip(in, nearest + at, winner + at, tile.sign, x, y, min(strip, tile.end.x - x));
-        }
+        for (int x = origin.x; x < tile.end.x; x += strip) resolve_strip(in, tile, x, y, min(strip, tile.end.x - x));
 }
 
 }  // namespace plumb::raster

@@ -48,13 +48,17 @@ struct ChunkView {
     const std::uint16_t* entries;
     const std::uint16_t* large;    // touch many tiles: looked at by every one
     std::int32_t large_count;
+    float nearest;                 // no depth of the chunk is nearer; reversed depths are negated
 };
+// Depths are weighted means of the corners', up to a rounding of some 2^-51.
+inline constexpr double depth_slack = 0x1p-49;
 inline constexpr int chunk_triangles = 4096;
 inline constexpr int chunk_bits = 15;  // 4096 triangles clipped to 7 pieces each are fewer than 2^15
 inline constexpr std::uint16_t masked = 1 << chunk_bits;
 
 struct TileArgs {
     const ChunkView* chunks;
+    const std::int32_t* order;   // of the chunks, the nearest first
     int chunk_count;
     glm::ivec2 size;
     int side;                    // of a tile, pixels: 64 or a larger power of two

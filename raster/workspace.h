@@ -31,6 +31,7 @@ struct VisibleChunk {
     ScreenTriangles screen;
     std::vector<std::uint32_t> start;
     std::vector<std::uint16_t> entries, large;
+    float nearest = 0;
 };
 
 struct Workspace {
