@@ -66,7 +66,6 @@ void transform_vertices(const Source& source, glm::ivec2 size, const RunOptions&
     const ClipVolume volume = clip_volume(size);
     for (int axis = 0; axis < 2; ++axis) args.guard[axis] = float(volume.guard[axis] * (1 - 0x1p-20));
     args.window = memory.window.reserve(n);
-    args.depths = memory.depths.reserve(n);
 
     std::atomic<int> wrong{INT_MAX};
     dispatch(options.isa, [&](auto isa) {
@@ -83,12 +82,13 @@ void transform_vertices(const Source& source, glm::ivec2 size, const RunOptions&
 
 // Appends a triangle that needs no clipping, from vertices that are in window space already. It is built where it will
 // lie: a copy would wait for all of its stores.
-void append_window_triangle(const WindowVertex* window, const VertexDepth* depths, const glm::uvec3& corners,
-                            std::int32_t triangle, std::vector<ScreenTriangle>& out) {
+void append_window_triangle(const WindowVertex* window, const glm::uvec3& corners, std::int32_t triangle,
+                            std::vector<ScreenTriangle>& out) {
     ScreenTriangle& t = out.emplace_back();
     for (int i = 0; i < 3; ++i) {
-        t.x[i] = window[corners[i]].x, t.y[i] = window[corners[i]].y;
-        t.z[i] = depths[corners[i]].z, t.inverse_w[i] = depths[corners[i]].inverse_w;
+        const WindowVertex& v = window[corners[i]];
+        t.x[i] = v.x_beyond >> beyond_bits, t.y[i] = v.y;
+        t.z[i] = double(v.z) / double(v.w), t.inverse_w[i] = 1 / double(v.w);
     }
     t.triangle = triangle;
     t.corners = -1;
@@ -97,8 +97,8 @@ void append_window_triangle(const WindowVertex* window, const VertexDepth* depth
 
 // Lists what may be seen of triangles [first, last), in their order: as append_triangle does it, but for triangles that
 // cover no pixel centre.
-void collect(const Source& source, glm::ivec2 size, const WindowVertex* window, const VertexDepth* depths,
-             const std::int32_t* kept, int count, ScreenTriangles& out) {
+void collect(const Source& source, glm::ivec2 size, const WindowVertex* window, const std::int32_t* kept,
+             int count, ScreenTriangles& out) {
     const ClipVolume volume = clip_volume(size);
     out.triangles.clear();
     out.corners.clear();
@@ -110,51 +110,52 @@ void collect(const Source& source, glm::ivec2 size, const WindowVertex* window, 
             const glm::vec4 corners[3] = {source.position(c.x), source.position(c.y), source.position(c.z)};
             append_triangle(out, corners, i, size, volume);
         } else {
-            append_window_triangle(window, depths, c, i, out.triangles);
+            append_window_triangle(window, c, i, out.triangles);
         }
     }
 }
 
-// Sorts a chunk's triangles into the tiles that their boxes touch.
+// The tiles that a triangle's box touches.
+struct TileRange {
+    std::uint16_t left, right, top, bottom, entry;
+};
+
+// Sorts a chunk's triangles into the tiles that their boxes touch, and finds the nearest depth.
 void sort_into_tiles(const Source& source, const Tiles& tiles, glm::ivec2 size, VisibleChunk& chunk) {
     auto pixels = [](const std::int32_t c[3], int side) {
         const int low = std::min({c[0], c[1], c[2]}), high = std::max({c[0], c[1], c[2]});
         return glm::ivec2(std::max(0, (low + 255) >> 8), std::min(side - 1, high >> 8));
     };
-    auto for_each_tile = [&](auto&& visit, auto&& visit_large) {
-        for (std::size_t k = 0; k < chunk.screen.triangles.size(); ++k) {
-            const ScreenTriangle& t = chunk.screen.triangles[k];
-            const glm::ivec2 columns = pixels(t.x, size.x), rows = pixels(t.y, size.y);
-            if (columns[0] > columns[1] || rows[0] > rows[1]) continue;
-            const std::uint16_t entry = std::uint16_t(k | (source.is_masked(t.triangle) ? masked : 0));
-            const int left = columns[0] >> tiles.shift, right = columns[1] >> tiles.shift;
-            const int top = rows[0] >> tiles.shift, bottom = rows[1] >> tiles.shift;
-            if ((right - left + 1) * (bottom - top + 1) > few_tiles) {
-                visit_large(entry);
-                continue;
-            }
-            for (int y = top; y <= bottom; ++y)
-                for (int x = left; x <= right; ++x) visit(std::size_t(y * tiles.count.x + x), entry);
-        }
-    };
     // Counts are kept two places further on and starts one, so that filling moves each start to where it belongs.
     chunk.large.clear();
     chunk.start.assign(std::size_t(tiles.total()) + 2, 0);
-    for_each_tile([&](std::size_t tile, std::uint16_t) { ++chunk.start[tile + 2]; },
-                  [&](std::uint16_t entry) { chunk.large.push_back(entry); });
+    std::vector<TileRange> ranges;
+    ranges.reserve(chunk.screen.triangles.size());
+    double nearest = 1;
+    const double sign = source.reversed_z ? -1 : 1;
+    for (std::size_t k = 0; k < chunk.screen.triangles.size(); ++k) {
+        const ScreenTriangle& t = chunk.screen.triangles[k];
+        const glm::ivec2 columns = pixels(t.x, size.x), rows = pixels(t.y, size.y);
+        if (columns[0] > columns[1] || rows[0] > rows[1]) continue;
+        nearest = std::min(nearest, std::min({sign * t.z[0], sign * t.z[1], sign * t.z[2]}));
+        const std::uint16_t entry = std::uint16_t(k | (source.is_masked(t.triangle) ? masked : 0));
+        const int left = columns[0] >> tiles.shift, right = columns[1] >> tiles.shift;
+        const int top = rows[0] >> tiles.shift, bottom = rows[1] >> tiles.shift;
+        if ((right - left + 1) * (bottom - top + 1) > few_tiles) {
+            chunk.large.push_back(entry);
+            continue;
+        }
+        ranges.push_back({std::uint16_t(left), std::uint16_t(right), std::uint16_t(top), std::uint16_t(bottom), entry});
+        for (int y = top; y <= bottom; ++y)
+            for (int x = left; x <= right; ++x) ++chunk.start[std::size_t(y * tiles.count.x + x) + 2];
+    }
+    chunk.nearest = float(nearest - depth_slack);
     for (std::size_t i = 1; i < chunk.start.size(); ++i) chunk.start[i] += chunk.start[i - 1];
     chunk.entries.resize(chunk.start.back());
-    for_each_tile([&](std::size_t tile, std::uint16_t entry) { chunk.entries[chunk.start[tile + 1]++] = entry; },
-                  [](std::uint16_t) {});
-}
-
-// No depth of these triangles is nearer: see ChunkView and nearest_depth().
-float nearest_of(const std::vector<ScreenTriangle>& triangles, bool reversed_z) {
-    double least = 1;
-    const double sign = reversed_z ? -1 : 1;
-    for (const ScreenTriangle& t : triangles)
-        least = std::min({least, sign * t.z[0], sign * t.z[1], sign * t.z[2]});
-    return float(least - depth_slack);
+    for (const TileRange& r : ranges)
+        for (int y = r.top; y <= r.bottom; ++y)
+            for (int x = r.left; x <= r.right; ++x)
+                chunk.entries[chunk.start[std::size_t(y * tiles.count.x + x) + 1]++] = r.entry;
 }
 
 // Fills the workspace's chunks with all triangles that may be seen.
@@ -165,16 +166,14 @@ void set_up_triangles(const Source& source, const Tiles& tiles, glm::ivec2 size,
     const std::size_t chunks = (n + chunk_triangles - 1) / chunk_triangles;
     if (memory.chunks.size() < chunks) memory.chunks.resize(chunks);
     const WindowVertex* window = memory.window.reserve(0);
-    const VertexDepth* depths = memory.depths.reserve(0);
     const CullArgs args{reinterpret_cast<const std::int32_t*>(source.geometry.triangles.data()), window, size};
     dispatch(options.isa, [&](auto isa) {
         parallel_bands(int(n), chunk_triangles, options.threads, [&](int first, int last) {
             VisibleChunk& chunk = memory.chunks[std::size_t(first / chunk_triangles)];
             std::int32_t kept[chunk_triangles];
             const int count = VisibilityKernels<isa()>::cull(args, first, last, kept);
-            collect(source, size, window, depths, kept, count, chunk.screen);
+            collect(source, size, window, kept, count, chunk.screen);
             sort_into_tiles(source, tiles, size, chunk);
-            chunk.nearest = nearest_of(chunk.screen.triangles, source.reversed_z);
         });
     });
 }

@@ -414,16 +414,14 @@ int VisibilityKernels<Isa::PLUMB_ISA>::window_vertices(const VertexArgs& in, int
         const vec4<F> p = clip_position(in, min(N::iota(i), I(last - 1)));
         if (const unsigned bad = lane_bits(!finite(p)); bad && wrong == INT_MAX) wrong = i + __builtin_ctz(bad);
         const D w = widen(p.w);
-        Lanes<std::int32_t> x, y, beyond;
-        Lanes<double> z, inverse_w;
-        store_lanes(x.lane, snap_lanes(widen(p.x), w, in.size.x));
-        store_lanes(y.lane, snap_lanes(widen(p.y), w, in.size.y));
-        store_lanes(beyond.lane, planes_beyond(in, p));
-        store_lanes(z.lane, widen(p.z) / w);
-        store_lanes(inverse_w.lane, D(1.0) / w);
-        for (int k = 0; k < min(width, last - i); ++k) {
-            in.window[i + k] = {x.lane[k], y.lane[k], beyond.lane[k], 0};
-            in.depths[i + k] = {z.lane[k], inverse_w.lane[k]};
+        const I x = snap_lanes(widen(p.x), w, in.size.x), y = snap_lanes(widen(p.y), w, in.size.y);
+        const F x_beyond = N::from_bits((x << beyond_bits) | planes_beyond(in, p));
+        if (last - i >= width) {
+            store_quads(reinterpret_cast<float*>(in.window + i), x_beyond, N::from_bits(y), p.z, p.w);
+        } else {
+            alignas(64) WindowVertex rest[width];
+            store_quads(reinterpret_cast<float*>(rest), x_beyond, N::from_bits(y), p.z, p.w);
+            for (int k = 0; k < last - i; ++k) in.window[i + k] = rest[k];
         }
     }
     return wrong;
@@ -438,8 +436,8 @@ int VisibilityKernels<Isa::PLUMB_ISA>::cull(const CullArgs& in, int first, int l
         for (int c = 0; c < 3; ++c) {
             const I vertex = N::fetch(in.triangles, corner + I(c));
             const vec4<F> v = N::fetch4(reinterpret_cast<const float*>(in.window), vertex);
-            x[c] = N::bits(v.x), y[c] = N::bits(v.y);
-            all = all & N::bits(v.z), some = some | N::bits(v.z);
+            x[c] = N::bits(v.x) >> beyond_bits, y[c] = N::bits(v.y);
+            all = all & N::bits(v.x), some = some | N::bits(v.x);
         }
         const M within = M(((all & I(frame_planes)) == I(0)) & (N::iota(i) < I(last)));
         if (!any(within)) continue;

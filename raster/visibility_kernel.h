@@ -13,14 +13,13 @@
 
 namespace plumb::raster {
 
-// A vertex in window space, 1/256 pixel. `beyond` has a bit for every plane of the frame that the vertex is beyond, and
-// the bit `may_need_clipping`; where that one is set, x, y and the depths may be anything.
+// A vertex in window space: 1/256 pixel, and z and w of its clip position. The low bits of `x_beyond` are one for every
+// plane of the frame that the vertex is beyond, and `may_need_clipping`; where that one is set, x and y may be anything.
 struct WindowVertex {
-    std::int32_t x, y, beyond, unused;
+    std::int32_t x_beyond, y;
+    float z, w;
 };
-struct VertexDepth {
-    double z, inverse_w;
-};
+inline constexpr int beyond_bits = 7;
 inline constexpr int frame_planes = 63, may_need_clipping = 64;
 
 struct VertexArgs {
@@ -30,7 +29,6 @@ struct VertexArgs {
     glm::ivec2 size;
     float guard[2];         // a little less than the guard band's
     WindowVertex* window;
-    VertexDepth* depths;
 };
 
 struct CullArgs {

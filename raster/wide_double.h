@@ -27,6 +27,7 @@ PLUMB_INLINE void store_lanes(T* p, T a) {
     *p = a;
 }
 PLUMB_INLINE void store_pairs(float* p, float a, float b) { p[0] = a, p[1] = b; }
+PLUMB_INLINE void store_quads(float* p, float a, float b, float c, float d) { p[0] = a, p[1] = b, p[2] = c, p[3] = d; }
 
 #else
 
@@ -62,6 +63,16 @@ PLUMB_INLINE void store_pairs(float* p, Real a, Real b) {
     store(p, (Real)_mm512_permutex2var_pd((__m512d)low, first, (__m512d)high));
     store(p + 16, (Real)_mm512_permutex2var_pd((__m512d)low, second, (__m512d)high));
 }
+PLUMB_INLINE void store_quads(float* p, const Real q[4]) {
+    const Real a = _mm512_shuffle_f32x4(q[0], q[1], 0x44), b = _mm512_shuffle_f32x4(q[2], q[3], 0x44),
+               c = _mm512_shuffle_f32x4(q[0], q[1], 0xee), d = _mm512_shuffle_f32x4(q[2], q[3], 0xee);
+    store(p, _mm512_shuffle_f32x4(a, b, 0x88)), store(p + 16, _mm512_shuffle_f32x4(a, b, 0xdd));
+    store(p + 32, _mm512_shuffle_f32x4(c, d, 0x88)), store(p + 48, _mm512_shuffle_f32x4(c, d, 0xdd));
+}
+PLUMB_INLINE Real low_words(Real a, Real b) { return _mm512_unpacklo_ps(a, b); }
+PLUMB_INLINE Real high_words(Real a, Real b) { return _mm512_unpackhi_ps(a, b); }
+PLUMB_INLINE Real low_pairs(Real a, Real b) { return (Real)_mm512_unpacklo_pd((__m512d)a, (__m512d)b); }
+PLUMB_INLINE Real high_pairs(Real a, Real b) { return (Real)_mm512_unpackhi_pd((__m512d)a, (__m512d)b); }
 #elif defined(__AVX2__)
 using Double = __m256d;
 PLUMB_INLINE Double splat_double(double x) { return _mm256_set1_pd(x); }
@@ -93,6 +104,14 @@ PLUMB_INLINE void store_pairs(float* p, Real a, Real b) {
     store(p, _mm256_permute2f128_ps(low, high, 0x20));
     store(p + 8, _mm256_permute2f128_ps(low, high, 0x31));
 }
+PLUMB_INLINE void store_quads(float* p, const Real q[4]) {
+    store(p, _mm256_permute2f128_ps(q[0], q[1], 0x20)), store(p + 8, _mm256_permute2f128_ps(q[2], q[3], 0x20));
+    store(p + 16, _mm256_permute2f128_ps(q[0], q[1], 0x31)), store(p + 24, _mm256_permute2f128_ps(q[2], q[3], 0x31));
+}
+PLUMB_INLINE Real low_words(Real a, Real b) { return _mm256_unpacklo_ps(a, b); }
+PLUMB_INLINE Real high_words(Real a, Real b) { return _mm256_unpackhi_ps(a, b); }
+PLUMB_INLINE Real low_pairs(Real a, Real b) { return (Real)_mm256_unpacklo_pd((__m256d)a, (__m256d)b); }
+PLUMB_INLINE Real high_pairs(Real a, Real b) { return (Real)_mm256_unpackhi_pd((__m256d)a, (__m256d)b); }
 #else
 using Double = __m128d;
 PLUMB_INLINE Double splat_double(double x) { return _mm_set1_pd(x); }
@@ -117,7 +136,21 @@ PLUMB_INLINE void store_pairs(float* p, Real a, Real b) {
     store(p, _mm_unpacklo_ps(a, b));
     store(p + 4, _mm_unpackhi_ps(a, b));
 }
+PLUMB_INLINE void store_quads(float* p, const Real q[4]) {
+    for (int k = 0; k < 4; ++k) store(p + 4 * k, q[k]);
+}
+PLUMB_INLINE Real low_words(Real a, Real b) { return _mm_unpacklo_ps(a, b); }
+PLUMB_INLINE Real high_words(Real a, Real b) { return _mm_unpackhi_ps(a, b); }
+PLUMB_INLINE Real low_pairs(Real a, Real b) { return (Real)_mm_unpacklo_pd((__m128d)a, (__m128d)b); }
+PLUMB_INLINE Real high_pairs(Real a, Real b) { return (Real)_mm_unpackhi_pd((__m128d)a, (__m128d)b); }
 #endif
+
+// Words become quads within 128 bits, which are then put in order.
+PLUMB_INLINE void store_quads(float* p, Real a, Real b, Real c, Real d) {
+    const Real ab0 = low_words(a, b), ab2 = high_words(a, b), cd0 = low_words(c, d), cd2 = high_words(c, d);
+    const Real quads[4] = {low_pairs(ab0, cd0), high_pairs(ab0, cd0), low_pairs(ab2, cd2), high_pairs(ab2, cd2)};
+    store_quads(p, quads);
+}
 
 }  // namespace native
 
@@ -164,6 +197,11 @@ PLUMB_INLINE void store_lanes(double* p, Doubles a) {
 
 // Stores a[0], b[0], a[1], b[1], ...
 PLUMB_INLINE void store_pairs(float* p, Wide a, Wide b) { native::store_pairs(p, a.v, b.v); }
+
+// Stores a[0], b[0], c[0], d[0], a[1], ...
+PLUMB_INLINE void store_quads(float* p, Wide a, Wide b, Wide c, Wide d) {
+    native::store_quads(p, a.v, b.v, c.v, d.v);
+}
 
 #endif
 

@@ -36,7 +36,6 @@ struct VisibleChunk {
 
 struct Workspace {
     Scratch<WindowVertex> window;
-    Scratch<VertexDepth> depths;
     std::vector<VisibleChunk> chunks;
     VisibilityBuffer visible;  // of a pass that resolves attributes from it
 };
