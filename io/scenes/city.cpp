@@ -1,7 +1,7 @@
 // A historic city by a river, after the diorama of Rome that LRA 7.1 measures with (2 million vertices, 4 million
 // triangles): about 600 m x 600 m of streets, a square with a domed church, an amphitheatre, a hill with pines.
 //
-// The default camera looks over the roofs to dome and amphitheatre. In the streets: position (-139, 3, 150), look at
+// The default camera looks over the roofs to dome and amphitheatre. Over the river: position (-139, 3, 150), look at
 // (-128, 7, 60), fov 55; on the square: position (55, 1.8, -12), look at (55, 16, -110).
 #include <algorithm>
 
@@ -86,7 +86,8 @@ Scene city(const GenerateOptions& options) {
     // A disc of 60 m: what lies farther away lights nothing that one would see.
     const std::string place = "city";
     scene.settings = {{"rsm", "radius", 0.08, place}, {"rsm", "samples", 400.0, place},
-                      {"rsm", "min_distance", 2.0, place}, {"tonemap", "operator", std::string("filmic"), place},
+                      {"rsm", "min_distance", 2.0, place}, {"shadow", "mode", std::string("density"), place},
+                      {"tonemap", "operator", std::string("filmic"), place},
                       {"tonemap", "exposure", 1.5, place}};
     scene.seed = options.seed;
     return scene;

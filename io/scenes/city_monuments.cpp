@@ -121,19 +121,17 @@ void amphitheatre(Builder& b, const Palette& p, const Grade& grade) {
     const int around_count = std::max(bays, 16), steps = grade.fine < 1.3 ? 1 : grade.count(3, 34);
     const double top = grade.fine < 1.3 ? 30 : 20.5, out = grade.fine < 1.3 ? 0 : -9.6;
     for (int k = 0; k < steps; ++k) {
-        const double s = double(k) / steps, t = double(k + 1) / steps, z0 = -28 + s * (28 + out),
-                     z1 = -28 + t * (28 + out);
+        const double s = double(k) / steps, t = double(k + 1) / steps;
+        const double z0 = -28 + s * (28 + out), z1 = -28 + t * (28 + out);
         const double y0 = 3 + s * (top - 3), y1 = 3 + t * (top - 3);
+        // A riser begins where the tread before it ends, worn or not.
         const Bend worn = [&](double turn, double y, double z) {
-            const int i = int(turn / full * around_count + 0.5) % around_count;
-            const double wear = grade.fine < 2 || k + 1 == steps ? 0
-                                : white_noise(i, k, 91) > 0.8    ? 0.7 * (y1 - y0)
-                                                                 : 0;
-            return outer(turn, y - (y > y0 + 1e-9 ? wear : 0), z);
+            const int i = int(turn / full * around_count + 0.5) % around_count, tread = y > y0 + 1e-9 ? k : k - 1;
+            const bool lower = grade.fine >= 2 && tread >= 0 && tread + 1 < steps && white_noise(i, tread, 91) > 0.8;
+            return outer(turn, y - (lower ? 0.7 * (y1 - y0) : 0), z);
         };
         // Seen from the middle: the riser, then the tread.
-        moulding(b, k % 9 == 8 ? p.brick : p.stone, 0, full, around_count, {{z1, y1}, {z0, y1}, {z0, y0}},
-                 [&](double turn, double y, double z) { return worn(turn, y, z); }, 60);
+        moulding(b, k % 9 == 8 ? p.brick : p.stone, 0, full, around_count, {{z1, y1}, {z0, y1}, {z0, y0}}, worn, 60);
     }
     if (grade.fine >= 1.3)
         moulding(b, p.brick, 0, full, around_count, {{-9.6, 20.5}, {-7, 20.5}}, [&](double t, double y, double z) {
