@@ -87,6 +87,53 @@ struct MaterialRow {
     F normal_scale;
 };
 
+// Every lane's index where all have the same: then data are read once and shared. Else -1. One lane reads as it is.
+template <class F>
+PLUMB_INLINE std::int32_t shared_index(index_t<F> i) {
+    if (number<F>::width == 1) return -1;
+    std::int32_t lane0;
+    std::memcpy(&lane0, &i, sizeof lane0);
+    return any(!(i == index_t<F>(lane0))) ? -1 : lane0;
+}
+
+// A vertex as it lies in memory: position and u, normal and v.
+template <class F>
+struct Corner {
+    vec4<F> p, n;
+};
+template <class F>
+struct Corners {
+    index_t<F> v0, v1, v2;
+    Corner<F> a, b, c;
+};
+template <class F>
+PLUMB_INLINE Corner<F> shared_corner(const float* vertex) {
+    return {{F(vertex[0]), F(vertex[1]), F(vertex[2]), F(vertex[3])},
+            {F(vertex[4]), F(vertex[5]), F(vertex[6]), F(vertex[7])}};
+}
+template <class F>
+PLUMB_INLINE Corner<F> fetch_corner(const float* vertices, index_t<F> vertex) {
+    using N = number<F>;
+    using I = index_t<F>;
+    return {N::fetch4(vertices, vertex * I(2)), N::fetch4(vertices, vertex * I(2) + I(1))};
+}
+template <class F>
+PLUMB_INLINE Corners<F> fetch_corners(const SurfaceArgs& in, index_t<F> triangle) {
+    using N = number<F>;
+    using I = index_t<F>;
+    const std::int32_t shared = shared_index<F>(triangle);
+    if (shared >= 0) {
+        const std::int32_t* v = in.triangles + 3 * std::ptrdiff_t(shared);
+        auto corner = [&](int k) { return shared_corner<F>(in.vertices + 8 * std::ptrdiff_t(v[k])); };
+        return {I(v[0]), I(v[1]), I(v[2]), corner(0), corner(1), corner(2)};
+    }
+    const I row = triangle * I(3);
+    const I v0 = N::fetch(in.triangles, row), v1 = N::fetch(in.triangles, row + I(1)),
+            v2 = N::fetch(in.triangles, row + I(2));
+    return {v0, v1, v2, fetch_corner<F>(in.vertices, v0), fetch_corner<F>(in.vertices, v1),
+            fetch_corner<F>(in.vertices, v2)};
+}
+
 // The material of each lane. Most packets see one: it is read once and shared.
 template <class F>
 PLUMB_INLINE MaterialRow<F> fetch_material(const SurfaceArgs& in, index_t<F> material) {
@@ -179,13 +226,9 @@ PLUMB_INLINE Surface<F> surface(const SurfaceArgs& in, index_t<F> triangle, cons
     using I = index_t<F>;
     tap("triangle", triangle, "index of the triangle that is seen");
     tap("barycentrics", l, "l1, l2; l0 = 1 - l1 - l2");
-    const I corner = triangle * I(3);
-    const I v0 = N::fetch(in.triangles, corner), v1 = N::fetch(in.triangles, corner + I(1)),
-            v2 = N::fetch(in.triangles, corner + I(2));
-    const vec4<F> p0 = N::fetch4(in.vertices, v0 * I(2)), p1 = N::fetch4(in.vertices, v1 * I(2)),
-                  p2 = N::fetch4(in.vertices, v2 * I(2));
-    const vec4<F> n0 = N::fetch4(in.vertices, v0 * I(2) + I(1)), n1 = N::fetch4(in.vertices, v1 * I(2) + I(1)),
-                  n2 = N::fetch4(in.vertices, v2 * I(2) + I(1));
+    const Corners<F> corners = fetch_corners<F>(in, triangle);
+    const vec4<F>&p0 = corners.a.p, &p1 = corners.b.p, &p2 = corners.c.p;
+    const vec4<F>&n0 = corners.a.n, &n1 = corners.b.n, &n2 = corners.c.n;
     const I material = N::fetch(in.material, triangle);              tap("material", material, "its index");
     const MaterialRow<F> m = fetch_material<F>(in, material);
 
@@ -218,7 +261,7 @@ PLUMB_INLINE Surface<F> surface(const SurfaceArgs& in, index_t<F> triangle, cons
     }
     if (any(m.normal > I(0))) {
         const vec3<F> unit = select3<F>(given, n, normalised(face));
-        n = select3<F>(m.normal > I(0), mapped_normal<F>(in, m, v0, v1, v2, uv, uv_area, l, unit, tap), n);
+        n = select3<F>(m.normal > I(0), mapped_normal<F>(in, m, corners.v0, corners.v1, corners.v2, uv, uv_area, l, unit, tap), n);
     }
     s.normal = normalised(n);
     s.normal = {s.normal.x * side, s.normal.y * side, s.normal.z * side};

@@ -43,13 +43,17 @@ PLUMB_INLINE vec2<F> load_pairs(const float* p) {
 }
 
 // Writes the first `count` of a packet's texels to consecutive texels from p on. Every NaN is stored as 7fc00000.
+// past_caches: whole packets that lie on multiples of a register go to memory without reading it first; who
+// writes so ends with _mm_sfence().
 template <class F>
-PLUMB_INLINE void store_row4(float* p, const vec4<F>& value, int count) {
+PLUMB_INLINE void store_row4(float* p, const vec4<F>& value, int count, bool past_caches = false) {
     auto canonical = [](F x) { return select(x == x, x, F(__builtin_nanf(""))); };
     const vec4<F> v{canonical(value.x), canonical(value.y), canonical(value.z), canonical(value.w)};
     constexpr int width = number<F>::width;
     alignas(64) float partial[4 * width];
     float* out = count < width ? partial : p;
+    [[maybe_unused]] const bool streamed =
+        past_caches && count == width && reinterpret_cast<std::uintptr_t>(p) % (4 * width) == 0;
 #if defined(__AVX512F__)
     // 4 x 4 within each quarter, as load_words() of native_avx512.h; then the quarters among the four.
     const __m512 a = _mm512_unpacklo_ps(v.x.v, v.y.v), b = _mm512_unpackhi_ps(v.x.v, v.y.v);
@@ -60,10 +64,9 @@ PLUMB_INLINE void store_row4(float* p, const vec4<F>& value, int count) {
     const __m512 t3 = (__m512)_mm512_unpackhi_pd((__m512d)b, (__m512d)d);
     const __m512 even01 = _mm512_shuffle_f32x4(t0, t1, 0x88), odd01 = _mm512_shuffle_f32x4(t0, t1, 0xdd);
     const __m512 even23 = _mm512_shuffle_f32x4(t2, t3, 0x88), odd23 = _mm512_shuffle_f32x4(t2, t3, 0xdd);
-    _mm512_storeu_ps(out, _mm512_shuffle_f32x4(even01, even23, 0x88));
-    _mm512_storeu_ps(out + 16, _mm512_shuffle_f32x4(odd01, odd23, 0x88));
-    _mm512_storeu_ps(out + 32, _mm512_shuffle_f32x4(even01, even23, 0xdd));
-    _mm512_storeu_ps(out + 48, _mm512_shuffle_f32x4(odd01, odd23, 0xdd));
+    auto store = [&](int at, __m512 x) { streamed ? _mm512_stream_ps(out + at, x) : _mm512_storeu_ps(out + at, x); };
+    store(0, _mm512_shuffle_f32x4(even01, even23, 0x88)), store(16, _mm512_shuffle_f32x4(odd01, odd23, 0x88));
+    store(32, _mm512_shuffle_f32x4(even01, even23, 0xdd)), store(48, _mm512_shuffle_f32x4(odd01, odd23, 0xdd));
 #elif defined(__AVX2__)
     const __m256 a = _mm256_unpacklo_ps(v.x.v, v.y.v), b = _mm256_unpackhi_ps(v.x.v, v.y.v);
     const __m256 c = _mm256_unpacklo_ps(v.z.v, v.w.v), d = _mm256_unpackhi_ps(v.z.v, v.w.v);
@@ -71,14 +74,14 @@ PLUMB_INLINE void store_row4(float* p, const vec4<F>& value, int count) {
     const __m256 t1 = (__m256)_mm256_unpackhi_pd((__m256d)a, (__m256d)c);
     const __m256 t2 = (__m256)_mm256_unpacklo_pd((__m256d)b, (__m256d)d);
     const __m256 t3 = (__m256)_mm256_unpackhi_pd((__m256d)b, (__m256d)d);
-    _mm256_storeu_ps(out, _mm256_permute2f128_ps(t0, t1, 0x20));
-    _mm256_storeu_ps(out + 8, _mm256_permute2f128_ps(t2, t3, 0x20));
-    _mm256_storeu_ps(out + 16, _mm256_permute2f128_ps(t0, t1, 0x31));
-    _mm256_storeu_ps(out + 24, _mm256_permute2f128_ps(t2, t3, 0x31));
+    auto store = [&](int at, __m256 x) { streamed ? _mm256_stream_ps(out + at, x) : _mm256_storeu_ps(out + at, x); };
+    store(0, _mm256_permute2f128_ps(t0, t1, 0x20)), store(8, _mm256_permute2f128_ps(t2, t3, 0x20));
+    store(16, _mm256_permute2f128_ps(t0, t1, 0x31)), store(24, _mm256_permute2f128_ps(t2, t3, 0x31));
 #elif defined(__SSE4_2__)
     __m128 r0 = v.x.v, r1 = v.y.v, r2 = v.z.v, r3 = v.w.v;
     _MM_TRANSPOSE4_PS(r0, r1, r2, r3);
-    _mm_storeu_ps(out, r0), _mm_storeu_ps(out + 4, r1), _mm_storeu_ps(out + 8, r2), _mm_storeu_ps(out + 12, r3);
+    auto store = [&](int at, __m128 x) { streamed ? _mm_stream_ps(out + at, x) : _mm_storeu_ps(out + at, x); };
+    store(0, r0), store(4, r1), store(8, r2), store(12, r3);
 #else
     out[0] = v.x, out[1] = v.y, out[2] = v.z, out[3] = v.w;
 #endif
