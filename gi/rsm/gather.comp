@@ -24,8 +24,12 @@ vec3 gather_disc(ivec2 pixel) {
     uint hash = pixel_hash(uint(pixel.x), uint(pixel.y), 0u, u.seed).x;
     int rotation = int(hash >> 16) & (u.rotations - 1);
 
+    // Where no sample can meet the map there is nothing to sum.
+    ivec2 shifted = centre + u.reach;
+    int range = u.map.size + 2 * u.reach;
+    bool near = shifted.x >= 0 && shifted.x < range && shifted.y >= 0 && shifted.y < range;
     precise vec3 sum = vec3(0.0);
-    for (int k = 0; k < u.samples; ++k) {
+    for (int k = 0; near && k < u.samples; ++k) {
         int offset = offsets[rotation + k * u.rotations];
         ivec2 texel = centre + ivec2((offset << 16) >> 16, offset >> 16);
 

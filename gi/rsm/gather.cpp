@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <type_traits>
 
 #include "core/error.h"
@@ -58,6 +59,14 @@ void validate(const GatherParams& params, const GatherInputs& in) {
 
 namespace {
 
+// The largest |dx| or |dy| of the pattern, texels.
+int reach_of(const Pattern& pattern) {
+    int reach = 0;
+    for (const std::int32_t offset : pattern.offsets)
+        reach = std::max({reach, std::abs(std::int32_t(std::int16_t(offset))), std::abs(offset >> 16)});
+    return reach;
+}
+
 // Fills the kernel's view of the inputs.
 template <class Component>
 GatherInputsView<Component> view_of(const GatherParams& params, const GatherInputs& in, const Component* records) {
@@ -75,7 +84,9 @@ GatherInputsView<Component> view_of(const GatherParams& params, const GatherInpu
     v.position = &in.position->data()->x;
     v.normal = &in.normal->data()->x;
     v.records = records;
-    if (in.pattern) v.offsets = in.pattern->offsets.data(), v.weights = in.pattern->weights.data();
+    if (!in.pattern) return v;
+    u.reach = reach_of(*in.pattern);
+    v.offsets = in.pattern->offsets.data(), v.weights = in.pattern->weights.data();
     return v;
 }
 

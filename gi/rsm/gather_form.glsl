@@ -10,7 +10,7 @@ struct GatherUniforms {
     int width;
     int height;
     uint seed;
-    int padding;
+    int reach;
 };
 
 // The geometry of VRSM (3.2), everything but the flux: 1/m2.

@@ -25,7 +25,7 @@ struct GatherUniforms {
     std::int32_t width;     // of the image of shading points
     std::int32_t height;
     std::uint32_t seed;
-    std::int32_t padding;
+    std::int32_t reach;     // texels: the pattern's largest |dx| or |dy|
 };
 static_assert(sizeof(GatherUniforms) == 96);
 
@@ -73,8 +73,12 @@ PLUMB_INLINE vec3<F> gather_disc(const GatherInputsView<Component>& in, index_t<
     const I rotation = shift_right(hash, 16) & I(u.rotations - 1);
     tap("rotation", rotation, "row of the table of offsets");
 
+    // Where no sample can meet the map, as behind a face of a point light, there is nothing to sum. The lanes that are
+    // near decide for themselves alone, so that no width of a packet changes a bit.
+    const I range(u.map.size + 2 * u.reach);
+    const mask_t<F> near = in_range(centre.x + I(u.reach), range) & in_range(centre.y + I(u.reach), range);
     vec3<F> sum{F(0.0f), F(0.0f), F(0.0f)};
-    for (int k = 0; k < u.samples; ++k) {
+    for (int k = 0; any(near) && k < u.samples; ++k) {
         tap.sample(k);
         const I offset = N::fetch(in.offsets, rotation + I(k * u.rotations));
         const ivec2<I> texel{centre.x + ((offset << 16) >> 16), centre.y + (offset >> 16)};
@@ -97,7 +101,9 @@ PLUMB_INLINE vec3<F> gather_disc(const GatherInputsView<Component>& in, index_t<
         sum.z += flux.z * g;                                      tap("sum", sum, "sum so far of weight Phi_p form, W/m2");
     }
     tap.sample(-1);
-    const vec3<F> irradiance = sum * F(u.scale);                  tap("irradiance", irradiance, "E = sum / pi, W/m2");
+    const vec3<F> zero{F(0.0f), F(0.0f), F(0.0f)};
+    const vec3<F> irradiance = select3<F>(near, sum * F(u.scale), zero);
+    tap("irradiance", irradiance, "E = sum / pi, W/m2");
     return irradiance;
 }
 

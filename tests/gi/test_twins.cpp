@@ -60,7 +60,7 @@ TEST_CASE("twins: rsm.disc and rsm.all bind the kernel's uniforms", "[twins][std
     using U = rsm::GatherUniforms;
     const std::vector<Member> kernel{
         AT(U, map),   AT(U, least_distance2), AT(U, scale), AT(U, samples), AT(U, rotations),
-        AT(U, width), AT(U, height),          AT(U, seed),  AT(U, padding)};
+        AT(U, width), AT(U, height),          AT(U, seed),  AT(U, reach)};
     CHECK(members_of_twin("gi/rsm/gather_form.glsl", "struct GatherUniforms") == kernel);
 }
 

@@ -1,7 +1,7 @@
 #!/bin/bash
-# Renders the Cornell box with every given program, by every instruction set of this machine, by 1, 2 and 3 threads, and
-# once with AVX2 and FMA hidden from the C library: every picture and every input and output of a stage must be the same
-# file. run.json alone may differ: it has times in it, and must name the set that ran.
+# Renders the Cornell box, with a point light beside its spot, with every given program, by every instruction set of this
+# machine, by 1, 2 and 3 threads, and once with AVX2 and FMA hidden from the C library: every picture and every input and
+# output of a stage must be the same file. run.json alone may differ: it has times in it, and must name the set that ran.
 # Usage: same_bits.sh [--size N] <folder to work in> <plumb>...
 set -euo pipefail
 size=61
@@ -23,6 +23,15 @@ has() { grep -qwE "$1" /proc/cpuinfo; }
 scene=$folder/scene/cornell.toml
 sed -i "s/^size *=.*/size = [$((size * 3 / 2)), $size]/" "$scene"
 grep -q "^size = \[$((size * 3 / 2)), $size\]" "$scene" || { echo "same_bits: $scene has no frame.size" >&2; exit 1; }
+cat >> "$scene" << 'EOF'
+
+[[light]]
+name = "lamp"
+type = "point"
+position = [0.3, 0.9, 0.6]
+intensity = [2, 1, 0.5]
+rsm_size = 24
+EOF
 
 # sums <folder>: one line a file, its hash and its name.
 sums() { (cd "$1" && find . -type f ! -name run.json | LC_ALL=C sort | xargs sha256sum); }
