@@ -118,7 +118,7 @@ void draw_gbuffer(const Geometry& geometry, const Surfaces& surfaces, const View
 }
 
 std::vector<TapValue> explain_gbuffer(const Geometry& geometry, const Surfaces& surfaces, const View& view,
-                                      glm::ivec2 size, glm::ivec2 pixel) {
+                                      glm::ivec2 size, glm::ivec2 pixel, const Layout& layout) {
     RunOptions one;
     one.threads = 1;
     const VisibilityBuffer visible = draw_visibility_rows(geometry, &surfaces, view, size, pixel.y, pixel.y + 1, one);
@@ -131,8 +131,23 @@ std::vector<TapValue> explain_gbuffer(const Geometry& geometry, const Surfaces& 
     }
     recorder("object", geometry.object[std::size_t(triangle)], "index, of the triangle");
     recorder("z", visible.depth(pixel.x, pixel.y), "of the depth buffer, 0 to 1; not the linear depth");
-    gbuffer<float>(args_of(geometry, surfaces, view, visible), triangle, visible.barycentrics(pixel.x, pixel.y),
-                   recorder);
+    GBufferArgs args = args_of(geometry, surfaces, view, visible);
+    args.store = store_of(layout, view);
+    GBufferPixel<float> p = gbuffer<float>(args, triangle, visible.barycentrics(pixel.x, pixel.y), recorder);
+
+    // What the targets make of it.
+    p = stored<float>(args, p, pixel.x, pixel.y);
+    auto rest = [&](Format format, const vec4<float>& v) {
+        Image4 texel(1, 1, glm::vec4(v.x, v.y, v.z, v.w));
+        quantise_rest(format, texel, 0, 1);
+        return vec3<float>(glm::vec3(texel(0, 0)));
+    };
+    const std::string rounded = "as layout " + layout.name + " stores it";
+    recorder("stored_position", xyz<float>(p.position), rounded.c_str());
+    recorder("stored_depth", p.position.w, rounded.c_str());
+    recorder("stored_normal", xyz<float>(p.normal), rounded.c_str());
+    recorder("stored_albedo", rest(layout.albedo, p.albedo), rounded.c_str());
+    recorder("stored_emission", rest(layout.emission, p.emission), rounded.c_str());
     return recorder.values;
 }
 

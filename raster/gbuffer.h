@@ -20,7 +20,7 @@ struct GBufferWants {
     bool position = true, normal = true, albedo = true, emission = true, id = true;
 };
 
-struct Workspace;  // raster/visibility.h
+struct Workspace;  // raster/workspace.h
 
 struct GBuffer {
     Image4 position;       // xyz world, m; w: linear eye depth, m; all 0 where there is nothing
@@ -37,9 +37,10 @@ void draw_gbuffer(const Geometry& geometry, const Surfaces& surfaces, const View
                   const Layout& layout, const RunOptions& options, GBuffer& out, const GBufferWants& wants = {},
                   Workspace* workspace = nullptr);
 
-// Every named value of one pixel, in the order in which the kernel computes them, before rounding to the layout.
+// Every named value of one pixel, in the order in which the kernel computes them, before rounding to the layout; then
+// what the layout makes of position, normal, albedo and emission: "stored_position" and so on.
 std::vector<TapValue> explain_gbuffer(const Geometry& geometry, const Surfaces& surfaces, const View& view,
-                                      glm::ivec2 size, glm::ivec2 pixel);
+                                      glm::ivec2 size, glm::ivec2 pixel, const Layout& layout = Layout::fp32);
 
 StageInfo info_gbuffer();
 

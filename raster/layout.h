@@ -70,6 +70,9 @@ void validate(const Layout& layout, const std::string& place);
 // see overflows its 16-bit target, and where the layout asks what the view has not: a far plane, a perspective.
 void check_gbuffer(const Layout& layout, const Geometry& geometry, const View& view, int threads);
 
+// The same for a light's map, named by its light.
+void check_rsm(const Layout& layout, const std::string& light, const Geometry& geometry, const View& view, int threads);
+
 // Rounds rows [first, last) where the row kernels leave a format out (quantised_by_kernel()); else does nothing.
 void quantise_rest(Format format, Image4& image, int first, int last);
 

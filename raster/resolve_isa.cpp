@@ -111,13 +111,8 @@ void ResolveRows<Isa::PLUMB_ISA>::rsm(const RsmArgs& in, int first, int last, co
             const Packet p = packet(in.triangle, in.barycentrics, in.size, x, y);
             const std::ptrdiff_t at = std::ptrdiff_t(y) * in.size + x;
             RsmTexel<F> out{nothing, nothing, nothing};
-            if (any(p.covered)) {
-                out = raster::rsm<F>(in, p.x, I(y), p.triangle, p.barycentrics, tap);
-                out.position = vec4<F>(xyz<F>(quantised<F>(store.position, out.position)),
-                                       stored_depth(store.depth, out.position.w));
-                out.normal = vec4<F>(stored_normal<F>(store.normal, out.normal), out.normal.w);
-                out.flux = vec4<F>(xyz<F>(quantised<F>(store.flux, out.flux)), F(0.0f));
-            }
+            if (any(p.covered))
+                out = stored<F>(store, raster::rsm<F>(in, p.x, I(y), p.triangle, p.barycentrics, tap));
             put(in.position, at, out.position, p);
             put(in.normal, at, out.normal, p);
             put(in.flux, at, out.flux, p);

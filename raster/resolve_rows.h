@@ -8,11 +8,6 @@
 
 namespace plumb::raster {
 
-// How the texels of a reflective shadow map are stored; `depth` is position's w.
-struct RsmStore {
-    Format position = Format::rgba32f, normal = Format::rgba32f, flux = Format::rgba32f, depth = Format::r32f;
-};
-
 template <Isa isa>
 struct ResolveRows {
     static void gbuffer(const GBufferArgs& in, int first, int last);

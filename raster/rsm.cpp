@@ -10,6 +10,7 @@
 #include "raster/resolve_rows.h"
 #include "raster/rsm_rows.h"
 #include "raster/visibility.h"
+#include "raster/workspace.h"
 
 namespace plumb::raster {
 namespace {
@@ -39,38 +40,48 @@ RsmArgs args_of(const Geometry& geometry, const Surfaces& surfaces, const Light&
     return a;
 }
 
+RsmStore store_of(const Layout& layout) {
+    return {layout.rsm_position, layout.rsm_normal, layout.rsm_flux, layout.rsm_depth};
+}
+
+// Makes room for a map, unless it is there; every texel will be written, and the padding of the records stays 0.
+void fit(int size, bool half, Rsm& out) {
+    for (Image4* image : {&out.position, &out.normal, &out.flux})
+        if (image->width != size || image->height != size) *image = Image4(size, size);
+    const std::size_t components = std::size_t(size) * std::size_t(size) * record_stride;
+    out.half_records.resize(half ? components : 0);
+    out.records.resize(half ? 0 : components);
+    out.size = size;
+    out.half = half;
+}
+
 }  // namespace
 
 void draw_rsm(const Geometry& geometry, const Surfaces& surfaces, const Light& light, const View& light_view,
               const Layout& layout, const RunOptions& options, Rsm& out, Workspace* workspace) {
     validate(light);
+    check_rsm(layout, light.name, geometry, light_view, options.threads);
     RunOptions half = options;
     if (options.progress) half.progress = [&](double share) { options.progress(0.5 * share); };
     const int size = light.rsm_size;
-    VisibilityBuffer visible;
-    draw_visibility(geometry, &surfaces, light_view, {size, size}, half, visible, workspace);
+    Workspace temporary;
+    Workspace& memory = workspace ? *workspace : temporary;
+    VisibilityBuffer& visible = memory.visible;
+    draw_visibility(geometry, &surfaces, light_view, {size, size}, half, visible, &memory);
     if (options.progress) half.progress = [&](double share) { options.progress(0.5 + 0.5 * share); };
 
-    out = Rsm{};
-    out.size = size;
+    fit(size, layout.half_records(), out);
     out.view = light_view;
     out.type = light.type;
-    out.half = layout.half_records();
     out.texel_scale = 2 * half_width(light_view) / size;
-    for (Image4* image : {&out.position, &out.normal, &out.flux}) *image = Image4(size, size, glm::vec4(0));
-    const std::size_t components = std::size_t(size) * std::size_t(size) * record_stride;
-    if (out.half)
-        out.half_records.assign(components, Half{0});
-    else
-        out.records.assign(components, 0.0f);
-
     RsmArgs args = args_of(geometry, surfaces, light, light_view, visible);
     const RsmImages images{&out.position.data()->x, &out.normal.data()->x, &out.flux.data()->x};
     args.position = images.position, args.normal = images.normal, args.flux = images.flux;
-    const RsmStore store{layout.rsm_position, layout.rsm_normal, layout.rsm_flux, layout.rsm_depth};
+    const RsmStore store = store_of(layout);
     dispatch(options.isa, [&](auto isa) {
         parallel_bands(size, band_rows, half, [&](int first, int last) {
             ResolveRows<isa()>::rsm(args, first, last, store);
+            quantise_rest(layout.rsm_flux, out.flux, first, last);
             const std::ptrdiff_t begin = std::ptrdiff_t(first) * size, end = std::ptrdiff_t(last) * size;
             if (out.half) return RsmRows<isa()>::pack(images, out.half_records.data(), begin, end);
             RsmRows<isa()>::pack(images, out.records.data(), begin, end);
@@ -79,7 +90,7 @@ void draw_rsm(const Geometry& geometry, const Surfaces& surfaces, const Light& l
 }
 
 std::vector<TapValue> explain_rsm(const Geometry& geometry, const Surfaces& surfaces, const Light& light,
-                                  const View& light_view, glm::ivec2 texel) {
+                                  const View& light_view, glm::ivec2 texel, const Layout& layout) {
     validate(light);
     RunOptions one;
     one.threads = 1;
@@ -95,8 +106,18 @@ std::vector<TapValue> explain_rsm(const Geometry& geometry, const Surfaces& surf
     }
     recorder("object", geometry.object[std::size_t(triangle)], "index, of the triangle");
     recorder("z", visible.depth(texel.x, texel.y), "of the depth buffer, 0 to 1; not the linear depth");
-    rsm<float>(args_of(geometry, surfaces, light, light_view, visible), texel.x, texel.y, triangle,
-               visible.barycentrics(texel.x, texel.y), recorder);
+    RsmTexel<float> t = rsm<float>(args_of(geometry, surfaces, light, light_view, visible), texel.x, texel.y, triangle,
+                                   visible.barycentrics(texel.x, texel.y), recorder);
+
+    // What the targets make of it.
+    t = stored<float>(store_of(layout), t);
+    Image4 flux(1, 1, glm::vec4(t.flux.x, t.flux.y, t.flux.z, t.flux.w));
+    quantise_rest(layout.rsm_flux, flux, 0, 1);
+    const std::string rounded = "as layout " + layout.name + " stores it";
+    recorder("stored_position", xyz<float>(t.position), rounded.c_str());
+    recorder("stored_depth", t.position.w, rounded.c_str());
+    recorder("stored_normal", xyz<float>(t.normal), rounded.c_str());
+    recorder("stored_flux", vec3<float>(glm::vec3(flux(0, 0))), rounded.c_str());
     return recorder.values;
 }
 

@@ -15,7 +15,7 @@
 
 namespace plumb::raster {
 
-struct Workspace;  // raster/visibility.h
+struct Workspace;  // raster/workspace.h
 
 struct Rsm {
     int size = 0;  // texels a side
@@ -31,13 +31,15 @@ struct Rsm {
 };
 
 // light.rsm_size texels a side, through a view of light_views(), raster/light_view.h: a point light takes six calls.
-// Allocates `out`. Images are rounded as the layout says.
+// Images are rounded as the layout says. Memory of `out` that has the right size is written in place. Throws InputError
+// for what the layout cannot hold (check_rsm() of raster/layout.h).
 void draw_rsm(const Geometry& geometry, const Surfaces& surfaces, const Light& light, const View& light_view,
               const Layout& layout, const RunOptions& options, Rsm& out, Workspace* workspace = nullptr);
 
-// Every named value of one texel, in the order in which the kernel computes them, before rounding to the layout.
+// Every named value of one texel, in the order in which the kernel computes them, before rounding to the layout; then
+// what the layout makes of position, normal and flux: "stored_position" and so on.
 std::vector<TapValue> explain_rsm(const Geometry& geometry, const Surfaces& surfaces, const Light& light,
-                                  const View& light_view, glm::ivec2 texel);
+                                  const View& light_view, glm::ivec2 texel, const Layout& layout = Layout::fp32);
 
 StageInfo info_rsm();
 

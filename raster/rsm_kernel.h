@@ -11,10 +11,15 @@
 // differs: LRA's flux has neither the light's colour nor the cosine.
 #pragma once
 
+#include "raster/gbuffer_kernel.h"
 #include "raster/light_kernel.h"
-#include "raster/surface_kernel.h"
 
 namespace plumb::raster {
+
+// How the texels of a reflective shadow map are stored; `depth` is position's w.
+struct RsmStore {
+    Format position = Format::rgba32f, normal = Format::rgba32f, flux = Format::rgba32f, depth = Format::r32f;
+};
 
 struct RsmArgs {
     SurfaceArgs surfaces;
@@ -62,6 +67,14 @@ PLUMB_INLINE RsmTexel<F> rsm(const RsmArgs& in, index_t<F> px, index_t<F> py, in
     const vec3<F> flux{s.albedo.x * power.x, s.albedo.y * power.y, s.albedo.z * power.z};
     tap("flux", flux, "Phi = rho I(w) dw or rho E_perp A, W");
     return {vec4<F>(s.position, depth), vec4<F>(s.normal, F(1.0f)), vec4<F>(flux, F(0.0f))};
+}
+
+// What a later pass reads of a texel.
+template <class F>
+PLUMB_INLINE RsmTexel<F> stored(const RsmStore& store, const RsmTexel<F>& t) {
+    return {vec4<F>(xyz<F>(quantised<F>(store.position, t.position)), stored_depth(store.depth, t.position.w)),
+            vec4<F>(stored_normal<F>(store.normal, t.normal), t.normal.w),
+            vec4<F>(xyz<F>(quantised<F>(store.flux, t.flux)), F(0.0f))};
 }
 
 }  // namespace plumb::raster

@@ -33,7 +33,8 @@ struct Explainer {
         if (raster::map_count(light) > 1)
             values.push_back({"face", -1, {double(face)}, "of the point light: +x -x +y -y +z -z"});
         const std::vector<TapValue> taps =
-            raster::explain_rsm(geometry, surfaces, light, view, {texel.x - face * light.rsm_size, texel.y});
+            raster::explain_rsm(geometry, surfaces, light, view, {texel.x - face * light.rsm_size, texel.y},
+                                settings.layout);
         values.insert(values.end(), taps.begin(), taps.end());
         return values;
     }
@@ -44,7 +45,7 @@ struct Explainer {
         if (stage.name == "gbuffer") {
             const glm::ivec2 size = scene.frame_size;
             const View view = make_view(scene.camera, double(size.x) / size.y, scene.convention, size);
-            return raster::explain_gbuffer(geometry, surfaces, view, size, pixel);
+            return raster::explain_gbuffer(geometry, surfaces, view, size, pixel, settings.layout);
         }
         if (stage.name == "rsm")
             return explain_texel(lights[l], pixel);
@@ -75,6 +76,8 @@ std::vector<Explanation> explain(const Scene& scene, const Settings& settings, c
     if (!stage.empty() && std::find(names.begin(), names.end(), stage) == names.end())
         throw InputError(fmt::format("explain: unknown stage '{}'; the nearest known one is '{}'", stage,
                                      nearest_name(stage, names)));
+    if (!stage.empty() && !in_a_frame(stage))
+        throw InputError(fmt::format("explain: the stage {} is not part of a frame: no method runs it", stage));
     std::vector<const PlannedStage*> chosen;
     std::string left_out;
     for (const PlannedStage& s : plan.stages) {

@@ -7,7 +7,9 @@
 
 #include "core/error.h"
 #include "core/fp_environment.h"
+#include "raster/hemicube.h"
 #include "raster/light_view.h"
+#include "raster/texture_space.h"
 #include "raster/workspace.h"
 
 namespace plumb::frame {
@@ -56,8 +58,19 @@ void draw_maps(const Geometry& geometry, const raster::Surfaces& surfaces, const
     }
 }
 
+// Buffers that were not wanted are 0 where others read them.
+void fill_unwanted(glm::ivec2 size, raster::GBuffer& g) {
+    for (Image4* image : {&g.position, &g.normal, &g.albedo, &g.emission})
+        if (image->empty()) *image = Image4(size.x, size.y);
+}
+
 void add(Image4& sum, const Image4& term) {
     for (std::size_t i = 0; i < sum.size(); ++i) sum.texels[i] += term.texels[i];
+}
+
+std::vector<StageInfo> frame_stages() {
+    return {raster::info_gbuffer(), raster::info_rsm(),    direct::shadow_info(),   rsm::info_disc(),
+            rsm::info_all(),        direct::direct_info(), compose::compose_info(), compose::tonemap_info()};
 }
 
 }  // namespace
@@ -96,7 +109,9 @@ Frame execute(const Scene& scene, const Settings& settings, const Plan& plan, co
         const int l = stage.light;
         if (stage.name == "gbuffer") {
             const View view = make_view(scene.camera, double(size.x) / size.y, scene.convention, size);
-            raster::draw_gbuffer(geometry, surfaces, view, size, settings.layout, options, f.gbuffer, {}, &workspace);
+            raster::draw_gbuffer(geometry, surfaces, view, size, settings.layout, options, f.gbuffer, plan.gbuffer,
+                                 &workspace);
+            fill_unwanted(size, f.gbuffer);
             run.bytes = bytes_of(f.gbuffer);
         } else if (stage.name == "rsm") {
             draw_maps(geometry, surfaces, lights[l], low, high, settings.layout, options, f.rsms[l], workspace);
@@ -133,8 +148,15 @@ Frame execute(const Scene& scene, const Settings& settings, const Plan& plan, co
 }
 
 std::vector<StageInfo> all_stages() {
-    return {raster::info_gbuffer(), raster::info_rsm(), direct::shadow_info(),   rsm::info_disc(),
-            rsm::info_all(),        direct::direct_info(), compose::compose_info(), compose::tonemap_info()};
+    std::vector<StageInfo> all = frame_stages();
+    all.push_back(raster::info_hemicube());
+    all.push_back(raster::info_texture_space());
+    return all;
+}
+
+bool in_a_frame(const std::string& stage) {
+    const std::vector<StageInfo> stages = frame_stages();
+    return std::any_of(stages.begin(), stages.end(), [&](const StageInfo& s) { return s.name == stage; });
 }
 
 }  // namespace plumb::frame

@@ -29,11 +29,12 @@ struct PlannedStage {
 
 struct Plan {
     std::vector<PlannedStage> stages;  // in the order in which they run
+    raster::GBufferWants gbuffer;      // the buffers that are computed; the others are 0
 };
 
 // A pure function of what it is given. Leaves out what cannot change the picture: a light that is off, black or shines
-// away from everything, gathers where nothing reflects, everything where the scene is empty. Throws InputError for what
-// this version cannot render.
+// away from everything, gathers where nothing reflects, colours that no material has, everything where the scene is
+// empty. Throws InputError for what this version cannot render.
 Plan plan(const Scene& scene, const Settings& settings);
 
 struct StageRun {
@@ -77,7 +78,9 @@ struct Explanation {
 std::vector<Explanation> explain(const Scene& scene, const Settings& settings, const Plan& plan, const Frame& frame,
                                  const std::string& stage, int light, glm::ivec2 pixel);
 
-// Every stage that exists, in the order of a frame: the rows of `plumb stages`.
+// Every stage that exists: the rows of `plumb stages`. First those of a frame, in its order, then passes that no frame
+// runs by itself.
 std::vector<StageInfo> all_stages();
+bool in_a_frame(const std::string& stage);
 
 }  // namespace plumb::frame

@@ -27,11 +27,21 @@ std::string why_dark(const Light& light, const glm::vec3& low, const glm::vec3& 
     return "everything lies behind the light";
 }
 
-// Why no surface can pass light on; empty if one may.
-std::string why_nothing_reflects(const Scene& scene, const Geometry& geometry) {
+// True if that colour of some material is not 0. Textures multiply it.
+bool any_surface(const Scene& scene, const Geometry& geometry, glm::vec3 Material::* colour) {
     for (std::int32_t m : geometry.material)
-        if (!black(scene.materials[m].reflectance)) return "";
-    return "nothing reflects";
+        if (scene.materials[m].*colour != glm::vec3(0)) return true;
+    return false;
+}
+
+// The buffers that can hold anything but 0; adds to `left_out` what the others are.
+raster::GBufferWants wanted(bool reflects, bool emits, std::string& left_out) {
+    raster::GBufferWants wants;
+    wants.albedo = reflects;
+    wants.emission = emits;
+    if (!reflects) left_out += "; no albedo: nothing reflects";
+    if (!emits) left_out += "; no emission: nothing emits";
+    return wants;
 }
 
 struct Planner {
@@ -63,11 +73,15 @@ Plan plan(const Scene& scene, const Settings& settings) {
     const std::string nothing = empty ? "the scene is empty" : "";
     const double pixels = double(scene.frame_size.x) * scene.frame_size.y;
     const double triangles = double(geometry.triangles.size());
-    const std::string no_bounce = empty ? nothing : why_nothing_reflects(scene, geometry);
+    const bool reflects = any_surface(scene, geometry, &Material::reflectance);
+    const std::string no_bounce = empty ? nothing : reflects ? "" : "nothing reflects";
 
     Planner planner{scene, settings, {}};
+    std::string without;
+    if (settings.pruning)
+        planner.plan.gbuffer = wanted(reflects, any_surface(scene, geometry, &Material::emission), without);
     planner.add("gbuffer", -1, triangles + pixels, "triangles + pixels", ms_pixels,
-                "every later stage reads it", nothing);
+                "every later stage reads it" + without, nothing);
     for (int l = 0; l < int(scene.lights.size()); ++l) {
         const Light& light = scene.lights[l];
         const std::string dark = empty ? nothing : why_dark(light, low, high);

@@ -64,12 +64,17 @@ void require_equal(const Image4& a, const Image4& b) {
 // Renders with and without pruning, requires the same picture, and returns how many stages were left out.
 int left_out(const Scene& scene) {
     frame::Settings settings = frame::settings_of(scene);
+    settings.layout = raster::Layout::isr;  // its buffers are of several formats
     settings.rsm.samples = 16;
     const frame::Frame pruned = render(scene, settings);
     settings.pruning = false;
     const frame::Frame whole = render(scene, settings);
     require_equal(pruned.radiance, whole.radiance);
     require_equal(pruned.display, whole.display);
+    require_equal(pruned.gbuffer.position, whole.gbuffer.position);
+    require_equal(pruned.gbuffer.normal, whole.gbuffer.normal);
+    require_equal(pruned.gbuffer.albedo, whole.gbuffer.albedo);
+    require_equal(pruned.gbuffer.emission, whole.gbuffer.emission);
     int n = 0;
     for (const frame::StageRun& s : pruned.stages) n += !s.needed;
     for (const frame::StageRun& s : whole.stages) CHECK(s.needed);
@@ -107,6 +112,32 @@ TEST_CASE("frame: leaving out changes no bit, and each rule fires", "[frame][pru
         scene.environment.radiance = {1, 2, 3};
         CHECK(left_out(scene) == 8);
     }
+}
+
+TEST_CASE("frame: colours that no material has are not computed, and the plan says so", "[frame][pruning]") {
+    Scene scene = small_scene();
+    auto wants = [&](bool pruning) {
+        frame::Settings settings = frame::settings_of(scene);
+        settings.pruning = pruning;
+        return frame::plan(scene, settings);
+    };
+    CHECK(wants(true).gbuffer.emission);
+    CHECK(wants(true).stages[0].reason == "every later stage reads it");
+
+    // A material that no triangle has does not count.
+    scene.materials[1].emission = glm::vec3(0);
+    scene.materials.push_back(scene.materials[0]);
+    scene.materials.back().emission = glm::vec3(1);
+    CHECK_FALSE(wants(true).gbuffer.emission);
+    CHECK(wants(true).gbuffer.albedo);
+    CHECK(wants(true).stages[0].reason == "every later stage reads it; no emission: nothing emits");
+    CHECK(wants(false).gbuffer.emission);
+    CHECK(left_out(scene) == 0);
+
+    for (Material& m : scene.materials) m.reflectance = glm::vec3(0);
+    CHECK_FALSE(wants(true).gbuffer.albedo);
+    CHECK(wants(false).gbuffer.albedo);
+    CHECK(left_out(scene) == 2);
 }
 
 TEST_CASE("frame: a spot that just grazes the scene's bounds is not left out", "[frame][pruning]") {
@@ -161,6 +192,8 @@ TEST_CASE("frame: every stage of the plan can be explained, and its last values 
     CHECK_THROWS_WITH(frame::explain(scene, settings, plan, f, "compose", -1, {24, 0}),
                       "explain: pixel 24,0 is outside of compose, which is 24 x 18");
     CHECK_THROWS_AS(frame::explain(scene, settings, plan, f, "rsm.all", -1, pixel), InputError);
+    CHECK_THROWS_WITH(frame::explain(scene, settings, plan, f, "hemicube", -1, pixel),
+                      "explain: the stage hemicube is not part of a frame: no method runs it");
 }
 
 TEST_CASE("frame: every stage has a twin, a source, inputs, outputs and a method's README", "[frame][stages]") {

@@ -209,6 +209,28 @@ TEST_CASE("point light: behind a face's plane its map sends nothing; clamped, it
     CHECK(gather(params, behind, maps[0], &pattern)(0, 0).x > 0);
 }
 
+// A sample of weight 0 as far away as an offset can be makes the kernel look at every sample, wherever the map is.
+TEST_CASE("point light: leaving out the samples that cannot meet a map moves no bit", "[rsm][point][bits]") {
+    const int size = 32, n = 3000;
+    const std::vector<raster::Rsm> maps = maps_of(scene_of(box(), lamp, size));
+    const Points points = on_walls(n, 0);
+    rsm::GatherParams params, longer;
+    params.samples = 24, params.rotations = longer.rotations = 4, params.radius = longer.radius = 0.3f;
+    longer.samples = 25;
+    const rsm::Pattern pattern = rsm::disc_pattern(params, size, 1);
+    rsm::Pattern far = pattern;
+    far.samples = 25;
+    far.offsets.insert(far.offsets.end(), 4, 32767 | 32767 << 16);
+    far.weights.push_back(0);
+    for (const raster::Rsm& map : maps) {
+        const Image4 near = gather(params, points, map, &pattern), all = gather(longer, points, map, &far);
+        CHECK(std::memcmp(near.data(), all.data(), n * sizeof(glm::vec4)) == 0);
+        int reached = 0;
+        for (const glm::vec4& e : near.texels) reached += e.x > 0;
+        CHECK((reached > 0 && reached < n));
+    }
+}
+
 // ---- The whole frame --------------------------------------------------------------------------------------------------
 
 namespace {
@@ -307,7 +329,7 @@ TEST_CASE("point light: its stages can be explained, and end with what the frame
     for (int face = 0; face < 6; ++face) {
         const auto texel = frame::explain(scene, settings, plan, f, "rsm", -1, {31 * face + 7, 20}).at(0).values;
         CHECK(texel.front().value.at(0) == face);
-        CHECK(texel.back().name == "flux");
+        CHECK(texel.back().name == "stored_flux");
         CHECK(float(texel.back().value.at(0)) == f.rsms[0][std::size_t(face)].flux(7, 20).x);
     }
     CHECK_THROWS_WITH(frame::explain(scene, settings, plan, f, "rsm", -1, {186, 0}),

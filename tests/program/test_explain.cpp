@@ -52,7 +52,40 @@ TEST_CASE("explain: every stage of a pixel ends with what the picture holds", "[
         CHECK(r.exit == 0);
         CHECK(count(r.out, "NOT EQUAL") == 0);
     }
-    CHECK(count(run({"explain", scene, "--stage", "rsm", "--pixel", "24,24"}).out, ": equal\n") == 3);
+    CHECK(count(run({"explain", scene, "--stage", "rsm", "--pixel", "24,24"}).out, ": equal\n") == 4);
+}
+
+TEST_CASE("explain: what any layout rounds is held against the rounded value", "[program][layout]") {
+    const std::string folder = fresh_folder("explain_layouts"), scene = small_scene(folder);
+    write(scene, read(scene) + "[[material]]\nname = \"red\"\nemission = [3, 0.5, 0.25]\n");
+    const std::vector<Words> layouts = {
+        {"render.layout=isr"},
+        {"render.layout=lra"},
+        {"render.layout=vrsm"},
+        // Formats that the kernels round and that are rounded after them; the order of what is set does not matter.
+        {"layout.normal=octahedral8", "layout.albedo=rgbe", "layout.emission=r11g11b10f", "layout.position=rgba16f",
+         "render.layout=custom", "layout.rsm_flux=rgbe", "layout.rsm_normal=r10g10b10a2", "layout.rsm_depth=r16f"},
+    };
+    for (const Words& sets : layouts) {
+        auto explain = [&](Words arguments) {
+            arguments.insert(arguments.begin(), {"explain", scene});
+            for (const std::string& set : sets) arguments.insert(arguments.end(), {"--set", set});
+            const Result r = run(arguments);
+            INFO(sets[0] << "\n" << r.out << r.err);
+            CHECK(r.exit == 0);
+            CHECK(count(r.out, "NOT EQUAL") == 0);
+            return r.out;
+        };
+        for (const char* pixel : {"30,21", "14,20", "12,30"})
+            CHECK(count(explain({"--pixel", pixel}), ": equal\n") >= 12);
+        CHECK(count(explain({"--stage", "rsm", "--light", "key", "--pixel", "20,31"}), ": equal\n") == 4);
+
+        // The rounded values are others than the kernel's.
+        const Json e = Json::parse(explain({"--stage", "gbuffer", "--pixel", "12,30", "--json"}));
+        auto value = [&](const char* name) { return named(e, name).back()["value"]; };
+        CHECK(value("stored_position") != value("position"));
+        CHECK(value("stored_albedo") != value("albedo"));
+    }
 }
 
 TEST_CASE("explain: the samples of the gather add up to its irradiance", "[program][VRSM (3.2)]") {
@@ -127,7 +160,8 @@ TEST_CASE("stages: text and JSON name every stage, its ports and its twin", "[pr
     CHECK(json.exit == 0);
     CHECK(text.exit == 0);
     const Json stages = Json::parse(json.out);
-    for (const char* name : {"gbuffer", "rsm", "shadow", "direct", "rsm.disc", "rsm.all", "compose", "tonemap"}) {
+    for (const char* name : {"gbuffer", "rsm", "shadow", "direct", "rsm.disc", "rsm.all", "compose", "tonemap", "hemicube",
+                             "texture_space"}) {
         CHECK_THAT(text.out, Contains(std::string(name) + "\n"));
         CHECK(std::count_if(stages.begin(), stages.end(), [&](const Json& s) { return s["name"] == name; }) == 1);
     }
@@ -151,12 +185,15 @@ TEST_CASE("make-scene: writes the same scene every time, and plan accepts it", "
         CHECK(read(folder + "/a/" + name) == read(folder + "/b/" + name));
     CHECK(run({"plan", folder + "/a/cornell.toml"}).exit == 0);
 
-    // In JSON: the file that render takes, and all files.
+    // In JSON: the file that render takes, all files, and what is in them.
     const Result json = run({"make-scene", "cornell", "-o", folder + "/a", "--json"});
     CHECK(json.exit == 0);
     CHECK(json.err.empty());
     const Json written = Json::parse(json.out);
-    CHECK(keys(written) == Words{"scene", "files"});
+    CHECK(keys(written) ==
+          Words{"scene", "files", "meshes", "triangles", "vertices", "materials", "textures", "lights"});
     CHECK(written["scene"] == folder + "/a/cornell.toml");
     CHECK(written["files"] == Json{folder + "/a/cornell.mtl", folder + "/a/cornell.obj", folder + "/a/cornell.toml"});
+    CHECK(written["triangles"] == 38);
+    CHECK(written["lights"] == 1);
 }

@@ -143,6 +143,12 @@ TEST_CASE("usage: settings, stages, pixels and lights that do not exist", "[prog
     CHECK_THAT(render({"--set", "rsm.samples=0"}), Equals("--set rsm.samples: samples = 0: expected 1 to 65536"));
     CHECK_THAT(render({"--set", "rsm.samples"}), Contains("expected table.key=value"));
     CHECK_THAT(render({"--set", "rsm.rotations=3"}), Contains("power of two"));
+    CHECK_THAT(render({"--set", "layout.normal=rgba16f"}),
+               Equals("--set layout.normal: layout \"fp32\" is a preset: [layout] is for [render] layout = \"custom\""));
+    CHECK_THAT(render({"--set", "layout.albedo=rgba8", "--set", "render.layout=isr", "--set", "layout.depth=r16f"}),
+               Contains("--set layout.depth: layout \"isr\" is a preset"));
+    CHECK_THAT(render({"--set", "render.layout=custom", "--set", "layout.normal=r32f"}),
+               StartsWith("--set: [layout] normal = \"r32f\" cannot hold it"));
     CHECK_THAT(render({"--truth"}), Equals("--truth: the path tracer comes with a later version"));
     CHECK_FALSE(std::filesystem::exists(out));
 
@@ -153,6 +159,9 @@ TEST_CASE("usage: settings, stages, pixels and lights that do not exist", "[prog
     CHECK_THAT(explain({"--stage", "direct"}), Contains("--pixel"));
     CHECK_THAT(explain({"--stage", "dirct", "--pixel", "0,0"}),
                Equals("--stage dirct: unknown stage; the nearest known one is 'direct'"));
+    for (const std::string pass : {"hemicube", "texture_space"})
+        CHECK_THAT(explain({"--stage", pass, "--pixel", "0,0"}),
+                   Equals("--stage " + pass + ": the stage is not part of a frame: no method runs it"));
     CHECK_THAT(explain({"--stage", "direct", "--pixel", "1"}), Contains("expected X,Y"));
     CHECK_THAT(explain({"--stage", "direct", "--pixel", "-1,0"}), Contains("expected X,Y"));
     CHECK_THAT(explain({"--stage", "direct", "--pixel", "61,0"}), Contains("61 x 43"));

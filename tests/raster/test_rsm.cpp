@@ -9,6 +9,7 @@
 #include "drawing.h"
 #include "raster/light_view.h"
 #include "raster/rsm.h"
+#include "raster/workspace.h"
 
 using namespace plumb;
 using namespace plumb::raster;
@@ -270,6 +271,73 @@ TEST_CASE("rsm: the same bits for every instruction set and 1, 2, 3 threads", "[
                     REQUIRE(half.half_records[k].bits == float_to_half(truth.records[k]).bits);
             }
     }
+}
+
+TEST_CASE("rsm: memory that held another map changes nothing", "[raster][rsm][bits]") {
+    const Geometry g = floor_of();
+    const Surfaces surfaces = prepare(plain_scene(), g);
+    Workspace workspace;
+    Rsm out;
+    for (const Layout& layout : {Layout::fp32, Layout::rgba16f, Layout::fp32})
+        for (int size : {40, 40, 17, 40}) {
+            Light light = spot_light(size);
+            // Every other map sees sky beside the floor.
+            light.direction = size == 40 && out.size == 40 ? glm::vec3(1, -0.2f, 0) : glm::vec3(0.3f, -1, 0.2f);
+            const View view = light_view(light, low, high);
+            draw_rsm(g, surfaces, light, view, layout, {}, out, &workspace);
+            const Rsm fresh = draw(g, light, view, {}, layout);
+            CAPTURE(size, layout.name);
+            CHECK(out.half == fresh.half);
+            CHECK(out.texel_scale == fresh.texel_scale);
+            for (auto image : {&Rsm::position, &Rsm::normal, &Rsm::flux}) {
+                REQUIRE((out.*image).size() == (fresh.*image).size());
+                CHECK(std::memcmp((out.*image).data(), (fresh.*image).data(), 16 * (fresh.*image).size()) == 0);
+            }
+            REQUIRE(out.records.size() == fresh.records.size());
+            REQUIRE(out.half_records.size() == fresh.half_records.size());
+            CHECK(std::memcmp(out.records.data(), fresh.records.data(), 4 * fresh.records.size()) == 0);
+            CHECK(std::memcmp(out.half_records.data(), fresh.half_records.data(), 2 * fresh.half_records.size()) == 0);
+        }
+}
+
+TEST_CASE("rsm: positions and depths that halves cannot hold are refused", "[raster][rsm][errors]") {
+    Geometry far_away;
+    add_triangle(far_away, at({-81000, 0, -81000}), at({81000, 0, -81000}), at({0, 0, 81000}));
+    const glm::vec3 from(-81000, 0, -81000), to(81000, 0, 81000);
+    Light sun = spot_light(16);
+    sun.type = LightType::directional;
+    const View view = light_view(sun, from, to);
+    CHECK_NOTHROW(draw(far_away, sun, view));
+    CHECK_THROWS_WITH(draw(far_away, sun, view, {}, Layout::rgba16f),
+                      "rsm: light \"lamp\": positions up to 81 km do not fit rgba16f (65.504 km), which layout "
+                      "\"rgba16f\" stores them in: use fp32");
+    // Depth reaches from one end of the bounding sphere to the other: 2 sqrt(2) 81 km and a margin of 1/1024.
+    Layout depths;
+    depths.name = "custom";
+    depths.rsm_depth = Format::r16f;
+    CHECK_THROWS_WITH(draw(far_away, sun, view, {}, depths), Catch::Contains("depths up to 229.327 km do not fit r16f"));
+    CHECK_THROWS_WITH(draw(far_away, spot_light(16), light_view(spot_light(16), from, to), {}, Layout::lra),
+                      Catch::Contains("positions up to 81 km"));
+    // Where the light's map ends well before, everything fits.
+    CHECK_NOTHROW(draw(far_away, spot_light(16), light_view(spot_light(16), {-9, -9, -9}, {9, 9, 9}), {}, Layout::lra));
+}
+
+TEST_CASE("rsm: flux in rgbe, which no kernel rounds, is rounded all the same", "[raster][rsm][layout]") {
+    const Light light = spot_light(24);
+    const View view = light_view(light, low, high);
+    Layout layout;
+    layout.name = "custom";
+    layout.rsm_flux = Format::rgbe;
+    const Rsm plain = draw(floor_of(), light, view), rounded = draw(floor_of(), light, view, {}, layout);
+    int moved = 0;
+    for (std::size_t i = 0; i < plain.flux.size(); ++i) {
+        glm::vec4 expected = plain.flux.texels[i];
+        quantise(Format::rgbe, expected);
+        REQUIRE(rounded.flux.texels[i] == expected);
+        for (int c = 0; c < 3; ++c) REQUIRE(rounded.records[i * record_stride + 8 + std::size_t(c)] == expected[c]);
+        moved += expected != plain.flux.texels[i];
+    }
+    CHECK(moved > 100);
 }
 
 TEST_CASE("rsm: explain multiplies up to the flux of the map", "[raster][rsm][explain]") {

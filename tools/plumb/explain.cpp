@@ -7,7 +7,6 @@
 #include <optional>
 
 #include "core/error.h"
-#include "core/formats.h"
 #include "tools/plumb/cli.h"
 #include "tools/plumb/progress.h"
 #include "tools/plumb/reports.h"
@@ -47,12 +46,6 @@ struct Checker {
     const frame::Frame& frame;
     glm::ivec2 pixel;
 
-    // Targets of half floats hold rounded values; the kernel's are explained as they were.
-    std::vector<double> stored(std::vector<double> values) const {
-        if (settings.layout.half_records())
-            for (double& v : values) v = half_to_float(float_to_half(float(v)));
-        return values;
-    }
     std::vector<double> at(const Image4& image) const { return at(image, pixel); }
     static std::vector<double> at(const Image4& image, glm::ivec2 i) {
         const glm::vec4& v = image(i.x, i.y);
@@ -80,19 +73,21 @@ struct Checker {
         if (s.name == "gbuffer") {
             // Where nothing is seen there is nothing to explain.
             if (g.id(pixel.x, pixel.y).x < 0) return {};
-            return {{"position", at(g.position), stored(last_value(e, "position"))},
-                    {"normal", at(g.normal), stored(last_value(e, "normal"))},
-                    {"albedo", at(g.albedo), stored(last_value(e, "albedo"))},
-                    {"emission", at(g.emission), stored(last_value(e, "emission"))}};
+            return {{"position", at(g.position), last_value(e, "stored_position")},
+                    {"depth", {g.position(pixel.x, pixel.y).w}, last_value(e, "stored_depth")},
+                    {"normal", at(g.normal), last_value(e, "stored_normal")},
+                    {"albedo", at(g.albedo), last_value(e, "stored_albedo")},
+                    {"emission", at(g.emission), last_value(e, "stored_emission")}};
         }
         if (s.name == "rsm") {
             const int side = scene.lights[s.light].rsm_size;
             const raster::Rsm& r = frame.rsms[s.light][pixel.x / side];
             const glm::ivec2 texel(pixel.x % side, pixel.y);
             if (r.size == 0 || r.normal(texel.x, texel.y).w == 0) return {};
-            return {{"position", at(r.position, texel), stored(last_value(e, "position"))},
-                    {"normal", at(r.normal, texel), stored(last_value(e, "normal"))},
-                    {"flux", at(r.flux, texel), stored(last_value(e, "flux"))}};
+            return {{"position", at(r.position, texel), last_value(e, "stored_position")},
+                    {"depth", {r.position(texel.x, texel.y).w}, last_value(e, "stored_depth")},
+                    {"normal", at(r.normal, texel), last_value(e, "stored_normal")},
+                    {"flux", at(r.flux, texel), last_value(e, "stored_flux")}};
         }
         if (s.name == "shadow") {
             const std::size_t pixels = g.position.size();
@@ -123,6 +118,7 @@ frame::Plan up_to(frame::Plan plan, const std::string& stage) {
         std::erase_if(plan.stages, [](const frame::PlannedStage& s) {
             return s.name == "compose" || s.name == "tonemap" || s.name.rfind("rsm.", 0) == 0;
         });
+        if (stage != "gbuffer") plan.gbuffer.albedo = plan.gbuffer.emission = false;
     }
     return plan;
 }
@@ -141,6 +137,8 @@ int explain(const ExplainOptions& given) {
     if (!given.stage.empty() && std::find(names.begin(), names.end(), given.stage) == names.end())
         throw InputError(fmt::format("--stage {}: unknown stage; the nearest known one is '{}'", given.stage,
                                      nearest_name(given.stage, names)));
+    if (!given.stage.empty() && !frame::in_a_frame(given.stage))
+        throw InputError(fmt::format("--stage {}: the stage is not part of a frame: no method runs it", given.stage));
     if (given.stage != "rsm" && (pixel.x >= scene.frame_size.x || pixel.y >= scene.frame_size.y))
         throw InputError(fmt::format("--pixel {}: outside of the picture, which is {} x {}", given.pixel,
                                      scene.frame_size.x, scene.frame_size.y));

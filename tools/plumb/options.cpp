@@ -75,22 +75,26 @@ glm::ivec2 parse_pixel(const std::string& text) {
 frame::Settings settings_of(const Scene& scene, const SceneOptions& options) {
     frame::Settings settings = frame::settings_of(scene);
     settings.pruning = !options.no_pruning;
-    for (const std::string& text : options.sets) {
-        const Assignment a = parse_assignment(text);
+    std::vector<Assignment> assignments;
+    for (const std::string& text : options.sets) assignments.push_back(parse_assignment(text));
+    // The table of a scene file that chooses the method and the layout comes first: a custom layout can then be filled.
+    for (const Assignment& a : assignments) {
+        if (a.table != "render") continue;
         const auto word = std::get_if<std::string>(&a.value);
-        if (a.table == "render") {
-            // The table of a scene file that chooses the method and the layout.
-            if (a.key == "method" && word)
-                settings.method = frame::parse_method(*word, a.place);
-            else if (a.key == "layout" && word)
-                settings.layout = frame::parse_layout(*word, a.place);
-            else
-                throw InputError(a.place + ": expected render.method or render.layout, and a word");
-            continue;
-        }
+        if (a.key == "method" && word)
+            settings.method = frame::parse_method(*word, a.place);
+        else if (a.key == "layout" && word)
+            settings.layout = *word == settings.layout.name ? settings.layout : frame::parse_layout(*word, a.place);
+        else
+            throw InputError(a.place + ": expected render.method or render.layout, and a word");
+    }
+    for (const Assignment& a : assignments) {
+        if (a.table == "render") continue;
         std::vector<Field> fields = frame::table_fields(settings, a.table, a.place);
         set_field(find_field(fields, a.key, a.place), a.value, a.place);
+        if (a.table == "layout" && settings.layout.name != "custom") raster::validate(settings.layout, a.place);
     }
+    raster::validate(settings.layout, "--set");
     if (!options.method.empty()) settings.method = frame::parse_method(options.method, "--method");
     return settings;
 }
