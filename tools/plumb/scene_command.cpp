@@ -5,7 +5,7 @@
 namespace plumb::cli {
 
 void add_scene_options(CLI::App& command, SceneOptions& options) {
-    command.add_option("scene", options.file, "the scene: .toml, or a bare .obj")->required()->type_name("SCENE");
+    command.add_option("scene", options.file, "the scene: .toml, or a bare .obj, .gltf or .glb")->required()->type_name("SCENE");
     command.add_option("--method", options.method, "direct or rsm; the scene file's otherwise")->type_name("M");
     command.add_option("--set", options.sets, "table.key=value in place of the scene file's; may be repeated")
         ->allow_extra_args(false)
