@@ -43,8 +43,8 @@ PLUMB_INLINE void put(float* target, std::ptrdiff_t first, const vec4<F>& value,
     PLUMB_ISA::store_row4<F>(target + 4 * first, v, p.count, past_caches);
 }
 
-// Calls visit(triangle) for each run of one triangle that begins in the packet of a row at pixel x > 0. Most packets see
-// one triangle: they are not searched.
+// Calls visit(triangle) for each run of one triangle that begins in the packet of a row at pixel x > 0. Most packets
+// see one triangle: they are not searched.
 template <class Visit>
 PLUMB_INLINE void for_runs(const std::int32_t* row, int x, int width, const Visit& visit) {
     if (N::width == 1 || x + N::width > width) return;

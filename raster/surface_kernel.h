@@ -87,7 +87,7 @@ struct MaterialRow {
     F normal_scale;
 };
 
-// Every lane's index where all have the same: then data are read once and shared. Else -1. One lane reads as it is.
+// Every lane's index where all have the same, so that data may be read once and shared; else, and for one lane, -1.
 template <class F>
 PLUMB_INLINE std::int32_t shared_index(index_t<F> i) {
     if (number<F>::width == 1) return -1;
@@ -261,7 +261,9 @@ PLUMB_INLINE Surface<F> surface(const SurfaceArgs& in, index_t<F> triangle, cons
     }
     if (any(m.normal > I(0))) {
         const vec3<F> unit = select3<F>(given, n, normalised(face));
-        n = select3<F>(m.normal > I(0), mapped_normal<F>(in, m, corners.v0, corners.v1, corners.v2, uv, uv_area, l, unit, tap), n);
+        const vec3<F> bent =
+            mapped_normal<F>(in, m, corners.v0, corners.v1, corners.v2, uv, uv_area, l, unit, tap);
+        n = select3<F>(m.normal > I(0), bent, n);
     }
     s.normal = normalised(n);
     s.normal = {s.normal.x * side, s.normal.y * side, s.normal.z * side};
