@@ -389,20 +389,25 @@ PLUMB_INLINE void resolve_packet(const TileArgs& in, const Strip& seen, int at, 
     }
 }
 
-// Writes `columns` pixels of a row, from (x, y) of the frame on.
+// Writes `columns` pixels of a row of blocks, from (x, y) of the frame on, which is a block's first pixel. All blocks
+// are put into rows before a row is read.
 void resolve_strip(const TileArgs& in, const Tile& tile, int x, int y, int columns) {
-    alignas(64) float nearest[strip];
-    alignas(64) std::int32_t winner[strip];
-    const std::ptrdiff_t row = tile.block(x, y & -block_height) + (y & (block_height - 1)) * block_width;
-    for (int k = 0; k < strip; k += block_width) {
-        std::memcpy(nearest + k, tile.nearest + row + k * block_height, block_width * sizeof(float));
-        std::memcpy(winner + k, tile.winner + row + k * block_height, block_width * sizeof(std::int32_t));
+    alignas(64) float nearest[block_height][strip];
+    alignas(64) std::int32_t winner[block_height][strip];
+    const std::ptrdiff_t first = tile.block(x, y);
+    for (int k = 0; k < strip; k += block_width)
+        for (int row = 0; row < block_height; ++row) {
+            const std::ptrdiff_t at = first + k * block_height + row * block_width;
+            std::memcpy(nearest[row] + k, tile.nearest + at, block_width * sizeof(float));
+            std::memcpy(winner[row] + k, tile.winner + at, block_width * sizeof(std::int32_t));
+        }
+    for (int row = 0; row < min(block_height, tile.end.y - y); ++row) {
+        Strip seen;
+        for (int at = 0; at < columns; at += width) fetch_packet(in, winner[row], at, seen);
+        for (int at = 0; at < columns; at += width)
+            resolve_packet(in, seen, at, load_lanes(nearest[row] + at) * F(tile.sign), winner[row], x + at, y + row,
+                           min(width, columns - at));
     }
-    Strip seen;
-    for (int at = 0; at < columns; at += width) fetch_packet(in, winner, at, seen);
-    for (int at = 0; at < columns; at += width)
-        resolve_packet(in, seen, at, load_lanes(nearest + at) * F(tile.sign), winner, x + at, y,
-                       min(width, columns - at));
 }
 
 }  // namespace
@@ -479,7 +484,7 @@ void VisibilityKernels<Isa::PLUMB_ISA>::draw_tile(const TileArgs& in, int tile_i
         if (!any(M(farthest >= F(chunk.nearest)))) break;
         drawn += draw_chunk(in, chunk, in.order[i], tile_index, tile);
     }
-    for (int y = origin.y; y < tile.end.y; ++y)
+    for (int y = origin.y; y < tile.end.y; y += block_height)
         for (int x = origin.x; x < tile.end.x; x += strip) resolve_strip(in, tile, x, y, min(strip, tile.end.x - x));
 }
 

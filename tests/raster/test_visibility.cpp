@@ -165,6 +165,31 @@ TEST_CASE("visibility: a fine mesh of shared vertices and many chunks equals the
         }
 }
 
+TEST_CASE("visibility: layers of a chunk each that cut through one another equal the reference", "[raster][bits]") {
+    // Six sheets of 4096 triangles, one tile; sheet k slopes from 0.3 + 0.005 k by 0.008, every other one the other way,
+    // and the farthest is drawn first: neighbours cut, and those further apart hide one another.
+    Soup soup;
+    for (int k = 5; k >= 0; --k) {
+        auto corner = [&](int x, int y) {
+            const float u = float(x) / 64, v = float(y) / 32, slope = k % 2 ? 1 - u : u;
+            return glm::vec4(2.2f * u - 1.1f, 2.2f * v - 1.1f, 0.3f + 0.005f * float(k) + 0.008f * slope, 1);
+        };
+        for (int y = 0; y < 32; ++y)
+            for (int x = 0; x < 64; ++x) {
+                soup.add(corner(x, y), corner(x + 1, y), corner(x, y + 1));
+                soup.add(corner(x + 1, y), corner(x + 1, y + 1), corner(x, y + 1));
+            }
+    }
+    VisibilityBuffer out;
+    Workspace workspace;
+    for (bool reversed : {false, true}) {
+        check_all(soup.geometry, nullptr, soup.clip, reversed, {64, 64}, out, workspace);
+        bool seen[6] = {};
+        for (std::int32_t t : out.triangle.texels) seen[t / 4096] = true;
+        for (int i = 0; i < 6; ++i) CHECK(seen[i] == (reversed ? i <= 1 : i >= 4));
+    }
+}
+
 TEST_CASE("visibility: frames whose tiles are larger than 64 pixels equal the reference", "[raster][bits]") {
     // 4096 x 4100 pixels are 64 x 65 tiles of 64, more than the 4096 that there may be.
     const glm::ivec2 size{4096, 4100};
