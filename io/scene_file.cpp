@@ -17,7 +17,7 @@
 namespace plumb::io {
 namespace {
 
-constexpr int max_frame_side = 32768;
+constexpr int max_frame_side = 32767;  // as the rasterizer
 constexpr std::size_t max_scene_bytes = std::size_t(1) << 24;
 
 class SceneReader {
