@@ -1,19 +1,15 @@
 #include "raster/gbuffer.h"
 
 #include <cmath>
-#include <utility>
 
 #include "core/formats.h"
 #include "core/fp_environment.h"
-#include "core/parallel.h"
-#include "raster/resolve_rows.h"
+#include "raster/resolve_tiles.h"
 #include "raster/visibility.h"
-#include "raster/workspace.h"
+#include "raster/visible_tiles.h"
 
 namespace plumb::raster {
 namespace {
-
-constexpr int band_rows = 16;
 
 // F0, FU, FV of ISR (24) at depth store.range, with f_x and f_y of (23) as its errata have them: f_y = tan(fov_y / 2),
 // f_x = aspect f_y, which a projection holds inverted.
@@ -41,14 +37,12 @@ GBufferStore store_of(const Layout& layout, const View& view) {
     return s;
 }
 
-GBufferArgs args_of(const Geometry& geometry, const Surfaces& surfaces, const View& view,
-                    const VisibilityBuffer& visible) {
+GBufferArgs args_of(const Geometry& geometry, const Surfaces& surfaces, const View& view, glm::ivec2 size) {
     GBufferArgs a{};
-    a.surfaces = surface_args(geometry, surfaces, view, {visible.triangle.width, visible.triangle.height});
+    a.surfaces = surface_args(geometry, surfaces, view, size);
     for (int c = 0; c < 3; ++c) a.eye[c] = float(view.eye[c]), a.forward[c] = float(view.forward[c]);
-    a.width = visible.triangle.width, a.height = visible.triangle.height;
-    a.triangle = visible.triangle.data();
-    a.barycentrics = &visible.barycentrics.data()->x;
+    a.width = size.x, a.height = size.y;
+    a.object = geometry.object.data();
     return a;
 }
 
@@ -61,20 +55,11 @@ void fit(Image<T>& image, glm::ivec2 size, bool wanted) {
         image = Image<T>(size.x, size.y);
 }
 
-void write_ids(const Geometry& geometry, const VisibilityBuffer& visible, int first, int last,
-               Image<glm::ivec2>& id) {
-    for (int y = first; y < last; ++y)
-        for (int x = 0; x < id.width; ++x) {
-            const std::int32_t t = visible.triangle(x, y);
-            id(x, y) = t >= 0 ? glm::ivec2(geometry.object[std::size_t(t)], t) : glm::ivec2(-1);
-        }
-}
-
-// Rounds rows [first, last) of the depth buffer to its format.
-void quantise_depth_buffer(Format format, Image1& depth, int first, int last) {
+// Rounds pixels [first, end) of the depth buffer to its format.
+void quantise_depth_buffer(Format format, Image1& depth, glm::ivec2 first, glm::ivec2 end) {
     if (format != Format::d24s8) return;
-    for (int y = first; y < last; ++y)
-        for (int x = 0; x < depth.width; ++x) depth(x, y) = decode_depth24(encode_d24s8(depth(x, y), 0));
+    for (int y = first.y; y < end.y; ++y)
+        for (int x = first.x; x < end.x; ++x) depth(x, y) = decode_depth24(encode_d24s8(depth(x, y), 0));
 }
 
 }  // namespace
@@ -83,36 +68,25 @@ void draw_gbuffer(const Geometry& geometry, const Surfaces& surfaces, const View
                   const Layout& layout, const RunOptions& options, GBuffer& out, const GBufferWants& wants,
                   Workspace* workspace) {
     check_gbuffer(layout, geometry, view, options.threads);
-    RunOptions half = options;
-    if (options.progress) half.progress = [&](double share) { options.progress(0.5 * share); };
-    Workspace temporary;
-    Workspace& memory = workspace ? *workspace : temporary;
-    VisibilityBuffer& visible = memory.visible;
-    // The depth of `out` is drawn in place where the other two images have its size.
-    const bool fits = visible.triangle.width == size.x && visible.triangle.height == size.y;
-    visible.depth = fits && out.depth.width == size.x && out.depth.height == size.y ? std::move(out.depth) : Image1();
-    draw_visibility(geometry, &surfaces, view, size, half, visible, &memory);
-    out.depth = std::exchange(visible.depth, Image1());
-    if (options.progress) half.progress = [&](double share) { options.progress(0.5 + 0.5 * share); };
-
+    check_frame_size(size);
     fit(out.position, size, wants.position);
     fit(out.normal, size, wants.normal);
     fit(out.albedo, size, wants.albedo);
     fit(out.emission, size, wants.emission);
     fit(out.id, size, wants.id);
-    GBufferArgs args = args_of(geometry, surfaces, view, visible);
+    GBufferArgs args = args_of(geometry, surfaces, view, size);
     args.store = store_of(layout, view);
     if (wants.position) args.position = &out.position.data()->x;
     if (wants.normal) args.normal = &out.normal.data()->x;
     if (wants.albedo) args.albedo = &out.albedo.data()->x;
     if (wants.emission) args.emission = &out.emission.data()->x;
+    if (wants.id) args.id = &out.id.data()->x;
     dispatch(options.isa, [&](auto isa) {
-        parallel_bands(size.y, band_rows, half, [&](int first, int last) {
-            ResolveRows<isa()>::gbuffer(args, first, last);
-            if (wants.id) write_ids(geometry, visible, first, last, out.id);
-            quantise_rest(layout.albedo, out.albedo, first, last);
-            quantise_rest(layout.emission, out.emission, first, last);
-            quantise_depth_buffer(layout.depth_buffer, out.depth, first, last);
+        draw_visible_tiles(geometry, &surfaces, view, size, options, out.depth, workspace, [&](const TilePixels& seen) {
+            ResolveTile<isa()>::gbuffer(args, seen);
+            quantise_rest(layout.albedo, out.albedo, seen.origin, seen.end);
+            quantise_rest(layout.emission, out.emission, seen.origin, seen.end);
+            quantise_depth_buffer(layout.depth_buffer, out.depth, seen.origin, seen.end);
         });
     });
 }
@@ -131,7 +105,7 @@ std::vector<TapValue> explain_gbuffer(const Geometry& geometry, const Surfaces& 
     }
     recorder("object", geometry.object[std::size_t(triangle)], "index, of the triangle");
     recorder("z", visible.depth(pixel.x, pixel.y), "of the depth buffer, 0 to 1; not the linear depth");
-    GBufferArgs args = args_of(geometry, surfaces, view, visible);
+    GBufferArgs args = args_of(geometry, surfaces, view, size);
     args.store = store_of(layout, view);
     GBufferPixel<float> p = gbuffer<float>(args, triangle, visible.barycentrics(pixel.x, pixel.y), recorder);
 
@@ -139,7 +113,7 @@ std::vector<TapValue> explain_gbuffer(const Geometry& geometry, const Surfaces& 
     p = stored<float>(args, p, pixel.x, pixel.y);
     auto rest = [&](Format format, const vec4<float>& v) {
         Image4 texel(1, 1, glm::vec4(v.x, v.y, v.z, v.w));
-        quantise_rest(format, texel, 0, 1);
+        quantise_rest(format, texel, {0, 0}, {1, 1});
         return vec3<float>(glm::vec3(texel(0, 0)));
     };
     const std::string rounded = "as layout " + layout.name + " stores it";

@@ -20,12 +20,12 @@ struct GBufferArgs {
     SurfaceArgs surfaces;
     float eye[3], forward[3];     // m; unit
     std::int32_t width, height;
-    const std::int32_t* triangle; // [height][width], -1: nothing
-    const float* barycentrics;    // [height][width][2]
+    const std::int32_t* object;   // [triangle]; read for `id` alone
     float* position;              // [height][width] rgba32f, out; null: not wanted
     float* normal;
     float* albedo;
     float* emission;
+    std::int32_t* id;             // [height][width][2]: object, triangle
     GBufferStore store;
 };
 

@@ -226,10 +226,10 @@ void check_rsm(const Layout& layout, const std::string& light, const Geometry& g
                 view, threads);
 }
 
-void quantise_rest(Format format, Image4& image, int first, int last) {
+void quantise_rest(Format format, Image4& image, glm::ivec2 first, glm::ivec2 end) {
     if (quantised_by_kernel(format) || image.empty()) return;
-    for (int y = first; y < last; ++y)
-        for (int x = 0; x < image.width; ++x) quantise(format, image(x, y));
+    for (int y = first.y; y < end.y; ++y)
+        for (int x = first.x; x < end.x; ++x) quantise(format, image(x, y));
 }
 
 }  // namespace plumb::raster

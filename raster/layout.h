@@ -73,7 +73,7 @@ void check_gbuffer(const Layout& layout, const Geometry& geometry, const View& v
 // The same for a light's map, named by its light.
 void check_rsm(const Layout& layout, const std::string& light, const Geometry& geometry, const View& view, int threads);
 
-// Rounds rows [first, last) where the row kernels leave a format out (quantised_by_kernel()); else does nothing.
-void quantise_rest(Format format, Image4& image, int first, int last);
+// Rounds pixels [first, end) where the kernels leave a format out (quantised_by_kernel()); else does nothing.
+void quantise_rest(Format format, Image4& image, glm::ivec2 first, glm::ivec2 end);
 
 }  // namespace plumb::raster

@@ -1,65 +1,80 @@
 #include "core/tap.h"
 #include "core/wide.h"
-#include "raster/resolve_rows.h"
+#include "raster/blocks.h"
+#include "raster/resolve_tiles.h"
 #include "raster/texel_rows.h"
 
 namespace plumb::raster {
 
 namespace {
 
+using namespace PLUMB_ISA;
 using F = PLUMB_ISA::Real;
 using N = number<F>;
 using I = index_t<F>;
+using M = mask_t<F>;
 
-// A packet of consecutive pixels of a row: which are covered, and by what. Lanes that see nothing, or lie beyond the
-// row, read triangle 0.
-struct Packet {
-    I x, triangle;
+// A block of a tile: which pixels are covered, and by what. Lanes that see nothing have the triangle of one that does,
+// so that a block with one triangle is known as such.
+struct Block {
+    I x, y, triangle;  // pixel of the frame
     vec2<F> barycentrics;
-    mask_t<F> covered;
-    int count;  // lanes within the row
+    M covered;
+    std::ptrdiff_t pixel;  // the first one's place in the frame
+    glm::ivec2 count;      // columns and rows within the frame
 };
-PLUMB_INLINE Packet packet(const std::int32_t* triangle, const float* barycentrics, int width, int x, int y) {
-    const std::ptrdiff_t first = std::ptrdiff_t(y) * width + x;
-    if (x + N::width <= width) {
-        const I seen = PLUMB_ISA::load_row<F>(triangle + first);
-        return {N::iota(x), max(seen, I(0)), PLUMB_ISA::load_pairs<F>(barycentrics + 2 * first),
-                mask_t<F>(seen >= I(0)), N::width};
-    }
-    const I pixel = min(N::iota(x), I(width - 1)) + I(y) * I(width);
-    const I seen = N::fetch(triangle, pixel);
-    return {N::iota(x), max(seen, I(0)),
-            {N::fetch(barycentrics, pixel * I(2)), N::fetch(barycentrics, pixel * I(2) + I(1))},
-            mask_t<F>((seen >= I(0)) & (N::iota(x) < I(width))), width - x};
+PLUMB_INLINE Block block(const TilePixels& in, std::ptrdiff_t at, int width, int x, int y) {
+    const I seen = load_lanes(in.triangle + at);
+    const M covered = seen >= I(0);
+    const unsigned lanes_covered = lane_bits(covered);
+    const I some(lanes_covered ? in.triangle[at + __builtin_ctz(lanes_covered)] : 0);
+    return {I(x) + lane_columns(), I(y) + lane_rows(), select(covered, seen, some),
+            {load_lanes(in.l1 + at), load_lanes(in.l2 + at)}, covered, std::ptrdiff_t(y) * width + x,
+            in.end - glm::ivec2(x, y)};
 }
 
-// Writes a packet's texels where there is a target; 0 where nothing is seen.
-PLUMB_INLINE void put(float* target, std::ptrdiff_t first, const vec4<F>& value, const Packet& p,
-                      bool past_caches = false) {
+// Calls visit(block, its place in the tile) for each block of a tile.
+template <class Visit>
+PLUMB_INLINE void for_blocks(const TilePixels& in, int width, const Visit& visit) {
+    for (int y = in.origin.y; y < in.end.y; y += block_height)
+        for (int x = in.origin.x; x < in.end.x; x += block_width) {
+            const std::ptrdiff_t at = block_at(in.side, x - in.origin.x, y - in.origin.y);
+            visit(block(in, at, width, x, y), at);
+        }
+}
+
+// Writes a block's texels where there is a target; 0 where nothing is seen.
+PLUMB_INLINE void put(float* target, int width, const vec4<F>& value, const Block& b, bool past_caches = false) {
     if (!target) return;
     const F zero(0.0f);
-    const vec4<F> v{select(p.covered, value.x, zero), select(p.covered, value.y, zero),
-                    select(p.covered, value.z, zero), select(p.covered, value.w, zero)};
-    PLUMB_ISA::store_row4<F>(target + 4 * first, v, p.count, past_caches);
+    const vec4<F> v{select(b.covered, value.x, zero), select(b.covered, value.y, zero),
+                    select(b.covered, value.z, zero), select(b.covered, value.w, zero)};
+    store_texels<block_width, F>(target + 4 * b.pixel, 4 * std::ptrdiff_t(width), v, b.count, past_caches);
 }
 
-// Calls visit(triangle) for each run of one triangle that begins in the packet of a row at pixel x > 0. Most packets
-// see one triangle: they are not searched.
-template <class Visit>
-PLUMB_INLINE void for_runs(const std::int32_t* row, int x, int width, const Visit& visit) {
-    if (N::width == 1 || x + N::width > width) return;
-    const bool mixed = any(!(PLUMB_ISA::load_row<F>(row + x) == I(row[x])));
-    for (int i = x; i < (mixed ? x + N::width : x + 1); ++i)
-        if (row[i] >= 0 && row[i] != row[i - 1]) visit(std::ptrdiff_t(row[i]));
+void put_ids(const GBufferArgs& in, const Block& b, const std::int32_t* triangle) {
+    for (int row = 0; row < block_height && row < b.count.y; ++row)
+        for (int column = 0; column < block_width && column < b.count.x; ++column) {
+            const std::int32_t t = triangle[row * block_width + column];
+            std::int32_t* id = in.id + 2 * (b.pixel + std::ptrdiff_t(row) * in.width + column);
+            id[0] = t < 0 ? -1 : in.object[t], id[1] = t;
+        }
 }
 
-// Asks for what the next packets of a row will read: of the second where its triangles' corners and materials are
-// listed, of the first, for which these have come by now, the vertices.
-PLUMB_INLINE void prefetch(const SurfaceArgs& in, const std::int32_t* row, int x, int width) {
+// Asks for what the next blocks of a tile will read: of the second where its triangles' corners and materials are
+// listed, of the first, for which these have come by now, the vertices. Blocks follow one another in memory; those
+// beyond the frame see nothing.
+PLUMB_INLINE void prefetch(const SurfaceArgs& in, const TilePixels& seen, std::ptrdiff_t at) {
     auto ask = [](const auto* p) { _mm_prefetch(reinterpret_cast<const char*>(p), _MM_HINT_T0); };
-    for_runs(row, x + 2 * N::width, width,
-             [&](std::ptrdiff_t t) { ask(in.triangles + 3 * t), ask(in.material + t); });
-    for_runs(row, x + N::width, width, [&](std::ptrdiff_t t) {
+    auto ahead = [&](int blocks, const auto& visit) {
+        const std::ptrdiff_t next = at + blocks * N::width;
+        if (N::width == 1 || next >= std::ptrdiff_t(seen.side) * seen.side) return;
+        const I triangle = load_lanes(seen.triangle + next);
+        for_distinct(triangle, seen.triangle + next, lane_bits(triangle >= I(0)),
+                     [&](std::ptrdiff_t t, M) { visit(t); });
+    };
+    ahead(2, [&](std::ptrdiff_t t) { ask(in.triangles + 3 * t), ask(in.material + t); });
+    ahead(1, [&](std::ptrdiff_t t) {
         for (int k = 0; k < 3; ++k) ask(in.vertices + 8 * std::ptrdiff_t(in.triangles[3 * t + k]));
     });
 }
@@ -70,54 +85,47 @@ constexpr std::ptrdiff_t many_pixels = 1 << 18;
 
 // The branches that no target asks for fall away when this is compiled: with them textures, and normal maps.
 template <bool with_colour, bool with_normal>
-void gbuffer_rows(const GBufferArgs& in, int first, int last) {
+void gbuffer_tile(const GBufferArgs& in, const TilePixels& seen) {
     NoTap tap;
     const vec4<F> nothing(F(0.0f), F(0.0f), F(0.0f), F(0.0f));
     const bool past_caches = std::ptrdiff_t(in.width) * in.height >= many_pixels;
-    for (int y = first; y < last; ++y) {
-        for (int x = 0; x < in.width; x += N::width) {
-            prefetch(in.surfaces, in.triangle + std::ptrdiff_t(y) * in.width, x, in.width);
-            const Packet p = packet(in.triangle, in.barycentrics, in.width, x, y);
-            const std::ptrdiff_t at = std::ptrdiff_t(y) * in.width + x;
-            GBufferPixel<F> out{nothing, nothing, nothing, nothing};
-            if (any(p.covered))
-                out = stored<F>(in, raster::gbuffer<F>(in, p.triangle, p.barycentrics, tap), p.x, I(y));
-            put(in.position, at, out.position, p, past_caches);
-            if (with_normal) put(in.normal, at, out.normal, p, past_caches);
-            if (with_colour) put(in.albedo, at, out.albedo, p, past_caches);
-            if (with_colour) put(in.emission, at, out.emission, p, past_caches);
-        }
-    }
+    for_blocks(seen, in.width, [&](const Block& b, std::ptrdiff_t at) {
+        prefetch(in.surfaces, seen, at);
+        GBufferPixel<F> out{nothing, nothing, nothing, nothing};
+        if (any(b.covered)) out = stored<F>(in, raster::gbuffer<F>(in, b.triangle, b.barycentrics, tap), b.x, b.y);
+        put(in.position, in.width, out.position, b, past_caches);
+        if (with_normal) put(in.normal, in.width, out.normal, b, past_caches);
+        if (with_colour) put(in.albedo, in.width, out.albedo, b, past_caches);
+        if (with_colour) put(in.emission, in.width, out.emission, b, past_caches);
+    });
     if (past_caches) _mm_sfence();
 }
 
 }  // namespace
 
 template <>
-void ResolveRows<Isa::PLUMB_ISA>::gbuffer(const GBufferArgs& in, int first, int last) {
+void ResolveTile<Isa::PLUMB_ISA>::gbuffer(const GBufferArgs& in, const TilePixels& seen) {
+    if (in.id)
+        for_blocks(seen, in.width, [&](const Block& b, std::ptrdiff_t at) { put_ids(in, b, seen.triangle + at); });
     const bool colour = in.albedo || in.emission;
-    if (colour && in.normal) return gbuffer_rows<true, true>(in, first, last);
-    if (colour) return gbuffer_rows<true, false>(in, first, last);
-    if (in.normal) return gbuffer_rows<false, true>(in, first, last);
-    if (in.position) return gbuffer_rows<false, false>(in, first, last);
+    if (colour && in.normal) return gbuffer_tile<true, true>(in, seen);
+    if (colour) return gbuffer_tile<true, false>(in, seen);
+    if (in.normal) return gbuffer_tile<false, true>(in, seen);
+    if (in.position) return gbuffer_tile<false, false>(in, seen);
 }
 
 template <>
-void ResolveRows<Isa::PLUMB_ISA>::rsm(const RsmArgs& in, int first, int last, const RsmStore& store) {
+void ResolveTile<Isa::PLUMB_ISA>::rsm(const RsmArgs& in, const TilePixels& seen, const RsmStore& store) {
     NoTap tap;
     const vec4<F> nothing(F(0.0f), F(0.0f), F(0.0f), F(0.0f));
-    for (int y = first; y < last; ++y) {
-        for (int x = 0; x < in.size; x += N::width) {
-            const Packet p = packet(in.triangle, in.barycentrics, in.size, x, y);
-            const std::ptrdiff_t at = std::ptrdiff_t(y) * in.size + x;
-            RsmTexel<F> out{nothing, nothing, nothing};
-            if (any(p.covered))
-                out = stored<F>(store, raster::rsm<F>(in, p.x, I(y), p.triangle, p.barycentrics, tap));
-            put(in.position, at, out.position, p);
-            put(in.normal, at, out.normal, p);
-            put(in.flux, at, out.flux, p);
-        }
-    }
+    for_blocks(seen, in.size, [&](const Block& b, std::ptrdiff_t at) {
+        prefetch(in.surfaces, seen, at);
+        RsmTexel<F> out{nothing, nothing, nothing};
+        if (any(b.covered)) out = stored<F>(store, raster::rsm<F>(in, b.x, b.y, b.triangle, b.barycentrics, tap));
+        put(in.position, in.size, out.position, b);
+        put(in.normal, in.size, out.normal, b);
+        put(in.flux, in.size, out.flux, b);
+    });
 }
 
 }  // namespace plumb::raster

@@ -5,17 +5,15 @@
 #include "core/error.h"
 #include "core/formats.h"
 #include "core/fp_environment.h"
-#include "core/parallel.h"
 #include "raster/light_view.h"
-#include "raster/resolve_rows.h"
+#include "raster/resolve_tiles.h"
 #include "raster/rsm_rows.h"
 #include "raster/visibility.h"
+#include "raster/visible_tiles.h"
 #include "raster/workspace.h"
 
 namespace plumb::raster {
 namespace {
-
-constexpr int band_rows = 16;
 
 void validate(const Light& light) {
     if (light.rsm_size < 1 || light.rsm_size > max_frame_side)
@@ -26,8 +24,7 @@ void validate(const Light& light) {
 // The map's half side, at depth 1 m or in metres: what the projection divides by.
 double half_width(const View& view) { return 1 / view.view_to_clip[0][0]; }
 
-RsmArgs args_of(const Geometry& geometry, const Surfaces& surfaces, const Light& light, const View& view,
-                const VisibilityBuffer& visible) {
+RsmArgs args_of(const Geometry& geometry, const Surfaces& surfaces, const Light& light, const View& view) {
     RsmArgs a{};
     a.surfaces = surface_args(geometry, surfaces, view, glm::ivec2(light.rsm_size));
     for (int c = 0; c < 3; ++c) a.eye[c] = float(view.eye[c]), a.forward[c] = float(view.forward[c]);
@@ -35,8 +32,6 @@ RsmArgs args_of(const Geometry& geometry, const Surfaces& surfaces, const Light&
     a.texel_scale = float(2 * half_width(view) / light.rsm_size);
     a.half_width = float(half_width(view));
     a.size = light.rsm_size;
-    a.triangle = visible.triangle.data();
-    a.barycentrics = &visible.barycentrics.data()->x;
     return a;
 }
 
@@ -61,31 +56,31 @@ void draw_rsm(const Geometry& geometry, const Surfaces& surfaces, const Light& l
               const Layout& layout, const RunOptions& options, Rsm& out, Workspace* workspace) {
     validate(light);
     check_rsm(layout, light.name, geometry, light_view, options.threads);
-    RunOptions half = options;
-    if (options.progress) half.progress = [&](double share) { options.progress(0.5 * share); };
     const int size = light.rsm_size;
-    Workspace temporary;
-    Workspace& memory = workspace ? *workspace : temporary;
-    VisibilityBuffer& visible = memory.visible;
-    draw_visibility(geometry, &surfaces, light_view, {size, size}, half, visible, &memory);
-    if (options.progress) half.progress = [&](double share) { options.progress(0.5 + 0.5 * share); };
-
     fit(size, layout.half_records(), out);
     out.view = light_view;
     out.type = light.type;
     out.texel_scale = 2 * half_width(light_view) / size;
-    RsmArgs args = args_of(geometry, surfaces, light, light_view, visible);
+    RsmArgs args = args_of(geometry, surfaces, light, light_view);
     const RsmImages images{&out.position.data()->x, &out.normal.data()->x, &out.flux.data()->x};
     args.position = images.position, args.normal = images.normal, args.flux = images.flux;
     const RsmStore store = store_of(layout);
+    Workspace temporary;
+    Workspace& memory = workspace ? *workspace : temporary;
     dispatch(options.isa, [&](auto isa) {
-        parallel_bands(size, band_rows, half, [&](int first, int last) {
-            ResolveRows<isa()>::rsm(args, first, last, store);
-            quantise_rest(layout.rsm_flux, out.flux, first, last);
-            const std::ptrdiff_t begin = std::ptrdiff_t(first) * size, end = std::ptrdiff_t(last) * size;
-            if (out.half) return RsmRows<isa()>::pack(images, out.half_records.data(), begin, end);
-            RsmRows<isa()>::pack(images, out.records.data(), begin, end);
-        });
+        auto resolve = [&](const TilePixels& seen) {
+            ResolveTile<isa()>::rsm(args, seen, store);
+            quantise_rest(layout.rsm_flux, out.flux, seen.origin, seen.end);
+            for (int y = seen.origin.y; y < seen.end.y; ++y) {
+                const std::ptrdiff_t row = std::ptrdiff_t(y) * size;
+                const std::ptrdiff_t first = row + seen.origin.x, end = row + seen.end.x;
+                if (out.half)
+                    RsmRows<isa()>::pack(images, out.half_records.data(), first, end);
+                else
+                    RsmRows<isa()>::pack(images, out.records.data(), first, end);
+            }
+        };
+        draw_visible_tiles(geometry, &surfaces, light_view, {size, size}, options, memory.depth, &memory, resolve);
     });
 }
 
@@ -106,13 +101,13 @@ std::vector<TapValue> explain_rsm(const Geometry& geometry, const Surfaces& surf
     }
     recorder("object", geometry.object[std::size_t(triangle)], "index, of the triangle");
     recorder("z", visible.depth(texel.x, texel.y), "of the depth buffer, 0 to 1; not the linear depth");
-    RsmTexel<float> t = rsm<float>(args_of(geometry, surfaces, light, light_view, visible), texel.x, texel.y, triangle,
+    RsmTexel<float> t = rsm<float>(args_of(geometry, surfaces, light, light_view), texel.x, texel.y, triangle,
                                    visible.barycentrics(texel.x, texel.y), recorder);
 
     // What the targets make of it.
     t = stored<float>(store_of(layout), t);
     Image4 flux(1, 1, glm::vec4(t.flux.x, t.flux.y, t.flux.z, t.flux.w));
-    quantise_rest(layout.rsm_flux, flux, 0, 1);
+    quantise_rest(layout.rsm_flux, flux, {0, 0}, {1, 1});
     const std::string rounded = "as layout " + layout.name + " stores it";
     recorder("stored_position", xyz<float>(t.position), rounded.c_str());
     recorder("stored_depth", t.position.w, rounded.c_str());

@@ -28,8 +28,6 @@ struct RsmArgs {
     float texel_scale;            // side of a texel: spot: at depth 1 m, m/m; directional: m
     float half_width;             // half the map's side, in the same unit
     std::int32_t size;            // texels a side
-    const std::int32_t* triangle; // [size][size], -1: nothing
-    const float* barycentrics;    // [size][size][2]
     float* position;              // [size][size] rgba32f, out
     float* normal;
     float* flux;

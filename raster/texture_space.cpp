@@ -3,13 +3,12 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
-#include "core/parallel.h"
-#include "raster/resolve_rows.h"
+#include "raster/resolve_tiles.h"
+#include "raster/visibility_kernel.h"
+#include "raster/workspace.h"
 
 namespace plumb::raster {
 namespace {
-
-constexpr int band_rows = 16;
 
 // The unit square becomes the frame; every triangle lies at depth 0, so that the first one stays.
 Buffer<glm::vec4> clip_from_uv(const std::vector<glm::vec2>& uv, std::size_t vertices) {
@@ -26,12 +25,10 @@ Buffer<glm::vec4> clip_from_uv(const std::vector<glm::vec2>& uv, std::size_t ver
     return clip;
 }
 
+// Makes room for an image, unless it is there; every texel will be written.
 template <class T>
-void clear(Image<T>& image, glm::ivec2 size, const T& value) {
-    if (image.width != size.x || image.height != size.y)
-        image = Image<T>(size.x, size.y, value);
-    else
-        image.texels.assign(image.texels.size(), value);
+void fit(Image<T>& image, glm::ivec2 size) {
+    if (image.width != size.x || image.height != size.y) image = Image<T>(size.x, size.y);
 }
 
 }  // namespace
@@ -46,32 +43,36 @@ std::vector<glm::vec2> texture_coordinates(const Geometry& geometry) {
 void draw_texture_space(const Geometry& geometry, const Surfaces& surfaces, const std::vector<glm::vec2>& uv,
                         glm::ivec2 size, const RunOptions& options, TextureSpace& out, Workspace* workspace) {
     const Buffer<glm::vec4> clip = clip_from_uv(uv, geometry.vertices.size());
-    VisibilityBuffer visible;
-    draw_visibility(geometry, &surfaces, clip, false, size, options, visible, workspace);
-
-    for (Image4* image : {&out.position, &out.normal, &out.albedo, &out.emission}) clear(*image, size, glm::vec4(0));
-    clear(out.id, size, glm::ivec3(-1));
+    check_frame_size(size);
+    for (Image4* image : {&out.position, &out.normal, &out.albedo, &out.emission}) fit(*image, size);
+    fit(out.id, size);
+    fit(out.barycentrics, size);
     // A viewer of no direction leaves every normal on the front of its face.
     GBufferArgs args{};
     args.surfaces = surface_args(geometry, surfaces, View{});
     for (float& c : args.surfaces.viewer) c = 0;
     args.width = size.x;
-    args.triangle = visible.triangle.data();
-    args.barycentrics = &visible.barycentrics.data()->x;
     args.position = &out.position.data()->x;
     args.normal = &out.normal.data()->x;
     args.albedo = &out.albedo.data()->x;
     args.emission = &out.emission.data()->x;
+    Image<std::int32_t> triangle(size.x, size.y);
+    Workspace temporary;
+    Workspace& memory = workspace ? *workspace : temporary;
     dispatch(options.isa, [&](auto isa) {
-        parallel_bands(size.y, band_rows, options, [&](int first, int last) {
-            ResolveRows<isa()>::gbuffer(args, first, last);
-            for (int y = first; y < last; ++y)
-                for (int x = 0; x < size.x; ++x)
-                    if (const std::int32_t t = visible.triangle(x, y); t >= 0)
-                        out.id(x, y) = {geometry.object[std::size_t(t)], t, geometry.material[std::size_t(t)]};
-        });
+        auto resolve = [&](const TilePixels& seen) {
+            ResolveTile<isa()>::gbuffer(args, seen);
+            VisibilityKernels<isa()>::write_rows(seen, size.x, triangle.data(), &out.barycentrics.data()->x);
+            for (int y = seen.origin.y; y < seen.end.y; ++y)
+                for (int x = seen.origin.x; x < seen.end.x; ++x) {
+                    const std::int32_t t = triangle(x, y);
+                    out.id(x, y) = t < 0 ? glm::ivec3(-1)
+                                         : glm::ivec3(geometry.object[std::size_t(t)], t,
+                                                      geometry.material[std::size_t(t)]);
+                }
+        };
+        draw_visible_tiles(geometry, &surfaces, clip, false, size, options, memory.depth, &memory, resolve);
     });
-    out.barycentrics = std::move(visible.barycentrics);
 }
 
 StageInfo info_texture_space() {

@@ -11,6 +11,7 @@
 #include "raster/surfaces.h"
 #include "raster/visibility_kernel.h"
 #include "raster/visibility_reference.h"
+#include "raster/visible_tiles.h"
 #include "raster/workspace.h"
 
 namespace plumb::raster {
@@ -178,8 +179,10 @@ void set_up_triangles(const Source& source, const Tiles& tiles, glm::ivec2 size,
     });
 }
 
+// Draws every tile, and calls resolve(isa, pixels) for it while it is in the caches.
+template <class Resolve>
 void draw_tiles(const Source& source, const Tiles& tiles, glm::ivec2 size, const RunOptions& options,
-                Workspace& memory, VisibilityBuffer& out) {
+                Workspace& memory, float* depth, const Resolve& resolve) {
     std::vector<ChunkView> views;
     const std::size_t chunks = (source.geometry.triangles.size() + chunk_triangles - 1) / chunk_triangles;
     for (std::size_t i = 0; i < chunks; ++i) {
@@ -195,29 +198,42 @@ void draw_tiles(const Source& source, const Tiles& tiles, glm::ivec2 size, const
     const SurfaceArgs surfaces =
         source.surfaces ? surface_args(source.geometry, *source.surfaces, View()) : SurfaceArgs();
     const TileArgs args{views.data(), order.data(), int(views.size()), size, tiles.side(), source.reversed_z, &surfaces,
-                        out.triangle.data(), out.depth.data(), &out.barycentrics.data()->x};
+                        depth};
     dispatch(options.isa, [&](auto isa) {
         parallel_bands(tiles.total(), 1, options, [&](int tile, int) {
             const std::size_t pixels = std::size_t(tiles.side()) * std::size_t(tiles.side());
-            Scratch<float> nearest;
-            Scratch<std::int32_t> winner;
+            Scratch<float> nearest, l1, l2;
+            Scratch<std::int32_t> triangle;
             const glm::ivec2 origin{tile % tiles.count.x * tiles.side(), tile / tiles.count.x * tiles.side()};
-            VisibilityKernels<isa()>::draw_tile(args, tile, origin, nearest.reserve(pixels), winner.reserve(pixels));
+            const TilePixels seen{origin, glm::min(size, origin + tiles.side()), tiles.side(), triangle.reserve(pixels),
+                                  l1.reserve(pixels), l2.reserve(pixels)};
+            VisibilityKernels<isa()>::draw_tile(args, tile, seen, nearest.reserve(pixels));
+            resolve(isa, seen);
         });
     });
 }
 
-void draw(const Source& source, glm::ivec2 size, const RunOptions& options, VisibilityBuffer& out,
-          Workspace* workspace) {
+template <class Resolve>
+void draw(const Source& source, glm::ivec2 size, const RunOptions& options, Workspace* workspace, Image1& depth,
+          const Resolve& resolve) {
     check_frame_size(size);
-    if (out.depth.width != size.x || out.depth.height != size.y)
-        out = {Image<std::int32_t>(size.x, size.y), Image1(size.x, size.y), Image<glm::vec2>(size.x, size.y)};
+    if (depth.width != size.x || depth.height != size.y) depth = Image1(size.x, size.y);
     Workspace fresh;
     Workspace& memory = workspace ? *workspace : fresh;
     const Tiles tiles(size);
     transform_vertices(source, size, options, memory);
     set_up_triangles(source, tiles, size, options, memory);
-    draw_tiles(source, tiles, size, options, memory, out);
+    draw_tiles(source, tiles, size, options, memory, depth.data(), resolve);
+}
+
+void draw(const Source& source, glm::ivec2 size, const RunOptions& options, VisibilityBuffer& out,
+          Workspace* workspace) {
+    check_frame_size(size);
+    if (out.triangle.width != size.x || out.triangle.height != size.y)
+        out = {Image<std::int32_t>(size.x, size.y), Image1(size.x, size.y), Image<glm::vec2>(size.x, size.y)};
+    draw(source, size, options, workspace, out.depth, [&](auto isa, const TilePixels& seen) {
+        VisibilityKernels<isa()>::write_rows(seen, size.x, out.triangle.data(), &out.barycentrics.data()->x);
+    });
 }
 
 }  // namespace
@@ -237,6 +253,20 @@ void draw_visibility(const Geometry& geometry, const Surfaces* surfaces, const B
                      bool reversed_z, glm::ivec2 size, const RunOptions& options, VisibilityBuffer& out,
                      Workspace* workspace) {
     draw({geometry, surfaces, glm::dmat4(1), &clip_positions, reversed_z}, size, options, out, workspace);
+}
+
+void draw_visible_tiles(const Geometry& geometry, const Surfaces* surfaces, const View& view, glm::ivec2 size,
+                        const RunOptions& options, Image1& depth, Workspace* workspace,
+                        const std::function<void(const TilePixels&)>& resolve) {
+    draw({geometry, surfaces, view.world_to_clip(), nullptr, view.reversed_z}, size, options, workspace, depth,
+         [&](auto, const TilePixels& seen) { resolve(seen); });
+}
+
+void draw_visible_tiles(const Geometry& geometry, const Surfaces* surfaces, const Buffer<glm::vec4>& clip_positions,
+                        bool reversed_z, glm::ivec2 size, const RunOptions& options, Image1& depth,
+                        Workspace* workspace, const std::function<void(const TilePixels&)>& resolve) {
+    draw({geometry, surfaces, glm::dmat4(1), &clip_positions, reversed_z}, size, options, workspace, depth,
+         [&](auto, const TilePixels& seen) { resolve(seen); });
 }
 
 VisibilityBuffer draw_visibility(const Geometry& geometry, const View& view, glm::ivec2 size,

@@ -1,7 +1,7 @@
 #include <cstring>
 
+#include "raster/blocks.h"
 #include "raster/visibility_kernel.h"
-#include "raster/wide_double.h"
 
 namespace plumb::raster {
 namespace {
@@ -88,11 +88,6 @@ PLUMB_INLINE M covers_corner(const I x[3], const I y[3], const Span& columns, co
 
 // ---- drawing --------------------------------------------------------------------------------------------------------
 
-// A packet of lanes is a block of pixels, nearly square: small triangles then touch few of them. Lane k is column
-// k % block_width and row k / block_width.
-constexpr int block_shift = width >= 8 ? 2 : width >= 4 ? 1 : 0, block_width = 1 << block_shift,
-              block_height = width / block_width;
-
 // What is drawn into: a tile's blocks, row by row of blocks. Reversed depths are kept negated, so that nearer is less.
 struct Tile {
     glm::ivec2 origin, end;  // pixels of the frame; end is clipped to the frame
@@ -103,7 +98,7 @@ struct Tile {
 
     // Where the block lies whose first pixel is (x, y) of the frame.
     PLUMB_INLINE std::ptrdiff_t block(int x, int y) const {
-        return std::ptrdiff_t(y - origin.y) * side + (x - origin.x) * block_height;
+        return block_at(side, x - origin.x, y - origin.y);
     }
 };
 
@@ -143,7 +138,7 @@ PLUMB_INLINE void draw_triangle(const ScreenTriangle& t, std::int32_t id, const 
     const int sign = area > 0 ? 1 : -1;
     const double scale = 1 / double(S(sign) * area);
     const int first = box.left & -block_width, top = box.top & -block_height;
-    const I columns = (N::iota(0) & I(block_width - 1)) << 8, rows = (N::iota(0) >> block_shift) << 8;
+    const I columns = lane_columns() << 8, rows = lane_rows() << 8;
     E edge[3], right[3], down[3], least[3];
     D z[3];
 #pragma GCC unroll 3
@@ -205,17 +200,20 @@ PLUMB_INLINE bool misses(const ScreenTriangle& t, const Box& box) {
     return false;
 }
 
-// l1, l2 at points with edge functions e: as barycentrics(), for one triangle.
+// l1, l2 as quotients, at points with edge functions e: barycentrics() divides the same numbers.
+struct Quotients {
+    D l1, l2, sum;
+};
 template <class E>
-PLUMB_INLINE vec2<F> barycentrics_of(const ScreenTriangle& t, const PieceCorners* corners, const E* e) {
+PLUMB_INLINE Quotients quotients(const ScreenTriangle& t, const PieceCorners* corners, const E* e) {
     const D q0 = widen(e[0]) * D(t.inverse_w[0]), q1 = widen(e[1]) * D(t.inverse_w[1]),
             q2 = widen(e[2]) * D(t.inverse_w[2]);
     const D sum = q0 + q1 + q2;
-    if (t.corners < 0) return {narrow(q1 / sum), narrow(q2 / sum)};
+    if (t.corners < 0) return {q1, q2, sum};
     const glm::dvec2* l = corners[t.corners].barycentrics;
-    return {narrow((q0 * D(l[0].x) + q1 * D(l[1].x) + q2 * D(l[2].x)) / sum),
-            narrow((q0 * D(l[0].y) + q1 * D(l[1].y) + q2 * D(l[2].y)) / sum)};
+    return {q0 * D(l[0].x) + q1 * D(l[1].x) + q2 * D(l[2].x), q0 * D(l[0].y) + q1 * D(l[1].y) + q2 * D(l[2].y), sum};
 }
+PLUMB_INLINE vec2<F> barycentrics_of(const Quotients& q) { return {narrow(q.l1 / q.sum), narrow(q.l2 / q.sum)}; }
 
 template <class E>
 PLUMB_INLINE void draw_opaque(const ScreenTriangle& t, std::int32_t id, const Box& box, const Tile& tile) {
@@ -233,7 +231,7 @@ void draw_entry(const TileArgs& in, const ChunkView& chunk, int entry, std::int3
         // Masks are rare: one form of edge functions serves all sizes.
         draw_triangle<D>(t, first_id + k, box, tile, [&](const D* e, M wins) {
             return any(wins) ? M(wins & passes_alpha<F>(*in.surfaces, I(t.triangle),
-                                                        barycentrics_of(t, chunk.corners, e)))
+                                                        barycentrics_of(quotients(t, chunk.corners, e))))
                              : wins;
         });
     } else if (box.small) {
@@ -275,139 +273,44 @@ PLUMB_INLINE const ScreenTriangle& seen_by(const TileArgs& in, std::int32_t id) 
     return in.chunks[id >> chunk_bits].triangles[id & (masked - 1)];
 }
 
-// A strip of pixels of one row, packet by packet: what each pixel sees. Filled whole before it is read, so that no load
-// waits for the stores just before it.
-constexpr int strip = 64;
-struct Strip {
-    unsigned covered[strip], pieces[strip];  // of each packet, a bit a lane; pieces: of clipped triangles
-    std::int32_t only[strip];                // the packet's winner where there is one for all that is covered, else -1
-    alignas(64) std::int32_t x[3][strip], y[3][strip], triangle[strip];
-    alignas(64) double inverse_w[3][strip];
-};
-
-PLUMB_INLINE void fetch_packet(const TileArgs& in, const std::int32_t* winner, int at, Strip& out) {
-    const I ids = load_lanes(winner + at);
-    const unsigned covered = lane_bits(ids >= I(0));
-    const int packet = at / width;
-    out.covered[packet] = covered, out.pieces[packet] = 0, out.only[packet] = -1;
-    if (!covered) return;
-    const std::int32_t some = winner[at + __builtin_ctz(covered)];
-    if ((lane_bits(ids == I(some)) & covered) == covered) {
-        out.only[packet] = some;
-        return;
-    }
-    for (int k = at; k < at + width; ++k) {
-        const ScreenTriangle& t = seen_by(in, winner[k] < 0 ? some : winner[k]);
+// Turns a block's winners into what it sees: one evaluation for each of its triangles, and one division for all.
+PLUMB_INLINE void resolve_block(const TileArgs& in, const Tile& tile, const TilePixels& out, int x, int y) {
+    const std::ptrdiff_t at = tile.block(x, y);
+    const I winner = load_lanes(tile.winner + at);
+    I triangle(-1);
+    Quotients q{D(0.0), D(0.0), D(1.0)};
+    for_distinct(winner, tile.winner + at, lane_bits(winner >= I(0)), [&](std::int32_t id, M here) {
+        const ScreenTriangle& t = seen_by(in, id);
+        const bool clockwise = area2(t) > 0;
+        D e[3];
 #pragma GCC unroll 3
         for (int i = 0; i < 3; ++i) {
-            out.x[i][k] = t.x[i], out.y[i][k] = t.y[i];
-            out.inverse_w[i][k] = t.inverse_w[i];
+            const EdgeRow edge = edge_row(t, clockwise, i, y);
+            const int dx = t.x[(i + 2) % 3] - t.x[(i + 1) % 3];
+            e[i] = D(double(edge.value + edge.step * x)) + D(double(edge.step)) * widen(lane_columns()) +
+                   D(256.0 * double(clockwise ? dx : -dx)) * widen(lane_rows());
         }
-        out.triangle[k] = t.triangle;
-        out.pieces[packet] |= unsigned(t.corners >= 0) << (k - at);
-    }
+        const Quotients here_q = quotients(t, in.chunks[id >> chunk_bits].corners, e);
+        triangle = select(here, I(t.triangle), triangle);
+        q = {select(here, here_q.l1, q.l1), select(here, here_q.l2, q.l2), select(here, here_q.sum, q.sum)};
+    });
+    const vec2<F> l = barycentrics_of(q);
+    store_lanes(out.triangle + at, triangle);
+    store_lanes(out.l1 + at, l.x), store_lanes(out.l2 + at, l.y);
 }
 
-// As barycentrics(), each lane with its own triangle. Edge functions of a counter-clockwise triangle are all negative
-// here: the quotients are the same but for a zero's sign, which the sum with 0 makes positive.
-PLUMB_INLINE vec2<F> barycentrics_of(const Strip& seen, int at, int column, int row) {
-    D q[3];
-#pragma GCC unroll 3
-    for (int i = 0; i < 3; ++i) {
-        const int a = (i + 1) % 3, b = (i + 2) % 3;
-        const I xa = load_lanes(seen.x[a] + at), ya = load_lanes(seen.y[a] + at);
-        const I dx = load_lanes(seen.x[b] + at) - xa, dy = load_lanes(seen.y[b] + at) - ya;
-        const D e = widen(dx) * widen(I(256 * row) - ya) + widen(dy) * widen(xa - (N::iota(column) << 8));
-        q[i] = e * load_lanes(seen.inverse_w[i] + at);
+// Copies a block's values to rows of a frame, `stride` values a pixel and `pitch` a row, from the block's first pixel
+// on: as many columns and rows as lie before `end`.
+template <int stride, class T>
+PLUMB_INLINE void put_block(const T* block, T* target, std::ptrdiff_t pitch, glm::ivec2 pixels) {
+    if (pixels.x >= block_width && pixels.y >= block_height) {
+        for (int row = 0; row < block_height; ++row)
+            std::memcpy(target + row * pitch, block + row * stride * block_width, stride * block_width * sizeof(T));
+        return;
     }
-    const D sum = q[0] + q[1] + q[2];
-    return {narrow(q[1] / sum) + F(0.0f), narrow(q[2] / sum) + F(0.0f)};
-}
-
-// The same where all lanes see one triangle.
-PLUMB_INLINE vec2<F> barycentrics_of(const TileArgs& in, std::int32_t id, int column, int row) {
-    const ScreenTriangle& t = seen_by(in, id);
-    const bool clockwise = area2(t) > 0;
-    D e[3];
-#pragma GCC unroll 3
-    for (int i = 0; i < 3; ++i) {
-        const EdgeRow edge = edge_row(t, clockwise, i, row);
-        e[i] = D(double(edge.value + edge.step * column)) + D(double(edge.step)) * widen(N::iota(0));
-    }
-    return barycentrics_of(t, in.chunks[id >> chunk_bits].corners, e);
-}
-
-glm::vec2 barycentrics_at(const TileArgs& in, std::int32_t id, int column, int row) {
-    const ScreenTriangle& t = seen_by(in, id);
-    const bool clockwise = area2(t) > 0;
-    double e[3];
-    for (int i = 0; i < 3; ++i) {
-        const EdgeRow edge = edge_row(t, clockwise, i, row);
-        e[i] = double(edge.value + edge.step * column);
-    }
-    return barycentrics(t, in.chunks[id >> chunk_bits].corners, e);
-}
-
-// Writes a packet's pixels, from column x on: n of them, which is `width` but at the frame's edge.
-PLUMB_INLINE void resolve_packet(const TileArgs& in, const Strip& seen, int at, F nearest, const std::int32_t* winner,
-                                 int x, int y, int n) {
-    const std::ptrdiff_t pixel = std::ptrdiff_t(y) * in.size.x + x;
-    const int packet = at / width;
-    const unsigned covered = seen.covered[packet];
-    const M is_covered = load_lanes(winner + at) >= I(0);
-    I triangle(-1);
-    vec2<F> l(F(0.0f));
-    if (seen.only[packet] >= 0) {
-        triangle = I(seen_by(in, seen.only[packet]).triangle);
-        l = barycentrics_of(in, seen.only[packet], x, y);
-    } else if (covered) {
-        triangle = load_lanes(seen.triangle + at);
-        l = barycentrics_of(seen, at, x, y);
-    }
-    triangle = select(is_covered, triangle, I(-1));
-    l = {select(is_covered, l.x, F(0.0f)), select(is_covered, l.y, F(0.0f))};
-    float* out = in.barycentrics + 2 * pixel;
-    if (n == width) {
-        store_lanes(in.triangle + pixel, triangle);
-        store_lanes(in.depth + pixel, nearest);
-        store_pairs(out, l.x, l.y);
-    } else {
-        Lanes<std::int32_t> ids;
-        Lanes<float> depth, l1, l2;
-        store_lanes(ids.lane, triangle), store_lanes(depth.lane, nearest);
-        store_lanes(l1.lane, l.x), store_lanes(l2.lane, l.y);
-        for (int k = 0; k < n; ++k) {
-            in.triangle[pixel + k] = ids.lane[k], in.depth[pixel + k] = depth.lane[k];
-            out[2 * k] = l1.lane[k], out[2 * k + 1] = l2.lane[k];
-        }
-    }
-    for (unsigned left = seen.pieces[packet] & covered; left; left &= left - 1) {
-        const int k = __builtin_ctz(left);
-        if (k >= n) break;
-        const glm::vec2 piece = barycentrics_at(in, winner[at + k], x + k, y);
-        out[2 * k] = piece.x, out[2 * k + 1] = piece.y;
-    }
-}
-
-// Writes `columns` pixels of a row of blocks, from (x, y) of the frame on, which is a block's first pixel. All blocks
-// are put into rows before a row is read.
-void resolve_strip(const TileArgs& in, const Tile& tile, int x, int y, int columns) {
-    alignas(64) float nearest[block_height][strip];
-    alignas(64) std::int32_t winner[block_height][strip];
-    const std::ptrdiff_t first = tile.block(x, y);
-    for (int k = 0; k < strip; k += block_width)
-        for (int row = 0; row < block_height; ++row) {
-            const std::ptrdiff_t at = first + k * block_height + row * block_width;
-            std::memcpy(nearest[row] + k, tile.nearest + at, block_width * sizeof(float));
-            std::memcpy(winner[row] + k, tile.winner + at, block_width * sizeof(std::int32_t));
-        }
-    for (int row = 0; row < min(block_height, tile.end.y - y); ++row) {
-        Strip seen;
-        for (int at = 0; at < columns; at += width) fetch_packet(in, winner[row], at, seen);
-        for (int at = 0; at < columns; at += width)
-            resolve_packet(in, seen, at, load_lanes(nearest[row] + at) * F(tile.sign), winner[row], x + at, y + row,
-                           min(width, columns - at));
-    }
+    for (int row = 0; row < min(block_height, pixels.y); ++row)
+        for (int k = 0; k < stride * min(block_width, pixels.x); ++k)
+            target[row * pitch + k] = block[row * stride * block_width + k];
 }
 
 }  // namespace
@@ -467,13 +370,13 @@ int VisibilityKernels<Isa::PLUMB_ISA>::cull(const CullArgs& in, int first, int l
 }
 
 template <>
-void VisibilityKernels<Isa::PLUMB_ISA>::draw_tile(const TileArgs& in, int tile_index, glm::ivec2 origin, float* nearest,
-                                                  std::int32_t* winner) {
-    Tile tile{origin, {min(in.size.x, origin.x + in.side), min(in.size.y, origin.y + in.side)}, in.side, nearest,
-              winner, in.reversed_z ? -1.0f : 1.0f};
+void VisibilityKernels<Isa::PLUMB_ISA>::draw_tile(const TileArgs& in, int tile_index, const TilePixels& out,
+                                                  float* nearest) {
+    // Winners become triangles in place, block by block.
+    Tile tile{out.origin, out.end, out.side, nearest, out.triangle, in.reversed_z ? -1.0f : 1.0f};
     for (int i = 0; i < in.side * in.side; i += width) {
         store_lanes(nearest + i, F(in.reversed_z ? -0.0f : 1.0f));
-        store_lanes(winner + i, I(-1));
+        store_lanes(tile.winner + i, I(-1));
     }
     // Near chunks hide far ones: those behind all that is drawn need not be looked at.
     const int blocks = in.side * in.side / width;
@@ -484,8 +387,29 @@ void VisibilityKernels<Isa::PLUMB_ISA>::draw_tile(const TileArgs& in, int tile_i
         if (!any(M(farthest >= F(chunk.nearest)))) break;
         drawn += draw_chunk(in, chunk, in.order[i], tile_index, tile);
     }
-    for (int y = origin.y; y < tile.end.y; y += block_height)
-        for (int x = origin.x; x < tile.end.x; x += strip) resolve_strip(in, tile, x, y, min(strip, tile.end.x - x));
+    for (int y = out.origin.y; y < out.end.y; y += block_height)
+        for (int x = out.origin.x; x < out.end.x; x += block_width) {
+            resolve_block(in, tile, out, x, y);
+            Lanes<float> depth;
+            store_lanes(depth.lane, load_lanes(nearest + tile.block(x, y)) * F(tile.sign));
+            put_block<1>(depth.lane, in.depth + std::ptrdiff_t(y) * in.size.x + x, in.size.x,
+                         out.end - glm::ivec2(x, y));
+        }
+}
+
+template <>
+void VisibilityKernels<Isa::PLUMB_ISA>::write_rows(const TilePixels& in, int frame_width, std::int32_t* triangle,
+                                                   float* barycentrics) {
+    for (int y = in.origin.y; y < in.end.y; y += block_height)
+        for (int x = in.origin.x; x < in.end.x; x += block_width) {
+            const std::ptrdiff_t at = block_at(in.side, x - in.origin.x, y - in.origin.y);
+            const std::ptrdiff_t pixel = std::ptrdiff_t(y) * frame_width + x;
+            const glm::ivec2 pixels = in.end - glm::ivec2(x, y);
+            alignas(64) float pairs[2 * width];
+            store_pairs(pairs, load_lanes(in.l1 + at), load_lanes(in.l2 + at));
+            put_block<1>(in.triangle + at, triangle + pixel, frame_width, pixels);
+            put_block<2>(pairs, barycentrics + 2 * pixel, 2 * std::ptrdiff_t(frame_width), pixels);
+        }
 }
 
 }  // namespace plumb::raster

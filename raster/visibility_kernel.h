@@ -10,6 +10,7 @@
 #include "core/isa.h"
 #include "raster/screen_triangle.h"
 #include "raster/surface_kernel.h"
+#include "raster/visible_tiles.h"
 
 namespace plumb::raster {
 
@@ -62,10 +63,7 @@ struct TileArgs {
     int side;                    // of a tile, pixels: 64 or a larger power of two
     bool reversed_z;
     const SurfaceArgs* surfaces;  // read for masked triangles alone
-    // Outputs: see VisibilityBuffer.
-    std::int32_t* triangle;
-    float* depth;
-    float* barycentrics;
+    float* depth;                 // of the frame, out
 };
 
 template <Isa isa>
@@ -77,9 +75,12 @@ struct VisibilityKernels {
     // is left out covers no pixel centre. Returns their number.
     static int cull(const CullArgs& in, int first, int last, std::int32_t* kept);
 
-    // Draws all chunks into the tile whose first pixel is `origin`, and writes its part of the outputs. `nearest` and
-    // `winner` are side x side of scratch memory.
-    static void draw_tile(const TileArgs& in, int tile, glm::ivec2 origin, float* nearest, std::int32_t* winner);
+    // Draws all chunks into a tile, fills `out` and writes the tile's part of the depth buffer. `nearest` is scratch
+    // memory, side x side.
+    static void draw_tile(const TileArgs& in, int tile, const TilePixels& out, float* nearest);
+
+    // Writes a tile's part of a VisibilityBuffer of the width.
+    static void write_rows(const TilePixels& in, int width, std::int32_t* triangle, float* barycentrics);
 };
 
 }  // namespace plumb::raster

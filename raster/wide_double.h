@@ -51,6 +51,8 @@ PLUMB_INLINE Mask signs(Double low, Double high) {
     return Mask(_mm512_movepi64_mask((__m512i)low) | _mm512_movepi64_mask((__m512i)high) << 8);
 }
 PLUMB_INLINE unsigned lane_bits(Mask m) { return m; }
+PLUMB_INLINE Double select_lower(Mask m, Double a, Double b) { return _mm512_mask_blend_pd(__mmask8(m), b, a); }
+PLUMB_INLINE Double select_upper(Mask m, Double a, Double b) { return _mm512_mask_blend_pd(__mmask8(m >> 8), b, a); }
 PLUMB_INLINE Real load(const float* p) { return _mm512_loadu_ps(p); }
 PLUMB_INLINE Int load(const std::int32_t* p) { return (Int)_mm512_loadu_si512(p); }
 PLUMB_INLINE Double load(const double* p) { return _mm512_loadu_pd(p); }
@@ -93,6 +95,12 @@ PLUMB_INLINE Mask signs(Double low, Double high) {
     return (Int)_mm256_permute4x64_epi64((__m256i)words, 0xd8) >> 31;
 }
 PLUMB_INLINE unsigned lane_bits(Mask m) { return unsigned(_mm256_movemask_ps((__m256)m)); }
+PLUMB_INLINE Double select_lower(Mask m, Double a, Double b) {
+    return _mm256_blendv_pd(b, a, (__m256d)_mm256_cvtepi32_epi64(_mm256_castsi256_si128((__m256i)m)));
+}
+PLUMB_INLINE Double select_upper(Mask m, Double a, Double b) {
+    return _mm256_blendv_pd(b, a, (__m256d)_mm256_cvtepi32_epi64(_mm256_extracti128_si256((__m256i)m, 1)));
+}
 PLUMB_INLINE Real load(const float* p) { return _mm256_loadu_ps(p); }
 PLUMB_INLINE Int load(const std::int32_t* p) { return (Int)_mm256_loadu_si256((const __m256i*)p); }
 PLUMB_INLINE Double load(const double* p) { return _mm256_loadu_pd(p); }
@@ -126,6 +134,12 @@ PLUMB_INLINE Int to_int(Double low, Double high) {
 PLUMB_INLINE Double bits_or(Double a, Double b) { return _mm_or_pd(a, b); }
 PLUMB_INLINE Mask signs(Double low, Double high) { return (Int)_mm_shuffle_ps((__m128)low, (__m128)high, 0xdd) >> 31; }
 PLUMB_INLINE unsigned lane_bits(Mask m) { return unsigned(_mm_movemask_ps((__m128)m)); }
+PLUMB_INLINE Double select_lower(Mask m, Double a, Double b) {
+    return _mm_blendv_pd(b, a, (__m128d)_mm_unpacklo_epi32((__m128i)m, (__m128i)m));
+}
+PLUMB_INLINE Double select_upper(Mask m, Double a, Double b) {
+    return _mm_blendv_pd(b, a, (__m128d)_mm_unpackhi_epi32((__m128i)m, (__m128i)m));
+}
 PLUMB_INLINE Real load(const float* p) { return _mm_loadu_ps(p); }
 PLUMB_INLINE Int load(const std::int32_t* p) { return (Int)_mm_loadu_si128((const __m128i*)p); }
 PLUMB_INLINE Double load(const double* p) { return _mm_loadu_pd(p); }
@@ -177,6 +191,10 @@ PLUMB_INLINE WideMask any_negative(Doubles a, Doubles b, Doubles c) {
                           native::bits_or(native::bits_or(a.high, b.high), c.high))};
 }
 PLUMB_INLINE WideMask any_negative(WideIndex a, WideIndex b, WideIndex c) { return (a | b | c) < WideIndex(0); }
+
+PLUMB_INLINE Doubles select(WideMask m, Doubles a, Doubles b) {
+    return {native::select_lower(m.m, a.low, b.low), native::select_upper(m.m, a.high, b.high)};
+}
 
 // Bit k is set where lane k is.
 PLUMB_INLINE unsigned lane_bits(WideMask m) { return native::lane_bits(m.m); }

@@ -37,7 +37,7 @@ struct VisibleChunk {
 struct Workspace {
     Scratch<WindowVertex> window;
     std::vector<VisibleChunk> chunks;
-    VisibilityBuffer visible;  // of a pass that resolves attributes from it
+    Image1 depth;  // of a pass that does not give it away
 };
 
 }  // namespace plumb::raster
