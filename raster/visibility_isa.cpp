@@ -208,10 +208,13 @@ template <class E>
 PLUMB_INLINE Quotients quotients(const ScreenTriangle& t, const PieceCorners* corners, const E* e) {
     const D q0 = widen(e[0]) * D(t.inverse_w[0]), q1 = widen(e[1]) * D(t.inverse_w[1]),
             q2 = widen(e[2]) * D(t.inverse_w[2]);
-    const D sum = q0 + q1 + q2;
-    if (t.corners < 0) return {q1, q2, sum};
-    const glm::dvec2* l = corners[t.corners].barycentrics;
-    return {q0 * D(l[0].x) + q1 * D(l[1].x) + q2 * D(l[2].x), q0 * D(l[0].y) + q1 * D(l[1].y) + q2 * D(l[2].y), sum};
+    // Returned at one place, so that a compiler keeps them in registers: a masked read of what was just stored waits.
+    D l1 = q1, l2 = q2;
+    if (t.corners >= 0) {
+        const glm::dvec2* l = corners[t.corners].barycentrics;
+        l1 = q0 * D(l[0].x) + q1 * D(l[1].x) + q2 * D(l[2].x), l2 = q0 * D(l[0].y) + q1 * D(l[1].y) + q2 * D(l[2].y);
+    }
+    return {l1, l2, q0 + q1 + q2};
 }
 PLUMB_INLINE vec2<F> barycentrics_of(const Quotients& q) { return {narrow(q.l1 / q.sum), narrow(q.l2 / q.sum)}; }
 
