@@ -311,16 +311,17 @@ TEST_CASE("texture: faulty indices and empty images are refused by name", "[rast
 TEST_CASE("gbuffer: the same bits for every instruction set and 1, 2, 3 threads", "[raster][gbuffer][bits]") {
     const Geometry g = soup(3000, 1);
     const Scene scene = soup_scene();
-    const glm::ivec2 size{211, 133};
+    // Tiles and blocks that the frame cuts; so many pixels, in whole registers, that they are written past the caches.
+    const glm::ivec2 size = GENERATE(glm::ivec2(211, 133), glm::ivec2(520, 505));
     RunOptions options;
     options.isa = Isa::scalar, options.threads = 1;
     const GBuffer truth = draw(scene, g, soup_view(), size, options);
-    REQUIRE(std::count(truth.id.texels.begin(), truth.id.texels.end(), glm::ivec2(-1)) < 20000);
+    REQUIRE(std::count(truth.id.texels.begin(), truth.id.texels.end(), glm::ivec2(-1)) < size.x * size.y * 3 / 4);
     for (Isa isa : supported_isas())
         for (int threads : {1, 2, 3}) {
             options.isa = isa, options.threads = threads;
             const GBuffer out = draw(scene, g, soup_view(), size, options);
-            CAPTURE(isa_name(isa), threads);
+            CAPTURE(isa_name(isa), threads, size.x);
             CHECK(same(out.position, truth.position));
             CHECK(same(out.normal, truth.normal));
             CHECK(same(out.albedo, truth.albedo));
