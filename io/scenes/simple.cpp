@@ -29,7 +29,7 @@ Light lamp_light(const glm::vec3& intensity) {
     light.direction = {0, -1, 0};
     light.cone_inner_deg = 60, light.cone_outer_deg = 75;
     light.intensity = intensity;
-    light.rsm_size = 512;
+    light.rsm_size = 1024;
     return light;
 }
 
