@@ -140,6 +140,7 @@ TEST_CASE("usage: settings, stages, pixels and lights that do not exist", "[prog
     CHECK_THAT(render({"--set", "rsm.sample=3"}),
                Equals("--set rsm.sample: unknown key 'sample'; the nearest known one is 'samples'"));
     CHECK_THAT(render({"--set", "rms.samples=3"}), Contains("nearest known one is [rsm]"));
+    CHECK_THAT(render({"--set", "frame.size=3"}), Contains("[frame] is set in the scene file alone"));
     CHECK_THAT(render({"--set", "rsm.samples=0"}), Equals("--set rsm.samples: samples = 0: expected 1 to 65536"));
     CHECK_THAT(render({"--set", "rsm.samples"}), Contains("expected table.key=value"));
     CHECK_THAT(render({"--set", "rsm.rotations=3"}), Contains("power of two"));

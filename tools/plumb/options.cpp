@@ -90,6 +90,10 @@ frame::Settings settings_of(const Scene& scene, const SceneOptions& options) {
     }
     for (const Assignment& a : assignments) {
         if (a.table == "render") continue;
+        const std::vector<std::string> scene_tables = {"frame", "camera", "mesh", "material", "light", "environment"};
+        if (std::count(scene_tables.begin(), scene_tables.end(), a.table))
+            throw InputError(fmt::format("{}: [{}] is set in the scene file alone; --set takes [render] and the tables "
+                                         "of stages", a.place, a.table));
         std::vector<Field> fields = frame::table_fields(settings, a.table, a.place);
         set_field(find_field(fields, a.key, a.place), a.value, a.place);
         if (a.table == "layout" && settings.layout.name != "custom") raster::validate(settings.layout, a.place);
