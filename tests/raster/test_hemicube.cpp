@@ -88,6 +88,30 @@ TEST_CASE("hemicube: a wall seen by the side faces", "[raster][HEM 4.5.3][analyt
     }
 }
 
+TEST_CASE("hemicube: walls that fill a part of the side faces", "[raster][HEM 4.5.3][analytic]") {
+    // dA on a floor to a rectangle that stands on it at distance d, of height h, from the foot of the distance to w on
+    // one side: F = 1/(2 pi) (atan(w/d) - d/r atan(w/r)), r^2 = d^2 + h^2. A centred wall is two of them, one that starts
+    // above the floor the difference of two.
+    auto standing = [](double h, double d) {
+        const double w = 0.5, r = std::sqrt(d * d + h * h);
+        return 2 * (std::atan(w / d) - d / r * std::atan(w / r)) / (2 * host::pi);
+    };
+    REQUIRE(standing(1, 0.5) == Approx(0.190135882384807).epsilon(1e-12));
+    const struct {
+        double low, high;
+    } walls[] = {{0, 0.25}, {0, 0.125}, {0.125, 0.25}, {0.25, 0.5}};
+    for (const auto [low, high] : walls)
+        for (const glm::dvec3 towards :
+             {glm::dvec3(1, 0, 0), glm::dvec3(-1, 0, 0), glm::dvec3(0, 0, 1), glm::dvec3(0, 0, -1)}) {
+            const glm::dvec3 across = 0.5 * glm::dvec3(towards.z, 0, -towards.x);
+            const glm::dvec3 foot = 0.5 * towards + glm::dvec3(0, low, 0), top = 0.5 * towards + glm::dvec3(0, high, 0);
+            const Geometry g = quad(foot - across, foot + across, top + across, top - across);
+            CAPTURE(low, high, towards.x, towards.z);
+            CHECK(form_factor(g, {0, 0, 0}, {0, 1, 0}, 512) ==
+                  Approx(standing(high, 0.5) - standing(low, 0.5)).epsilon(2e-3));
+        }
+}
+
 TEST_CASE("hemicube: five faces see all of a half space once", "[raster][HEM 4.5.3]") {
     // In a closed box every pixel sees a wall, whatever the normal.
     Geometry g;
