@@ -199,6 +199,33 @@ TEST_CASE("mips: the pixel's area off the axis is that between the rays of its c
     }
 }
 
+// One image that all three textures of a material are: emission and albedo have its colour c, and the map bends the
+// wall's frame x, y, z to normalize(2 c - 1). Where albedo reads is checked above.
+TEST_CASE("mips: emission and normal maps read the level that the base colour does", "[mips]") {
+    Wall wall(linear(noise(64, 64, 12)), 24, 1, 16, 5.3f);
+    Material& m = wall.scene.materials[0];
+    m.emission = glm::vec3(1), m.texture = m.emission_texture = m.normal_texture = 0;
+    wall.geometry.tangents.assign(wall.geometry.vertices.size(), glm::vec4(1, 0, 0, 1));
+    wall.surfaces = prepare(wall.scene, wall.geometry);
+    REQUIRE(level_at_centre(wall, square_view(), {64, 64}) > 2.5);
+    Random random(5);
+    NoTap tap;
+    double furthest = 0;
+    for (int i = 0; i < 100; ++i) {
+        const vec2<float> l(float(random.between(0, 0.5)), float(random.between(0, 0.5)));
+        const auto s = surface<float>(surface_args(wall.geometry, wall.surfaces, square_view(), {64, 64}), 0, l, tap);
+        const auto level0 = surface<float>(surface_args(wall.geometry, wall.surfaces, square_view()), 0, l, tap);
+        REQUIRE((s.emission.x == s.albedo.x && s.emission.y == s.albedo.y && s.emission.z == s.albedo.z));
+        const glm::dvec3 bent = 2.0 * glm::dvec3(s.albedo.x, s.albedo.y, s.albedo.z) - 1.0;
+        const double length = std::sqrt(dot(bent, bent));
+        REQUIRE(s.normal.x == Approx(bent.x / length).margin(1e-5));
+        REQUIRE(s.normal.y == Approx(bent.y / length).margin(1e-5));
+        REQUIRE(s.normal.z == Approx(bent.z / length).margin(1e-5));
+        furthest = std::max(furthest, double(std::abs(level0.albedo.x - s.albedo.x)));
+    }
+    CHECK(furthest > 0.2);
+}
+
 TEST_CASE("mips: a parallel projection chooses a level by the slant alone", "[mips]") {
     View view;
     view.orthographic = true;
