@@ -272,10 +272,17 @@ TEST_CASE("normal maps: no tangents, no bending; no vertex normals, the face's f
         CHECK((n.x == 0 && n.y == 0 && n.z == 1));
     }
     SECTION("vertices without normals") {
-        for (Vertex& v : f.geometry.vertices) v.normal = {0, 0, 0}, v.position *= 100.0f;
-        const vec3<float> n = point(f.args(), 0).normal;
-        CHECK(n.x == Approx(bent.x));
-        CHECK(n.z == Approx(bent.z));
+        // The edges' product, scaled by the longer edge, has length 1 for the first and 1/4 for the second.
+        const auto corners = f.geometry.vertices;
+        for (const glm::vec3 stretch : {glm::vec3(100, 100, 1), glm::vec3(100, 25, 1)}) {
+            for (std::size_t i = 0; i < corners.size(); ++i)
+                f.geometry.vertices[i].normal = {0, 0, 0}, f.geometry.vertices[i].position = corners[i].position * stretch;
+            const vec3<float> n = point(f.args(), 0).normal;
+            CAPTURE(stretch.y);
+            CHECK(n.x == Approx(bent.x));
+            CHECK(n.y == Approx(bent.y));
+            CHECK(n.z == Approx(bent.z));
+        }
     }
 }
 
