@@ -342,6 +342,38 @@ TEST_CASE("rsm: flux in rgbe, which no kernel rounds, is rounded all the same", 
     CHECK(moved > 100);
 }
 
+// rgba16f and VRSM fig. 4.2 keep depth in the fourth half of the position; LRA 6.2.1 keeps it in 32 bits.
+TEST_CASE("rsm: linear depth has the layout's format, whatever the position's", "[raster][rsm][layout]") {
+    const Light light = spot_light(24);
+    const View view = light_view(light, low, high);
+    Layout half_depth, half_position;
+    half_depth.name = half_position.name = "custom";
+    half_depth.rsm_depth = Format::r16f, half_position.rsm_position = Format::rgba16f;
+    const struct {
+        Layout layout;
+        bool half;
+    } rows[] = {{half_depth, true}, {half_position, false}, {Layout::rgba16f, true}, {Layout::vrsm, true},
+                {Layout::lra, false}};
+    const Rsm plain = draw(floor_of(0.1f), light, view);
+    for (const auto& [layout, half] : rows)
+        for (Isa isa : supported_isas()) {
+            RunOptions options;
+            options.isa = isa;
+            const Rsm stored = draw(floor_of(0.1f), light, view, options, layout);
+            CAPTURE(layout.name, half, isa_name(isa));
+            int moved = 0;
+            for (std::size_t i = 0; i < plain.position.size(); ++i) {
+                glm::vec4 position = plain.position.texels[i], depth(position.w, 0, 0, 1);
+                quantise(layout.rsm_position, position);
+                if (half) quantise(Format::r16f, depth);
+                position.w = depth.x;
+                REQUIRE(stored.position.texels[i] == position);
+                moved += position.w != plain.position.texels[i].w;
+            }
+            CHECK(moved > (half ? 500 : -1));
+        }
+}
+
 TEST_CASE("rsm: explain multiplies up to the flux of the map", "[raster][rsm][explain]") {
     const Light light = spot_light(32);
     const View view = light_view(light, low, high);
