@@ -223,6 +223,21 @@ TEST_CASE("shadow density: behind a straight edge it is the share of the kernel 
         }
 }
 
+// z_map - zBias >= z_p with z = -depth: a point counts from the bias behind the map's depth of 1 on.
+TEST_CASE("shadow: printed, the bias decides at its value too", "[shadow][VRSM Algorithm 4]") {
+    const raster::Rsm map = half_occluded(64);
+    direct::ShadowParams params;
+    params.variant = direct::ShadowVariant::published;
+    params.bias = 0.1f;
+    for (auto mode : {direct::ShadowMode::hard, direct::ShadowMode::density}) {
+        params.mode = mode;
+        CHECK(visibility_at(map, {-0.5f, 0.1f, -0.95f}, {0, 0, 1}, params) == 0);
+        CHECK(visibility_at(map, {-0.5f, 0.1f, -1.05f}, {0, 0, 1}, params) == 0);
+        CHECK(visibility_at(map, {-0.5f, 0.1f, -1.09f}, {0, 0, 1}, params) == 0);
+        CHECK(visibility_at(map, {-0.5f, 0.1f, -1.11f}, {0, 0, 1}, params) == 1);
+    }
+}
+
 TEST_CASE("shadow density: beyond the map nothing blocks; printed, nothing is counted", "[shadow][VRSM Algorithm 4]") {
     // All of the map is occluded; in its corner texel a kernel of four reaches two rows and columns beyond it, so that 4
     // of 16 texels lie inside.

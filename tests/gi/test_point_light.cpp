@@ -138,6 +138,44 @@ TEST_CASE("point light: a small screen before each face, edge and corner casts i
             }
 }
 
+// An L of two panels, parallel to the faces +x and +z and as far from the lamp, covers the rows from 32 on of both maps.
+// The upper edge runs level through the faces' common border, so that the density of a row is the same in every column:
+// the share of the kernel's rows c - k/2 .. c - k/2 + k - 1 above row 32. What the kernel finds beyond a face repeats the
+// border's texels; it is neither lit nor left out.
+TEST_CASE("point light: a penumbra runs through the seam of two faces unbroken", "[shadow][point][VRSM Algorithm 4]") {
+    const int size = 64;
+    const float near = 0.4f, far = 0.8f;  // depth of the panels, and of the points behind them, m
+    Mesh mesh = box();
+    add_quad(mesh, lamp + glm::vec3(near, -near, -near), {0, near, 0}, {0, 0, 2 * near});
+    add_quad(mesh, lamp + glm::vec3(-near, -near, near), {0, near, 0}, {2 * near, 0, 0});
+    const std::vector<raster::Rsm> maps = maps_of(scene_of(mesh, lamp, size));
+
+    // A point behind the centre of each texel of both faces, facing the lamp.
+    Points points(size, 2 * size);
+    for (int face : {0, 1})
+        for (int row = 0; row < size; ++row)
+            for (int column = 0; column < size; ++column) {
+                const float up = 1 - float(2 * row + 1) / size, across = 1 - float(2 * column + 1) / size;
+                const glm::vec3 ray = face == 0 ? glm::vec3(1, up, across) : glm::vec3(across, up, 1);
+                const int y = face * size + row;
+                points.position(column, y) = glm::vec4(lamp + far * ray, 0);
+                points.normal(column, y) = face == 0 ? glm::vec4(-1, 0, 0, 1) : glm::vec4(0, 0, -1, 1);
+            }
+
+    direct::ShadowParams params;
+    params.mode = direct::ShadowMode::density;
+    for (int kernel : {1, 2, 3, 4, 8}) {
+        params.kernel = kernel;
+        const std::vector<float> v = visibilities(points, maps, params);
+        for (int i = 0; i < 2 * size * size; ++i) {
+            const int row = i / size % size;
+            const int above = std::min(std::max(32 - (row - kernel / 2), 0), kernel);
+            CAPTURE(kernel, i / (size * size), row, i % size);
+            REQUIRE(v[std::size_t(i)] == float(above) / float(kernel));
+        }
+    }
+}
+
 // Inside a sphere of radius r the geometry of (3.2) is constant: cos cos / d^2 = 1 / (4 r^2) for any two points. All that
 // the wall reflects, rho P, is therefore spread evenly: E_1 = rho P / (4 pi r^2), wherever the lamp is.
 TEST_CASE("point light: one bounce inside a sphere is rho P / A everywhere, VRSM (3.2)", "[rsm][point][analytic]") {
