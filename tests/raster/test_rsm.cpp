@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "core/formats.h"
+#include "core/hash.h"
 #include "core/host_math.h"
 #include "drawing.h"
 #include "raster/light_view.h"
@@ -100,6 +101,57 @@ TEST_CASE("rsm: a spot's flux sums to its power times the albedo, VRSM 4.2", "[r
         if (last > 0) REQUIRE(predicted == Approx(last / 4).epsilon(0.1));
         last = predicted;
     }
+}
+
+// A spot in front of the scene, 1 m from its nearest point and 9 m from its farthest: the near plane lies before the
+// nearest corner, not at it and not behind it.
+TEST_CASE("rsm: a spot outside of the scene sees its nearest corner", "[raster][rsm]") {
+    Light light = spot_light(33);
+    light.position = {0, 0, 0};
+    light.direction = {0, 0, -1};
+    // A triangle across the axis at depth 1, before a wall at depth 9.
+    Geometry g;
+    add_triangle(g, at({-0.4f, -0.4f, -1}), at({0.4f, -0.4f, -1}), at({0, 0.5f, -1}));
+    add_triangle(g, at({-90, -90, -9}), at({90, -90, -9}), at({0, 90, -9}));
+    const Rsm rsm = draw(g, light, light_view(light, {-90, -90, -9}, {90, 90, -1}));
+    CHECK(rsm.position(16, 16).w == Approx(1).epsilon(1e-6));
+    CHECK(rsm.position(2, 16).w == Approx(9).epsilon(1e-6));
+    CHECK(rsm.flux(16, 16).x > 0);
+}
+
+// z >= 0 and z <= w, reversed: no corner of the bounds is beyond the far plane or before the near plane, whatever the
+// light's direction; bounds that begin in front of the light have no other points.
+TEST_CASE("rsm: from outside, bounds lie wholly between a spot's near and far planes", "[raster][rsm]") {
+    int ahead = 0;
+    for (int i = 0; i < 2000; ++i) {
+        auto uniform = [&](int channel, double from, double to) {
+            return from + (to - from) * unit_float<float>(pixel_hash<std::int32_t>(i, channel, 0, 5).x);
+        };
+        Light light = spot_light(16);
+        const glm::vec3 from(uniform(0, -9, 0), uniform(1, -9, 0), uniform(2, -9, 0));
+        const glm::vec3 to = from + glm::vec3(uniform(3, 0.1, 20), uniform(4, 0.1, 20), uniform(5, 0.1, 20));
+        light.position = glm::vec3(from.x - uniform(6, 0.01, 9), uniform(7, -9, 9), uniform(8, -9, 9));
+        light.direction = {1, float(uniform(9, -0.5, 0.5)), float(uniform(10, -0.5, 0.5))};
+        const View view = light_view(light, from, to);
+        auto depth = [&](const glm::dvec3& p) {
+            const glm::dvec3 d = p - view.eye;
+            return view.forward.x * d.x + view.forward.y * d.y + view.forward.z * d.z;
+        };
+        double nearest = 1e30;
+        glm::dvec3 corners[8];
+        for (int c = 0; c < 8; ++c) {
+            corners[c] = {c & 1 ? to.x : from.x, c & 2 ? to.y : from.y, c & 4 ? to.z : from.z};
+            nearest = std::min(nearest, depth(corners[c]));
+        }
+        if (nearest < 0.001) continue;
+        ++ahead;
+        for (const glm::dvec3& corner : corners) {
+            const glm::dvec4 clip = view.world_to_clip() * glm::dvec4(corner, 1);
+            CAPTURE(i, nearest, clip.z, clip.w);
+            REQUIRE((clip.z >= 0 && clip.z <= clip.w));
+        }
+    }
+    CHECK(ahead > 500);
 }
 
 TEST_CASE("rsm: flux does not depend on how the surface is tilted", "[raster][rsm]") {
