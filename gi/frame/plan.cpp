@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "core/error.h"
 #include "gi/frame/frame.h"
 #include "raster/light_view.h"
 
@@ -44,6 +45,20 @@ raster::GBufferWants wanted(bool reflects, bool emits, std::string& left_out) {
     return wants;
 }
 
+// All maps of a frame are held at once, three images and a record a texel: 112 bytes in fp32, 28 GiB at this bound.
+constexpr double max_map_texels = 0x1p28;
+
+// Adds a light's maps to the texels of those before it.
+void add_texels(const Light& light, double texels, double& total) {
+    total += texels;
+    if (total <= max_map_texels) return;
+    const int maps = raster::map_count(light);
+    throw InputError(fmt::format("light \"{}\": rsm_size = {}{}: {:.0f} texels in all reflective shadow maps up to this "
+                                 "light: expected at most {:.0f}",
+                                 light.name, light.rsm_size, maps > 1 ? fmt::format(", {} faces", maps) : "", total,
+                                 max_map_texels));
+}
+
 struct Planner {
     const Scene& scene;
     const Settings& settings;
@@ -82,11 +97,13 @@ Plan plan(const Scene& scene, const Settings& settings) {
         planner.plan.gbuffer = wanted(reflects, any_surface(scene, geometry, &Material::emission), without);
     planner.add("gbuffer", -1, triangles + pixels, "triangles + pixels", ms_pixels,
                 "every later stage reads it" + without, nothing);
+    double total_texels = 0;
     for (int l = 0; l < int(scene.lights.size()); ++l) {
         const Light& light = scene.lights[l];
         const std::string dark = empty ? nothing : why_dark(light, low, high);
         const int maps = raster::map_count(light);
         const double texels = double(maps) * light.rsm_size * light.rsm_size;
+        if (dark.empty() || !settings.pruning) add_texels(light, texels, total_texels);
         planner.add("rsm", l, maps * triangles + texels, "triangles + texels", ms_pixels,
                     maps > 1 ? fmt::format("shadow and gather read it; {} faces", maps) : "shadow and gather read it",
                     dark);

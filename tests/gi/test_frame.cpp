@@ -150,6 +150,37 @@ TEST_CASE("frame: a spot that just grazes the scene's bounds is not left out", "
     CHECK(left_out(scene) == 3);
 }
 
+// 2^28 texels are one map of 16384 a side, and 6 * 6688^2 = 268,376,064 are 59,392 fewer: a map of 243 a side (59,049)
+// still fits, one of 244 (59,536) does not.
+TEST_CASE("frame: the plan bounds the texels of all reflective shadow maps", "[frame][extreme]") {
+    Scene scene = small_scene();
+    frame::Settings settings;
+    scene.lights[0].rsm_size = 16384;
+    scene.lights[1].on = false;
+    CHECK_NOTHROW(frame::plan(scene, settings));  // what is left out takes no memory
+    scene.lights[1].on = true;
+    CHECK_THROWS_AS(frame::plan(scene, settings), InputError);
+    CHECK_THROWS_WITH(frame::plan(scene, settings), "light \"sun\": rsm_size = 32: 268436480 texels in all reflective "
+                                                    "shadow maps up to this light: expected at most 268435456");
+    scene.lights[1].on = false;
+    settings.pruning = false;
+    CHECK_THROWS_AS(frame::plan(scene, settings), InputError);
+
+    // The six faces of a point light count.
+    settings.pruning = true;
+    scene.lights[1].on = true;
+    scene.lights[0].type = LightType::point;
+    scene.lights[0].rsm_size = 6688;
+    scene.lights[1].rsm_size = 243;
+    CHECK_NOTHROW(frame::plan(scene, settings));
+    scene.lights[1].rsm_size = 244;
+    CHECK_THROWS_AS(frame::plan(scene, settings), InputError);
+    scene.lights[0].rsm_size = 16384;
+    CHECK_THROWS_WITH(frame::plan(scene, settings),
+                      "light \"key\": rsm_size = 16384, 6 faces: 1610612736 texels in all reflective shadow maps up to "
+                      "this light: expected at most 268435456");
+}
+
 TEST_CASE("frame: the picture is rho / pi (direct + indirect) + M / pi", "[frame]") {
     const Scene scene = small_scene();
     frame::Settings settings = frame::settings_of(scene);
