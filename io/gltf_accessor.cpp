@@ -25,15 +25,11 @@ std::uint32_t load_integer(const unsigned char* p, int component) {
     return component == u8 ? *p : component == u16 ? load<std::uint16_t>(p) : load<std::uint32_t>(p);
 }
 
-// glTF 2.0, 3.11: f = max(c / (2^(n-1) - 1), -1) for signed, c / (2^n - 1) for unsigned integers of n bits.
+// glTF 2.0, 3.11: f = c / (2^n - 1) for unsigned integers of n bits. No attribute that is read may be of signed ones.
 float load_float(const unsigned char* p, int component) {
     switch (component) {
-        case i8:
-            return std::max(float(load<std::int8_t>(p)) / 127.0f, -1.0f);
         case u8:
             return float(*p) / 255.0f;
-        case i16:
-            return std::max(float(load<std::int16_t>(p)) / 32767.0f, -1.0f);
         case u16:
             return float(load<std::uint16_t>(p)) / 65535.0f;
         default:

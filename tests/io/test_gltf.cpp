@@ -102,6 +102,20 @@ TEST_CASE("gltf: a stride, integers and sparse values reach the vertices", "[io]
     CHECK(load(s).meshes[0].vertices[2].position == glm::vec3(7, 8, 9));
 }
 
+TEST_CASE("gltf: coordinates of bytes are parts of 255", "[io]") {
+    GltfSample s = square();
+    // Two bytes of padding after each element.
+    primitive(s)["attributes"]["TEXCOORD_0"] =
+        s.add<std::uint8_t>({0, 255, 9, 9, 51, 128, 9, 9, 1, 254, 9, 9, 0, 0, 9, 9}, 5121, "VEC2", 4);
+    s.json["bufferViews"].back()["byteStride"] = 4;
+    s.json["accessors"].back()["normalized"] = true;
+    const GltfModel m = load(s);
+    const auto& v = m.meshes[0].vertices;
+    CHECK((v[0].u == 0 && v[0].v == 1));
+    CHECK((v[1].u == 51.0f / 255.0f && v[1].v == 128.0f / 255.0f));
+    CHECK((v[2].u == 1.0f / 255.0f && v[2].v == 254.0f / 255.0f));
+}
+
 TEST_CASE("gltf: without normals every triangle is flat; a zero normal is its triangle's", "[io]") {
     GltfSample s = square();
     primitive(s)["attributes"].erase("NORMAL");

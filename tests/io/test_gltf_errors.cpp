@@ -131,6 +131,21 @@ const std::vector<Malformed> cases = {
          s.json["accessors"][2]["componentType"] = 5121;
      },
      "/accessors/2: integers that are not normalized"},
+    // 3.7.2.1: floats, or unsigned bytes or shorts.
+    {"coordinates of signed bytes",
+     [](GltfSample& s) {
+         s.json["accessors"][2]["componentType"] = 5120;
+         s.json["accessors"][2]["normalized"] = true;
+     },
+     "/accessors/2/componentType = 5120: expected 5121, 5123 or 5126 at /meshes/0/primitives/0/attributes/TEXCOORD_0"},
+    {"coordinates of signed shorts",
+     [](GltfSample& s) {
+         s.json["accessors"][2]["componentType"] = 5122;
+         s.json["accessors"][2]["normalized"] = true;
+     },
+     "/accessors/2/componentType = 5122: expected 5121, 5123 or 5126 at /meshes/0/primitives/0/attributes/TEXCOORD_0"},
+    {"indices of signed shorts", [](GltfSample& s) { s.json["accessors"][3]["componentType"] = 5122; },
+     "/accessors/3/componentType = 5122: expected one of 5121, 5123, 5125 at /meshes/0/primitives/0/indices"},
     {"position is NaN", [](GltfSample& s) { s.buffer.replace(4, 4, bytes_of<float>({float(nan_value)})); },
      "/accessors/0: element 0 is not finite"},
     {"position is infinite", [](GltfSample& s) { s.buffer.replace(12, 4, bytes_of<float>({INFINITY})); },
