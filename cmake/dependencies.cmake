@@ -7,6 +7,7 @@ find_package(tinyobjloader REQUIRED)
 find_package(tomlplusplus REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(CLI11 REQUIRED)
+find_package(PNG REQUIRED)
 
 # OpenImageIO's CMake package names a path of OpenCV that Debian 12 does not have, so its pkg-config file is used.
 find_package(PkgConfig REQUIRED)

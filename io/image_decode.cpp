@@ -11,6 +11,7 @@
 #include "core/error.h"
 #include "core/number.h"
 #include "io/file.h"
+#include "io/png_check.h"
 
 namespace plumb::io {
 namespace {
@@ -166,7 +167,10 @@ Raw decode_raw(const std::string& path, const std::string& extension, std::vecto
                                                [&](std::string_view m) { return head.substr(0, m.size()) == m; }))
         throw InputError(shown(path), "byte 0", fmt::format("does not begin as a .{} file does", format.extension));
 
-    if (format.reader == std::string_view("png")) check_png(path, file);
+    if (format.reader == std::string_view("png")) {
+        check_png(path, file);
+        read_png_through(path, file);
+    }
 
     OIIO::Filesystem::IOMemReader memory(file.data(), file.size());
     const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::create(format.reader);

@@ -11,6 +11,7 @@
 
 #include "files.h"
 #include "io/image_file.h"
+#include "tests/png_bytes.h"
 
 using namespace plumb;
 using namespace plumb::io;
@@ -241,6 +242,36 @@ TEST_CASE("picture: malformed files are named with the cause", "[io][robustness]
     put_picture(folder / "good.jpg", 16, 16, 3, OIIO::TypeDesc::UINT8, std::vector<std::uint8_t>(768, 99));
     const std::string jpg = read_text(folder / "good.jpg");
     require_message(read("a.jpg", jpg.substr(0, jpg.size() - 3)), {"a.jpg: "});
+}
+
+TEST_CASE("png: what decoding finds amiss is named", "[io][robustness]") {
+    const Folder folder;
+    for (const auto& [kind, bytes, says] : png_bytes::bad_pngs()) {
+        INFO(kind);
+        const std::string path = folder.put("a.png", bytes);
+        require_message(error_of([&] { read_picture(path); }), {"a.png: PNG: ", says});
+    }
+}
+
+TEST_CASE("png: palettes, transparency, passes and further chunks are read", "[io]") {
+    using namespace png_bytes;
+    const Folder folder;
+    const auto texel = [&](const std::string& chunks, int x, int y) {
+        return read_texture(folder.put("a.png", png(chunks))).texels(x, y);
+    };
+    // Two indices of 4 bits a row: 1 0, 0 1. The colours are (1, 2, 3), and (4, 5, 6) with alpha 7.
+    const std::string palette = chunk("PLTE", "\1\2\3\4\5\6"), rows = data(std::string("\0\x10\0\1", 4));
+    const std::string head = header(2, 2, 4, 3), alpha = chunk("tRNS", "\xff\7");
+    CHECK(texel(head + palette + rows, 0, 0) == 0xff060504u);
+    CHECK(texel(head + palette + rows, 0, 1) == 0xff030201u);
+    CHECK(texel(head + palette + alpha + rows, 0, 0) == 0x07060504u);
+    CHECK(texel(head + palette + alpha + rows, 1, 0) == 0xff030201u);
+    // Of Adam7's passes (ISO 15948, 8.2) a 2 x 2 picture has three: pixel 0,0; pixel 1,0; row 1.
+    const std::string passes = data(std::string("\0\1\0\2\0\3\4", 7));
+    for (int i = 0; i < 4; ++i)
+        CHECK(texel(header(2, 2, 8, 0, 1) + passes, i % 2, i / 2) == 0xff000000u + 0x10101u * unsigned(i + 1));
+    // What libpng only warns of is passed over.
+    CHECK(texel(head + chunk("gAMA", std::string(4, '\0')) + chunk("iCCP", "x") + palette + rows, 1, 1) == 0xff060504u);
 }
 
 TEST_CASE("picture: what cannot be written is one line, and nothing is left", "[io][robustness]") {

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <set>
 
+#include "tests/png_bytes.h"
 #include "tests/program/program.h"
 
 using namespace plumb::program;
@@ -156,6 +157,17 @@ std::vector<Bad> bad_gltf() {
     };
 }
 
+// Textures that only decoding finds out.
+std::vector<Bad> bad_png() {
+    std::vector<Bad> bad;
+    for (const auto& [kind, bytes, says] : plumb::png_bytes::bad_pngs()) {
+        const std::string name = "a" + std::to_string(bad.size());
+        bad.push_back({kind, name + ".obj", "mtllib " + name + ".mtl\nusemtl a\n" + triangle_obj, says,
+                       {{name + ".png", bytes}, {name + ".mtl", "newmtl a\nmap_Kd " + name + ".png\n"}}});
+    }
+    return bad;
+}
+
 void check(const std::vector<Bad>& corpus, const std::string& name) {
     const std::string folder = fresh_folder("malformed_" + name);
     for (const Bad& bad : corpus) {
@@ -181,13 +193,14 @@ void check(const std::vector<Bad>& corpus, const std::string& name) {
 }  // namespace
 
 TEST_CASE("malformed: OBJ, MTL and textures", "[program][robustness]") { check(bad_obj(), "obj"); }
+TEST_CASE("malformed: PNG textures with right checksums", "[program][robustness]") { check(bad_png(), "png"); }
 TEST_CASE("malformed: TOML", "[program][robustness]") { check(bad_toml(), "toml"); }
 TEST_CASE("malformed: glTF and GLB", "[program][robustness]") { check(bad_gltf(), "gltf"); }
 
 TEST_CASE("malformed: sixty files of thirty kinds at least, and the sound ones render", "[program][robustness]") {
     std::set<std::string> kinds;
     std::size_t files = 0;
-    for (const auto& corpus : {bad_obj(), bad_toml(), bad_gltf()})
+    for (const auto& corpus : {bad_obj(), bad_png(), bad_toml(), bad_gltf()})
         for (const Bad& bad : corpus) kinds.insert(bad.kind), ++files;
     CHECK(files >= 60);
     CHECK(kinds.size() >= 30);
