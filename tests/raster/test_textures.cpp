@@ -276,7 +276,7 @@ TEST_CASE("normal maps: no tangents, no bending; no vertex normals, the face's f
         const auto corners = f.geometry.vertices;
         for (const glm::vec3 stretch : {glm::vec3(100, 100, 1), glm::vec3(100, 25, 1)}) {
             for (std::size_t i = 0; i < corners.size(); ++i)
-                f.geometry.vertices[i].normal = {0, 0, 0}, f.geometry.vertices[i].position = corners[i].position * stretch;
+                f.geometry.vertices[i] = at(corners[i].position * stretch, {0, 0, 0}, corners[i].u, corners[i].v);
             const vec3<float> n = point(f.args(), 0).normal;
             CAPTURE(stretch.y);
             CHECK(n.x == Approx(bent.x));
