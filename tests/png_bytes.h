@@ -58,8 +58,8 @@ inline std::vector<BadPng> bad_pngs() {
     const std::string palette = header(2, 2, 8, 3), indices = data(std::string("\0\0\7\0\0\0", 6));
     return {
         {"PNG data are no zlib stream", png(head + chunk("IDAT", "rubbish and more of it")), "IDAT"},
-        {"PNG checksum of the zlib stream", png(head + chunk("IDAT", zlib(std::string(14, '\0')).substr(0, 21) + "abcd")),
-         "IDAT"},
+        {"PNG checksum of the zlib stream",
+         png(head + chunk("IDAT", zlib(std::string(14, '\0')).substr(0, 21) + "abcd")), "IDAT"},
         {"PNG with too little data", png(head + data(std::string(5, '\0'))), "Not enough"},
         {"PNG with an unknown filter", png(head + data("\x09" + std::string(13, '\0'))), "filter"},
         {"PNG without data", png(head), "IEND"},
