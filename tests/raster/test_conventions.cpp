@@ -55,7 +55,7 @@ GBuffer draw(const Scene& scene, const Geometry& g, const View& view, glm::ivec2
 }
 
 bool same(const Image4& a, const Image4& b) {
-    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(glm::vec4)) == 0;
+    return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(glm::vec4)) == 0);
 }
 
 }  // namespace

@@ -48,7 +48,7 @@ Scene textured(const Image<std::uint32_t>& texels, Filter filter, bool srgb) {
 }
 
 bool same(const Image4& a, const Image4& b) {
-    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(glm::vec4)) == 0;
+    return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(glm::vec4)) == 0);
 }
 
 // Triangles of all sizes in front of, around and behind the viewer.

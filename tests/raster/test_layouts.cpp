@@ -73,7 +73,7 @@ struct Drawn {
 };
 
 bool same(const Image4& a, const Image4& b) {
-    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(glm::vec4)) == 0;
+    return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(glm::vec4)) == 0);
 }
 bool same(const GBuffer& a, const GBuffer& b) {
     return same(a.position, b.position) && same(a.normal, b.normal) && same(a.albedo, b.albedo) &&
