@@ -5,24 +5,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/host_math.h"
+#include "io/angles.h"
 #include "io/gltf_document.h"
 
 namespace plumb::io {
 namespace {
 
 constexpr int max_rsm_size = 16384;
-
-// Sine and cosine of degrees, exact at multiples of a right angle.
-glm::dvec2 sin_cos_deg(double degrees) {
-    const double turn = degrees - 360 * std::floor(degrees / 360);
-    if (turn == 0) return {0, 1};
-    if (turn == 90) return {1, 0};
-    if (turn == 180) return {0, -1};
-    if (turn == 270) return {-1, 0};
-    const double radians = turn * (host::pi / 180);
-    return {host::sin(radians), host::cos(radians)};
-}
 
 // Rotation by `degrees` that takes axis a towards axis b.
 glm::dmat4 rotation(double degrees, int a, int b) {

@@ -18,7 +18,6 @@
 #include <string>
 
 #include "core/host_math.h"
-#include "core/tangents.h"
 
 #include "io/scenes/atrium_parts.h"
 #include "io/scenes/builder.h"
@@ -377,12 +376,6 @@ Scene atrium(const GenerateOptions& options) {
     Builder b("atrium");
     build(b, make_palette(b), detail, cloth);
     Scene scene = b.take();
-    for (Mesh& mesh : scene.meshes) {
-        const bool relief = std::any_of(mesh.material.begin(), mesh.material.end(), [&](std::int32_t m) {
-            return scene.materials[std::size_t(m)].normal_texture >= 0;
-        });
-        if (relief) generate_tangents(mesh);
-    }
     scene.seed = options.seed;
 
     Light sun;

@@ -6,6 +6,7 @@
 
 #include "core/hash.h"
 #include "core/host_math.h"
+#include "io/angles.h"
 #include "core/parallel.h"
 
 namespace plumb::io::scenes {
@@ -18,17 +19,6 @@ double dot(const Point& a, const Point& b) { return a.x * b.x + a.y * b.y + a.z 
 Point unit(const Point& v) {
     const double length = std::sqrt(dot(v, v));
     return length > 0 ? v / length : v;
-}
-
-// Sine and cosine, exact at multiples of a right angle.
-glm::dvec2 sin_cos(double degrees) {
-    const double turn = degrees - 360 * std::floor(degrees / 360);
-    if (turn == 0) return {0, 1};
-    if (turn == 90) return {1, 0};
-    if (turn == 180) return {0, -1};
-    if (turn == 270) return {-1, 0};
-    const double radians = turn * (host::pi / 180);
-    return {host::sin(radians), host::cos(radians)};
 }
 
 // The byte that stands for a linear value: rounded to nearest on the sRGB curve (IEC 61966-2-1). A table of the values
@@ -54,7 +44,7 @@ Place move(const Point& by) {
 }
 
 Place turn_y(double degrees) {
-    const glm::dvec2 sc = sin_cos(degrees);
+    const glm::dvec2 sc = sin_cos_deg(degrees);
     Place m(1);
     m[0][0] = m[2][2] = sc.y;
     m[2][0] = sc.x;
@@ -63,7 +53,7 @@ Place turn_y(double degrees) {
 }
 
 Place turn_x(double degrees) {
-    const glm::dvec2 sc = sin_cos(degrees);
+    const glm::dvec2 sc = sin_cos_deg(degrees);
     Place m(1);
     m[1][1] = m[2][2] = sc.y;
     m[1][2] = sc.x;
@@ -231,7 +221,7 @@ void Builder::sweep(int material, const Place& place, const Profile& profile, in
                     double texture_size, const Sweep& path, bool closed_u) {
     // Cut the profile where it bends sharply; each stretch is a smooth grid of its own.
     const std::vector<glm::dvec2>& points = profile.points;
-    const double crease = sin_cos(profile.crease_deg).y;
+    const double crease = sin_cos_deg(profile.crease_deg).y;
     std::size_t first = 0;
     for (std::size_t i = 1; i < points.size(); ++i) {
         bool sharp = i + 1 == points.size();
@@ -264,7 +254,7 @@ void Builder::lathe(int material, const Place& place, const std::vector<glm::dve
     sweep(
         material, place, {profile, crease_deg}, segments, periods * texture_size, texture_size,
         [](double u, const glm::dvec2& p) {
-            const glm::dvec2 sc = sin_cos(360 * u);
+            const glm::dvec2 sc = sin_cos_deg(360 * u);
             return Point(p.x * sc.x, p.y, p.x * sc.y);
         },
         true);

@@ -4,6 +4,7 @@
 
 #include "core/error.h"
 #include "core/fields.h"
+#include "io/scene_model.h"
 
 namespace plumb::io {
 
@@ -37,7 +38,9 @@ Scene generate_scene(const std::string& name, const GenerateOptions& options, co
         if (wanted.triangles < scene.least_triangles || wanted.triangles > scene.most_triangles)
             throw InputError(fmt::format("{}: triangles = {}: \"{}\" is built from {} to {}", place, options.triangles,
                                          name, scene.least_triangles, scene.most_triangles));
-        return scene.generate(wanted);
+        Scene made = scene.generate(wanted);
+        complete_tangents(made);
+        return made;
     }
     throw InputError(fmt::format("{}: unknown scene \"{}\"; the nearest known one is \"{}\"", place, name,
                                  nearest_name(name, names)));
