@@ -49,14 +49,14 @@ raster::GBufferWants wanted(bool reflects, bool emits, std::string& left_out) {
 constexpr double max_map_texels = 0x1p28;
 
 // Adds a light's maps to the texels of those before it.
-void add_texels(const Light& light, double texels, double& total) {
+void add_texels(const Scene& scene, const Light& light, double texels, double& total) {
     total += texels;
     if (total <= max_map_texels) return;
     const int maps = raster::map_count(light);
-    throw InputError(fmt::format("light \"{}\": rsm_size = {}{}: {:.0f} texels in all reflective shadow maps up to this "
-                                 "light: expected at most {:.0f}",
-                                 light.name, light.rsm_size, maps > 1 ? fmt::format(", {} faces", maps) : "", total,
-                                 max_map_texels));
+    throw InputError(fmt::format("{}: light \"{}\": rsm_size = {}{}: {:.0f} texels in all reflective shadow maps up to "
+                                 "this light: expected at most {:.0f}",
+                                 scene.name, light.name, light.rsm_size,
+                                 maps > 1 ? fmt::format(", {} faces", maps) : "", total, max_map_texels));
 }
 
 struct Planner {
@@ -103,7 +103,7 @@ Plan plan(const Scene& scene, const Settings& settings) {
         const std::string dark = empty ? nothing : why_dark(light, low, high);
         const int maps = raster::map_count(light);
         const double texels = double(maps) * light.rsm_size * light.rsm_size;
-        if (dark.empty() || !settings.pruning) add_texels(light, texels, total_texels);
+        if (dark.empty() || !settings.pruning) add_texels(scene, light, texels, total_texels);
         planner.add("rsm", l, maps * triangles + texels, "triangles + texels", ms_pixels,
                     maps > 1 ? fmt::format("shadow and gather read it; {} faces", maps) : "shadow and gather read it",
                     dark);

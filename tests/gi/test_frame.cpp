@@ -160,8 +160,9 @@ TEST_CASE("frame: the plan bounds the texels of all reflective shadow maps", "[f
     CHECK_NOTHROW(frame::plan(scene, settings));  // what is left out takes no memory
     scene.lights[1].on = true;
     CHECK_THROWS_AS(frame::plan(scene, settings), InputError);
-    CHECK_THROWS_WITH(frame::plan(scene, settings), "light \"sun\": rsm_size = 32: 268436480 texels in all reflective "
-                                                    "shadow maps up to this light: expected at most 268435456");
+    CHECK_THROWS_WITH(frame::plan(scene, settings),
+                      scene.name + ": light \"sun\": rsm_size = 32: 268436480 texels in all reflective shadow maps up to "
+                                   "this light: expected at most 268435456");
     scene.lights[1].on = false;
     settings.pruning = false;
     CHECK_THROWS_AS(frame::plan(scene, settings), InputError);
@@ -177,8 +178,8 @@ TEST_CASE("frame: the plan bounds the texels of all reflective shadow maps", "[f
     CHECK_THROWS_AS(frame::plan(scene, settings), InputError);
     scene.lights[0].rsm_size = 16384;
     CHECK_THROWS_WITH(frame::plan(scene, settings),
-                      "light \"key\": rsm_size = 16384, 6 faces: 1610612736 texels in all reflective shadow maps up to "
-                      "this light: expected at most 268435456");
+                      scene.name + ": light \"key\": rsm_size = 16384, 6 faces: 1610612736 texels in all reflective "
+                                   "shadow maps up to this light: expected at most 268435456");
 }
 
 TEST_CASE("frame: the picture is rho / pi (direct + indirect) + M / pi", "[frame]") {
