@@ -33,6 +33,11 @@ struct Material {
     float normal_scale = 1;       // of the normal map's x and y
     float alpha = 1;              // multiplied by the texture's alpha
     float alpha_cutoff = 0;       // above 0: where alpha is below it, there is no surface (glTF: alphaMode MASK)
+    // Beside the diffuse lobe: the path tracer reflects them, the methods for diffuse light do not. reflectance +
+    // specular + mirror is at most 1 in each channel.
+    glm::vec3 specular{0};        // of Phong's lobe, (n + 2)/(2 pi) cos^n about the mirrored direction (Lafortune 1994)
+    float exponent = 50;          // n of that lobe, 0..1e6
+    glm::vec3 mirror{0};          // reflectance of a perfect mirror
 };
 
 enum class Filter : int { bilinear, nearest };
@@ -72,7 +77,10 @@ struct Light {
 };
 
 struct Environment {
-    glm::vec3 radiance{0};  // W/(m2 sr), from everywhere
+    glm::vec3 radiance{0};  // W/(m2 sr), from everywhere; multiplied by the map where there is one
+    // Directions by longitude and latitude: u = 1/2 + atan2(x, -z) / (2 pi), v = acos(y) / pi, v = 0 the top row. Texels
+    // are constant patches. Empty: none.
+    Image4 map;
 };
 
 // A value that the scene file gives for a stage's parameter: [rsm] samples = 400.

@@ -1,0 +1,7 @@
+#include "core/ray_query.h"
+
+namespace plumb {
+
+RayQuery::~RayQuery() = default;
+
+}  // namespace plumb

@@ -1,0 +1,25 @@
+// Everything that emits, in one table, and how likely a path chooses each.
+#pragma once
+
+#include "core/image.h"
+#include "core/scene.h"
+#include "gi/reference/environment.h"
+#include "raster/surfaces.h"
+
+namespace plumb::reference {
+
+struct LightTable {
+    // A light a row: the scene's lamps that shine, then emitting triangles, then the environment.
+    Buffer<float> rows;            // [light][16]: light_kernel.h
+    Buffer<float> cdf;             // [lights + 1]: from 0 to 1
+    Buffer<float> triangle_pdf;    // [triangle]: probability of the triangle over its area, 1/m2; 0: does not emit
+    int count = 0;
+    bool any_triangle = false;
+    float environment_probability = 0;
+};
+
+// Lights are chosen in proportion to what they send into the scene's bounding sphere: W, summed over the channels.
+LightTable light_table(const Scene& scene, const Geometry& geometry, const raster::Surfaces& surfaces,
+                       const EnvironmentTable& environment);
+
+}  // namespace plumb::reference
