@@ -138,7 +138,8 @@ PLUMB_INLINE BsdfSample<F> sample(const Bsdf<F>& bsdf, const vec3<F>& n, const v
     direction = select3<F>(mirror, r, direction);
 
     const Scattering<F> s = scatter(bsdf, n, w_o, direction);
-    const mask_t<F> lost = (dot3(n, w_o) < zero) | (dot3(n, direction) <= zero);
+    const F cosine_o = dot3(n, w_o), cosine_i = dot3(n, direction);
+    const mask_t<F> lost = (cosine_o < zero) | (cosine_i <= zero);
     const vec3<F> weight = select3<F>(mirror, bsdf.mirror / share.mirror, s.value / s.pdf);
     return {direction, select3<F>(lost, black, weight), select(mirror, zero, s.pdf), mirror};
 }
