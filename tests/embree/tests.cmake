@@ -1,3 +1,2 @@
-# The rasterizer against ray casting by somebody else.
-find_package(embree 3 REQUIRED)
-plumb_add_tests(embree plumb::io plumb::raster embree)
+# The rasterizer against ray casting by somebody else; and our own rays.
+plumb_add_tests(embree plumb::io plumb::gi embree)

@@ -1,0 +1,62 @@
+#include "gi/reference/ray_query.h"
+
+#include <utility>
+
+#include "core/error.h"
+#include "gi/reference/embree_scene.h"
+#include "gi/reference/ray_device.h"
+
+namespace plumb::reference {
+namespace {
+
+// Embree reports to the thread that called it.
+thread_local std::string failure;
+
+[[noreturn]] void refuse(const std::string& cause) { throw InputError("rays: Embree: " + cause); }
+
+EmbreeDevice new_device(const std::string& config) {
+    EmbreeDevice device(rtcNewDevice(config.c_str()));
+    if (!device) refuse("no device for the configuration '" + config + "'");
+    rtcSetDeviceErrorFunction(
+        device.get(), [](void*, RTCError, const char* message) { failure = message ? message : "unknown error"; },
+        nullptr);
+    return device;
+}
+
+}  // namespace
+
+EmbreeDevice retain_device(const std::string& config) {
+    if (!config.empty()) return new_device(config);
+    static const EmbreeDevice shared = new_device("");
+    rtcRetainDevice(shared.get());
+    return EmbreeDevice(shared.get());
+}
+
+int widest_packet(RTCDevice device) {
+    if (rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED)) return 16;
+    return rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED) ? 8 : 4;
+}
+
+EmbreeScene build_scene(RTCDevice device, EmbreeGeometry geometry) {
+    EmbreeScene scene(rtcNewScene(device));
+    rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST);
+    rtcCommitGeometry(geometry.get());
+    rtcAttachGeometryByID(scene.get(), geometry.get(), 0);
+    rtcCommitScene(scene.get());
+    if (!failure.empty()) refuse(std::exchange(failure, {}));
+    return scene;
+}
+
+std::unique_ptr<RayQuery> build_ray_query(const Geometry& geometry, const raster::Surfaces& surfaces, Rays rays,
+                                          const std::string& config) {
+    failure.clear();
+    EmbreeDevice device = retain_device(config);
+    return rays == Rays::exact ? build_exact(geometry, surfaces, std::move(device))
+                               : build_native(geometry, surfaces, std::move(device));
+}
+
+std::unique_ptr<RayQuery> build_ray_query(const Geometry& geometry, const raster::Surfaces& surfaces, Rays rays) {
+    return build_ray_query(geometry, surfaces, rays, "");
+}
+
+}  // namespace plumb::reference
