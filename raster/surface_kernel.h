@@ -24,6 +24,8 @@ template <class F>
 struct Surface {
     vec3<F> position;  // m
     vec3<F> normal;    // unit, on the side of the triangle that the viewer sees
+    vec3<F> face;      // the triangle's own normal, by its winding, of any length
+    F extent;          // largest |coordinate| of its corners, m
     vec3<F> albedo;
     vec3<F> emission;  // W/m2
 };
@@ -219,9 +221,10 @@ PLUMB_INLINE mask_t<F> passes_alpha(const SurfaceArgs& in, index_t<F> triangle, 
     return mask_t<F>((!(cutoff > F(0.0f))) | (alpha >= cutoff));
 }
 
-// The surface at l = (l1, l2) of a triangle.
+// The surface at l = (l1, l2) of a triangle, as `viewer` sees it: xyz m, w 1, or the direction towards it, w 0.
 template <class F, class Tap>
-PLUMB_INLINE Surface<F> surface(const SurfaceArgs& in, index_t<F> triangle, const vec2<F>& l, Tap& tap) {
+PLUMB_INLINE Surface<F> surface(const SurfaceArgs& in, index_t<F> triangle, const vec2<F>& l, const vec4<F>& viewer,
+                                Tap& tap) {
     using N = number<F>;
     using I = index_t<F>;
     tap("triangle", triangle, "index of the triangle that is seen");
@@ -238,8 +241,7 @@ PLUMB_INLINE Surface<F> surface(const SurfaceArgs& in, index_t<F> triangle, cons
 
     // The interpolated normal, or the face's where vertices have none. Its side is decided before a map bends it: the
     // whole tangent frame turns with the face.
-    const vec3<F> to_viewer{F(in.viewer[0]) - F(in.viewer[3]) * p0.x, F(in.viewer[1]) - F(in.viewer[3]) * p0.y,
-                            F(in.viewer[2]) - F(in.viewer[3]) * p0.z};
+    const vec3<F> to_viewer{viewer.x - viewer.w * p0.x, viewer.y - viewer.w * p0.y, viewer.z - viewer.w * p0.z};
     const vec3<F> interpolated = interpolate3(xyz<F>(n0), minus3(xyz<F>(n1), xyz<F>(n0)),
                                               minus3(xyz<F>(n2), xyz<F>(n0)), l);
     const vec3<F> face = face_normal(e1, e2);
@@ -283,7 +285,15 @@ PLUMB_INLINE Surface<F> surface(const SurfaceArgs& in, index_t<F> triangle, cons
         s.emission = times3(s.emission, sample<F>(in.textures, m.emission, uv, uv_area, false, quiet));
     }
     tap("emission", s.emission, "M, W/m2");
+    s.face = face;
+    s.extent = max(largest3(xyz<F>(p0)), max(largest3(xyz<F>(p1)), largest3(xyz<F>(p2))));
     return s;
+}
+
+// The same for the one viewer of the arguments.
+template <class F, class Tap>
+PLUMB_INLINE Surface<F> surface(const SurfaceArgs& in, index_t<F> triangle, const vec2<F>& l, Tap& tap) {
+    return surface<F>(in, triangle, l, {F(in.viewer[0]), F(in.viewer[1]), F(in.viewer[2]), F(in.viewer[3])}, tap);
 }
 
 // Distance of x from the viewer's plane along the view direction, m. ISR 4.2: linear eye z, not divided by the far

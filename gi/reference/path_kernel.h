@@ -1,0 +1,330 @@
+// Path tracing with next-event estimation and multiple importance sampling (Kajiya 1986; Veach 1997): one lane follows
+// one path at a time, and begins the next where that one ends, so that no lane waits for another.
+//
+//     L(x, w_o) = M/pi + integral f(w_i, w_o) L(w_i) cos(theta) dw_i                            the rendering equation
+//
+// Light that comes from emitting triangles and the environment is found in two ways: by choosing a point on a light, and
+// by following the path until it meets one. Each is weighted by p^2 / (p^2 + q^2), p its own density and q that of the
+// other (the power heuristic, Veach (9.13)). Lamps are points: only the first way finds them.
+#pragma once
+
+#include "gi/reference/bsdf_kernel.h"
+#include "gi/reference/light_kernel.h"
+#include "gi/reference/sampler_kernel.h"
+#include "gi/reference/trace_rays.h"
+
+namespace plumb::reference {
+
+// A pinhole: the ray through the window position (x, y) goes along corner + x across + y down.
+struct CameraArgs {
+    float eye[3], corner[3], across[3], down[3];
+};
+
+struct PathArgs {
+    raster::SurfaceArgs surfaces;
+    LightArgs lights;
+    EnvironmentArgs environment;
+    const float* reflection;     // [material][8]: specular, exponent; mirror, padding
+    std::int32_t glossy;         // 1: some material has a specular or a mirror part
+    std::int32_t emitters;       // 1: some triangle emits
+    CameraArgs camera;
+    const float* position;       // [height][width] rgba32f: points instead of a camera's pixels; null: a camera
+    const float* normal;
+    std::int32_t width, first_row;
+    std::int32_t round, samples; // samples of this round
+    std::uint32_t seed;
+    std::int32_t first_bounce, last_bounce;  // reflections before the light reaches the first surface
+    std::int32_t last_depth;     // surfaces after which no path can find anything that counts
+    std::int32_t openness;       // 1: ambient occlusion
+    float ao_distance;           // m
+    std::int32_t jitter;         // 1: camera rays start anywhere in their pixel
+    float* sum;                  // [height][width] rgba32f, out: sum over the samples of this round
+};
+
+// Where a path is: at a surface.
+template <class F>
+struct PathVertex {
+    vec3<F> x;          // m
+    vec3<F> n;          // unit, shading
+    vec3<F> face;       // unit, geometric; both on the side that the path comes from
+    F offset;           // m, off the surface
+    vec3<F> emission;   // radiance, W/(m2 sr)
+    index_t<F> triangle;
+    Bsdf<F> bsdf;
+};
+
+// How a path goes on from its first surface.
+template <class F>
+struct PathState {
+    index_t<F> pixel, sample;
+    index_t<F> depth;     // surfaces so far
+    Sampler<F> sampler;
+    vec3<F> origin, direction;
+    vec3<F> throughput;
+    F pdf;                // of the direction, 1/sr; 0: only this way finds what lies there
+    vec3<F> sum;          // over the samples of the pixel
+};
+
+template <class F>
+PLUMB_INLINE F power_heuristic(F p, F q) {
+    const F ratio = q / max(p, F(1e-37f));
+    return F(1.0f) / (F(1.0f) + ratio * ratio);
+}
+
+template <class F>
+PLUMB_INLINE mask_t<F> counted(const PathArgs& in, index_t<F> bounces) {
+    using I = index_t<F>;
+    return (bounces >= I(in.first_bounce)) & (bounces <= I(in.last_bounce));
+}
+
+template <class F>
+PLUMB_INLINE vec3<F> where(const mask_t<F>& m, const vec3<F>& v) {
+    return select3<F>(m, v, vec3<F>{F(0.0f), F(0.0f), F(0.0f)});
+}
+
+// Dimensions of the sampler: two for the place in the pixel, then three pairs a surface.
+enum Dimension : int { dimension_pixel = 0, dimension_light = 1, dimension_direction = 2, dimension_choice = 3 };
+inline constexpr int dimensions_a_vertex = 3;
+// From this surface on numbers are plainly random: what is left to gain is small.
+inline constexpr int stratified_vertices = 4;
+
+// A sample's first ray; of a given point, the point stands for it, and the ray is not traced.
+template <class F>
+PLUMB_INLINE void start_sample(const PathArgs& in, const mask_t<F>& starting, PathState<F>& s) {
+    using I = index_t<F>;
+    using N = number<F>;
+    // Rows are counted from the band's first: a float divides so small a number exactly enough.
+    const F along = N::from_index(s.pixel - I(in.first_row * in.width)) + F(0.5f);
+    const I row = N::truncate_to_index(along / F(float(in.width)));
+    const I py = row + I(in.first_row), px = s.pixel - py * I(in.width);
+    const Sampler<F> sampler = Sampler<F>::start(px, py, I(in.round), I(std::int32_t(in.seed)), s.sample);
+    s.sampler.key = {select(starting, sampler.key.x, s.sampler.key.x), select(starting, sampler.key.y, s.sampler.key.y),
+                     select(starting, sampler.key.z, s.sampler.key.z)};
+    s.sampler.index_digits = select(starting, sampler.index_digits, s.sampler.index_digits);
+    s.depth = select(starting, I(0), s.depth);
+    s.throughput = select3<F>(starting, vec3<F>{F(1.0f), F(1.0f), F(1.0f)}, s.throughput);
+    s.pdf = select(starting, F(0.0f), s.pdf);
+    if (in.position) return;
+
+    vec2<F> place{F(0.5f), F(0.5f)};
+    if (in.jitter) place = sampler.pair(I(dimension_pixel));
+    const F x = N::from_index(px) + place.x, y = N::from_index(py) + place.y;
+    const CameraArgs& c = in.camera;
+    const vec3<F> d{F(c.corner[0]) + (F(c.across[0]) * x + F(c.down[0]) * y),
+                    F(c.corner[1]) + (F(c.across[1]) * x + F(c.down[1]) * y),
+                    F(c.corner[2]) + (F(c.across[2]) * x + F(c.down[2]) * y)};
+    s.origin = select3<F>(starting, vec3<F>{F(c.eye[0]), F(c.eye[1]), F(c.eye[2])}, s.origin);
+    s.direction = select3<F>(starting, normalize3<F>(d), s.direction);
+}
+
+// The surface that a ray met.
+template <class F>
+PLUMB_INLINE PathVertex<F> vertex_of(const PathArgs& in, const RayHit<F>& hit, const vec3<F>& direction) {
+    using N = number<F>;
+    using I = index_t<F>;
+    NoTap quiet;
+    const vec4<F> viewer{-direction.x, -direction.y, -direction.z, F(0.0f)};
+    const raster::Surface<F> s = raster::surface<F>(in.surfaces, hit.triangle, hit.barycentrics, viewer, quiet);
+    PathVertex<F> v;
+    v.x = s.position;
+    v.n = s.normal;
+    const F scale = -raster::side_of(dot3(s.face, direction)) / max(sqrt(dot3(s.face, s.face)), F(1e-30f));
+    v.face = s.face * scale;
+    v.offset = ray_offset(s.extent);
+    v.emission = s.emission * F(float(1 / 3.14159265358979323846));
+    v.triangle = hit.triangle;
+    v.bsdf.diffuse = s.albedo;
+    if (in.glossy) {
+        const I row = N::fetch(in.surfaces.material, hit.triangle) * I(2);
+        const vec4<F> specular = N::fetch4(in.reflection, row), mirror = N::fetch4(in.reflection, row + I(1));
+        v.bsdf.specular = xyz<F>(specular), v.bsdf.exponent = specular.w, v.bsdf.mirror = xyz<F>(mirror);
+    }
+    return v;
+}
+
+// A given point: white, so that what leaves it is its irradiance over pi.
+template <class F>
+PLUMB_INLINE void take_given_points(const PathArgs& in, const mask_t<F>& first, const PathState<F>& s,
+                                    PathVertex<F>& v) {
+    using N = number<F>;
+    const F one(1.0f), zero(0.0f);
+    const vec3<F> black{zero, zero, zero};
+    const vec3<F> x = xyz<F>(N::fetch4(in.position, s.pixel)), n = xyz<F>(N::fetch4(in.normal, s.pixel));
+    v.x = select3<F>(first, x, v.x);
+    v.n = select3<F>(first, n, v.n);
+    v.face = select3<F>(first, n, v.face);
+    v.offset = select(first, ray_offset(raster::largest3(x)), v.offset);
+    v.emission = select3<F>(first, black, v.emission);
+    v.bsdf.diffuse = select3<F>(first, vec3<F>{one, one, one}, v.bsdf.diffuse);
+    v.bsdf.specular = select3<F>(first, black, v.bsdf.specular);
+    v.bsdf.mirror = select3<F>(first, black, v.bsdf.mirror);
+}
+
+// What a ray that the surface before sent out finds to shine: the surface that it met, or the environment.
+template <class F>
+PLUMB_INLINE vec3<F> light_met(const PathArgs& in, const PathState<F>& s, const RayHit<F>& hit, const PathVertex<F>& v,
+                               const mask_t<F>& traced) {
+    using N = number<F>;
+    using I = index_t<F>;
+    const F zero(0.0f), one(1.0f);
+    vec3<F> radiance{zero, zero, zero};
+    F other(0.0f);  // density of choosing that very point as a point on a light
+    if (in.emitters) {
+        radiance = where<F>(hit.found, v.emission);
+        const F cosine = abs(dot3(v.face, s.direction));
+        other = N::fetch(in.lights.triangle_pdf, hit.triangle) * (hit.t * hit.t) / max(cosine, F(1e-20f));
+    }
+    const mask_t<F> escaped = traced & !hit.found;
+    if (in.environment.width > 0 && any(escaped)) {
+        radiance = select3<F>(escaped, environment_radiance<F>(in.environment, s.direction), radiance);
+        const F pdf = environment_pdf<F>(in.environment, s.direction) * F(in.lights.environment_probability);
+        other = select(escaped, pdf, other);
+    }
+    const F weight = select(s.pdf > zero, power_heuristic(s.pdf, other), one);
+    // Light at the end of the path after `depth` surfaces was reflected depth - 1 times before the first of them; seen
+    // directly, it counts as `direct`.
+    const mask_t<F> shown = traced & counted<F>(in, max(s.depth - I(1), I(0)));
+    return where<F>(shown, raster::times3<F>(s.throughput, radiance * weight));
+}
+
+// Light from a point on one of the lights.
+template <class F>
+PLUMB_INLINE vec3<F> light_chosen(const PathArgs& in, const PathState<F>& s, const PathVertex<F>& v, const vec2<F>& u,
+                                  F fresh, const mask_t<F>& at_surface, RayTracer<F>& tracer, index_t<F>& traced) {
+    using I = index_t<F>;
+    const F zero(0.0f), one(1.0f);
+    const ChosenLight<F> chosen = choose_light<F>(in.lights, u.x, fresh);
+    const LightSample<F> light = sample_light<F>(in.lights, in.surfaces, in.environment, chosen, u.y, v.x);
+    const vec3<F> w_o{-s.direction.x, -s.direction.y, -s.direction.z};
+    vec3<F> f;
+    F pdf;
+    if (in.glossy) {
+        f = evaluate<F>(v.bsdf, v.n, w_o, light.direction);
+        pdf = plumb::reference::pdf<F>(v.bsdf, v.n, w_o, light.direction);
+    } else {
+        f = evaluate_diffuse<F>(v.bsdf.diffuse, v.n, light.direction);
+        pdf = pdf_diffuse<F>(v.n, light.direction);
+    }
+    const F weight = select(light.pdf > zero, power_heuristic(light.pdf, pdf), one);
+    const vec3<F> radiance = raster::times3<F>(raster::times3<F>(s.throughput, f), light.radiance * weight);
+    const mask_t<F> asks = at_surface & (dot3(v.face, light.direction) > zero) &
+                           !((radiance.x == zero) & (radiance.y == zero) & (radiance.z == zero));
+    if (!any(asks)) return {zero, zero, zero};
+    const vec3<F> origin = v.x + v.face * v.offset;
+    const vec3<F> towards = select3<F>(light.infinite, light.direction, raster::minus3(light.target, origin));
+    const F t_far = select(light.infinite, F(__builtin_inff()), one);
+    traced = traced + select(asks, I(1), I(0));
+    return where<F>(tracer.visible(origin, towards, t_far, asks), radiance);
+}
+
+// The next sample of the pixel where paths end; the lane's next pixel where its samples do. Pixels of a lane are `width`
+// lanes apart, so that the lanes of a packet stay side by side.
+template <class F>
+PLUMB_INLINE mask_t<F> next_sample(const PathArgs& in, const mask_t<F>& ended, std::int32_t last_pixel,
+                                   PathState<F>& s) {
+    using N = number<F>;
+    using I = index_t<F>;
+    const vec3<F> zero{F(0.0f), F(0.0f), F(0.0f)};
+    s.sample = s.sample + select(ended, I(1), I(0));
+    const mask_t<F> finished = ended & (s.sample >= I(in.samples));
+    if (any(finished)) {
+        N::store4(in.sum, s.pixel, vec4<F>(s.sum, F(0.0f)), finished);
+        s.sum = select3<F>(finished, zero, s.sum);
+        s.sample = select(finished, I(0), s.sample);
+        s.pixel = s.pixel + select(finished, I(N::width), I(0));
+    }
+    const mask_t<F> active = s.pixel < I(last_pixel);
+    start_sample<F>(in, ended & active, s);
+    return active;
+}
+
+// All samples of this round for the rows [in.first_row, last_row). Returns the number of rays.
+template <class F>
+PLUMB_INLINE std::uint64_t trace_paths(const PathArgs& in, const RayQuery& query, std::int32_t last_row) {
+    const std::int32_t first = in.first_row * in.width, last = last_row * in.width;
+    using N = number<F>;
+    using I = index_t<F>;
+    const F zero(0.0f), one(1.0f);
+    RayTracer<F> tracer(query);
+    I rays(0);
+    PathState<F> s{};
+    s.pixel = N::iota(first), s.sample = I(0), s.sum = {zero, zero, zero};
+    s.origin = s.direction = {zero, zero, one};
+    mask_t<F> active = s.pixel < I(last);
+    start_sample<F>(in, active, s);
+    while (any(active)) {
+        // Follows the ray to the next surface. A given point is its own first surface.
+        const mask_t<F> given = in.position ? mask_t<F>(active & (s.depth == I(0))) : mask_t<F>(active & !active);
+        const mask_t<F> traced = active & !given;
+        const RayHit<F> hit = tracer.nearest(s.origin, s.direction, traced);
+        rays = rays + select(traced, I(1), I(0));
+        PathVertex<F> v = vertex_of<F>(in, hit, s.direction);
+        mask_t<F> at_surface = hit.found;
+        if (in.position) {
+            take_given_points<F>(in, given, s, v);
+            at_surface = at_surface | (given & (dot3(v.n, v.n) > zero));
+        }
+
+        // Numbers for this surface.
+        const I dimension = s.depth * I(dimensions_a_vertex);
+        const vec3<F> choice = s.sampler.random(dimension + I(dimension_choice));
+        vec2<F> u_light{zero, zero}, u_direction{zero, zero};
+        if (any(active & (s.depth < I(stratified_vertices)))) {
+            u_light = s.sampler.pair(dimension + I(dimension_light));
+            u_direction = s.sampler.pair(dimension + I(dimension_direction));
+        }
+        if (any(s.depth >= I(stratified_vertices))) {
+            const mask_t<F> far = s.depth >= I(stratified_vertices);
+            const vec3<F> a = s.sampler.random(dimension + I(dimension_light)),
+                          b = s.sampler.random(dimension + I(dimension_direction));
+            u_light = {select(far, a.x, u_light.x), select(far, a.y, u_light.y)};
+            u_direction = {select(far, b.x, u_direction.x), select(far, b.y, u_direction.y)};
+        }
+
+        // Gathers light.
+        mask_t<F> goes_on = at_surface;
+        if (in.openness) {
+            // The share of cosine-weighted directions along which nothing is near; open where no surface is seen.
+            const vec3<F> d = to_world<F>(basis_of<F>(v.n), cosine_hemisphere<F>(u_direction.x, u_direction.y));
+            const mask_t<F> asks = at_surface & (dot3(v.face, d) > zero);
+            rays = rays + select(asks, I(1), I(0));
+            const mask_t<F> open =
+                tracer.visible(vec3<F>(v.x + v.face * v.offset), d, F(in.ao_distance), asks) | (traced & !hit.found);
+            const F o = select(open, one, zero);
+            s.sum = s.sum + vec3<F>{o, o, o};
+            goes_on = at_surface & !at_surface;
+        } else {
+            s.sum = s.sum + light_met<F>(in, s, hit, v, traced);
+            const mask_t<F> asks = at_surface & counted<F>(in, s.depth);
+            if (in.lights.count > 0 && any(asks))
+                s.sum = s.sum + light_chosen<F>(in, s, v, u_light, choice.x, asks, tracer, rays);
+
+            // Scatters.
+            const vec3<F> w_o{-s.direction.x, -s.direction.y, -s.direction.z};
+            const BsdfSample<F> out = in.glossy ? sample<F>(v.bsdf, v.n, w_o, choice.y, u_direction.x, u_direction.y)
+                                                : sample_diffuse<F>(v.bsdf.diffuse, v.n, u_direction.x, u_direction.y);
+            s.throughput = raster::times3<F>(s.throughput, out.weight);
+            s.pdf = select(out.mirror, zero, out.pdf);
+            s.origin = v.x + v.face * v.offset;
+            s.direction = out.direction;
+            s.depth = s.depth + I(1);
+
+            // Ends paths that cannot count any more, and by Russian roulette those that carry little: what survives
+            // stands for what did not.
+            const F brightest = raster::largest3(s.throughput);
+            goes_on = at_surface & (dot3(v.face, s.direction) > zero) & (brightest > zero) &
+                      (s.depth <= I(in.last_depth));
+            const F survival = select(s.depth > I(2), min(brightest, F(1.0f - 0x1p-16f)), one);
+            goes_on = goes_on & (choice.z < survival);
+            s.throughput = s.throughput * (one / max(survival, F(1e-37f)));
+        }
+        active = next_sample<F>(in, active & !goes_on, last, s);
+    }
+    std::int32_t lanes[N::width];
+    copy_lanes(lanes, rays);
+    std::uint64_t total = 0;
+    for (const std::int32_t n : lanes) total += std::uint32_t(n);
+    return total;
+}
+
+}  // namespace plumb::reference

@@ -1,0 +1,258 @@
+#include "gi/reference/reference.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+
+#include "core/error.h"
+#include "core/fp_environment.h"
+#include "core/host_math.h"
+#include "core/parallel.h"
+#include "gi/reference/path_rows.h"
+#include "gi/reference/ray_query.h"
+
+namespace plumb::reference {
+
+namespace {
+
+constexpr int band = 8;             // rows a task
+constexpr int rounds_of_samples = 16;
+constexpr int samples_of_until = 16;  // a round, where the number of rounds is open
+constexpr int rounds_between_looks = 8;
+constexpr int without_end = 1 << 24;
+
+// How a number of samples is spent: rounds of a power of two, for that is where the points lie most evenly.
+struct Schedule {
+    int samples, rounds;  // of a round; in all
+};
+Schedule schedule_of(const PathParams& params) {
+    if (params.until_error > 0)
+        return {samples_of_until, std::max(params.max_samples / samples_of_until, rounds_between_looks)};
+    int samples = 1;
+    while (samples * 2 * rounds_of_samples <= params.samples) samples *= 2;
+    return {samples, std::max((params.samples + samples - 1) / samples, 2)};
+}
+
+// Sums over rounds, in double.
+struct Moments {
+    std::vector<glm::dvec3> mean, squares;  // of the rounds' means; sum of squared distances from their mean
+    int rounds = 0;
+
+    explicit Moments(std::size_t pixels) : mean(pixels, glm::dvec3(0)), squares(pixels, glm::dvec3(0)) {}
+
+    // Welford 1962.
+    void add(const Image4& sum, double scale, const RunOptions& options) {
+        ++rounds;
+        RunOptions quiet = options;
+        quiet.progress = {};
+        parallel_bands(sum.height, 16, quiet, [&](int first, int last) {
+            for (std::size_t i = std::size_t(first) * sum.width; i < std::size_t(last) * sum.width; ++i) {
+                const glm::dvec3 value = glm::dvec3(sum.texels[i]) * scale, step = value - mean[i];
+                mean[i] += step / double(rounds);
+                squares[i] += step * (value - mean[i]);
+            }
+        });
+    }
+
+    // The variance of the mean of a channel.
+    double variance(std::size_t i, int c) const { return squares[i][c] / (double(rounds) * (rounds - 1)); }
+
+    // Root of the mean variance over the mean. In the order of the pixels.
+    double relative_error() const {
+        double variances = 0, total = 0;
+        for (std::size_t i = 0; i < mean.size(); ++i)
+            for (int c = 0; c < 3; ++c) variances += variance(i, c), total += mean[i][c];
+        const double n = 3.0 * double(mean.size());
+        return variances == 0 ? 0 : std::sqrt(variances / n) / std::abs(total / n);
+    }
+};
+
+LightArgs light_args(const LightTable& t) {
+    LightArgs a{t.count, 0, t.rows.data(), t.cdf.data(), t.triangle_pdf.data(), t.environment_probability};
+    while ((std::int64_t(1) << a.steps) < t.count) ++a.steps;
+    return a;
+}
+
+// The arguments that all rounds share.
+PathArgs args_of(const PathParams& params, const PathScene& scene, int width, std::uint32_t seed) {
+    PathArgs a{};
+    a.surfaces = raster::surface_args(scene.geometry, scene.surfaces, View{});
+    a.lights = light_args(scene.lights);
+    const EnvironmentTable& e = scene.environment;
+    a.environment = {e.width, e.height, e.radiance.data(), e.row_cdf.data(), e.column_cdf.data(), e.pdf.data()};
+    a.reflection = scene.reflection.data();
+    a.glossy = scene.any_glossy;
+    a.emitters = scene.lights.any_triangle;
+    a.width = width;
+    a.seed = seed;
+    a.openness = params.mode == Mode::ambient_occlusion;
+    a.ao_distance = params.ao_distance > 0 ? params.ao_distance : std::numeric_limits<float>::infinity();
+    a.jitter = params.filter == Filter::box;
+    a.first_bounce = params.mode == Mode::one_bounce || params.mode == Mode::indirect ? 1 : 0;
+    a.last_bounce = params.mode == Mode::direct ? 0 : params.mode == Mode::one_bounce ? 1 : without_end;
+    if (params.max_bounces > 0) a.last_bounce = std::min(a.last_bounce, params.max_bounces);
+    // Only where paths can run into light is the last surface's ray worth tracing.
+    a.last_depth = a.last_bounce + (a.emitters || e.width > 0 ? 1 : 0);
+    return a;
+}
+
+Estimate run_rounds(const PathParams& params, const PathScene& scene, PathArgs args, glm::ivec2 size, double scale,
+                    const RunOptions& options) {
+    const Schedule schedule = schedule_of(params);
+    args.samples = schedule.samples;
+    Image4 sum(size.x, size.y);
+    args.sum = &sum.data()->x;
+    Moments moments(sum.size());
+    Estimate e;
+    std::atomic<std::uint64_t> rays{0};
+    const int least = params.until_error > 0 ? rounds_between_looks : schedule.rounds;
+    double first_error = 0;
+    for (int round = 0; round < schedule.rounds; ++round) {
+        args.round = round;
+        RunOptions part = options;
+        if (options.progress)
+            part.progress = [&, round](double done) {
+                // Noise falls with the root of the rounds: so many will be needed.
+                double expected = schedule.rounds;
+                if (params.until_error > 0 && first_error > 0) {
+                    const double ratio = first_error / params.until_error;
+                    expected = std::clamp(ratio * ratio * least, double(round + 1), double(schedule.rounds));
+                }
+                options.progress(std::min((round + done) / expected, 1.0));
+            };
+        dispatch(options.isa, [&](auto isa) {
+            parallel_bands(size.y, band, part, [&](int first, int last) {
+                PathArgs rows = args;
+                rows.first_row = first;
+                rays += PathRows<isa()>::trace(rows, *scene.rays, last);
+            });
+        });
+        moments.add(sum, scale / schedule.samples, options);
+        if (params.until_error <= 0 || moments.rounds % rounds_between_looks != 0) continue;
+        const double error = moments.relative_error();
+        if (first_error == 0) first_error = error;
+        if (error <= params.until_error) break;
+    }
+
+    // Results.
+    e.mean = e.error = Image4(size.x, size.y);
+    for (std::size_t i = 0; i < sum.size(); ++i)
+        for (int c = 0; c < 3; ++c) {
+            const double mean = moments.mean[i][c], variance = moments.variance(i, c);
+            e.mean.texels[i][c] = float(mean);
+            e.error.texels[i][c] = float(std::sqrt(variance));
+            if (!std::isfinite(mean) || !std::isfinite(variance)) ++e.nonfinite;
+        }
+    e.rounds = moments.rounds;
+    e.samples = moments.rounds * schedule.samples;
+    e.rays = rays;
+    e.relative_error = moments.relative_error();
+    return e;
+}
+
+void validate(const PathParams& params, glm::ivec2 size) {
+    PathParams copy = params;
+    validate_fields("reference", fields(copy));
+    if (size.x < 1 || size.y < 1 || size.x > 32768 || std::int64_t(size.x) * size.y >= (std::int64_t(1) << 31) - 64)
+        throw InputError(fmt::format("reference: {} x {} pixels: expected 1 to 32768 a row, and fewer than 2^31", size.x,
+                                     size.y));
+}
+
+}  // namespace
+
+std::vector<Field> fields(PathParams& p) {
+    return {
+        {"mode", as_int(p.mode), "",
+         "light reflected any number of times before it reaches the surface that is seen, never, once, or once and more; "
+         "or the open share of the hemisphere",
+         0, 4, {"all", "direct", "one_bounce", "indirect", "ambient_occlusion"}, false},
+        {"samples", &p.samples, "", "paths a pixel, rounded up to whole rounds", 1, 1 << 24, {}, false},
+        {"until_error", &p.until_error, "",
+         "above 0: goes on until the standard error, relative to the picture's mean, is at most this", 0, 1, {}, false},
+        {"max_samples", &p.max_samples, "", "where until_error gives up", 1, 1 << 24, {}, false},
+        {"max_bounces", &p.max_bounces, "", "reflections of a path; 0: no limit but Russian roulette", 0, 1 << 20, {},
+         false},
+        {"rays", as_int(p.rays), "", "exact: the same bits everywhere; native: Embree's own test, faster", 0, 1,
+         {"exact", "native"}, false},
+        {"filter", as_int(p.filter), "", "camera rays start at the pixel's centre, as samples of the rasterizer, or anywhere",
+         0, 1, {"centre", "box"}, false},
+        {"ao_distance", &p.ao_distance, "m", "what is farther does not occlude; 0: no limit", 0, unbounded, {}, false},
+    };
+}
+
+std::unique_ptr<PathScene> prepare(const Scene& scene, Rays rays) {
+    FpEnvironment environment;
+    auto s = std::make_unique<PathScene>();
+    for (const Material& m : scene.materials) {
+        for (int c = 0; c < 3; ++c) {
+            const double sum = double(m.reflectance[c]) + m.specular[c] + m.mirror[c];
+            if (!(sum <= 1 + 1e-6))
+                throw InputError(fmt::format("{}: material \"{}\": reflectance + specular + mirror = {:.6g} in channel "
+                                             "{}: expected at most 1",
+                                             scene.name, m.name, sum, "RGB"[c]));
+            s->any_glossy = s->any_glossy || m.specular[c] > 0 || m.mirror[c] > 0;
+        }
+        s->reflection.insert(s->reflection.end(), {m.specular.x, m.specular.y, m.specular.z, m.exponent,  //
+                                                   m.mirror.x, m.mirror.y, m.mirror.z, 0});
+    }
+    s->geometry = flatten(scene);
+    s->surfaces = raster::prepare(scene, s->geometry);
+    s->environment = environment_table(scene.environment);
+    s->lights = light_table(scene, s->geometry, s->surfaces, s->environment);
+    s->rays = build_ray_query(s->geometry, s->surfaces, rays);
+    return s;
+}
+
+Estimate trace(const PathParams& params, const PathScene& scene, const Camera& camera, glm::ivec2 size,
+               std::uint32_t seed, const RunOptions& options) {
+    FpEnvironment environment;
+    validate(params, size);
+    validate(camera);
+    PathArgs args = args_of(params, scene, size.x, seed);
+
+    // The window's corner and its steps, at distance 1 along the view direction.
+    const CameraAxes a = axes(camera);
+    const double top = host::tan(camera.fov_y_deg * (host::pi / 360)), right = top * size.x / size.y;
+    for (int c = 0; c < 3; ++c) {
+        args.camera.eye[c] = float(camera.position[c]);
+        args.camera.corner[c] = float(a.forward[c] - right * a.right[c] + top * a.up[c]);
+        args.camera.across[c] = float(2 * right / size.x * a.right[c]);
+        args.camera.down[c] = float(-2 * top / size.y * a.up[c]);
+    }
+    return run_rounds(params, scene, args, size, 1, options);
+}
+
+Estimate trace_irradiance(const PathParams& params, const PathScene& scene, const PointInputs& points,
+                          std::uint32_t seed, const RunOptions& options) {
+    FpEnvironment environment;
+    if (!points.position || !points.normal) throw InputError("reference: position and normal must be bound");
+    const Image4 &p = *points.position, &n = *points.normal;
+    if (p.width != n.width || p.height != n.height)
+        throw InputError(fmt::format("reference: normal is {} x {}, position is {} x {}: expected equal sizes", n.width,
+                                     n.height, p.width, p.height));
+    validate(params, {p.width, p.height});
+    PathArgs args = args_of(params, scene, p.width, seed);
+    args.position = &p.data()->x;
+    args.normal = &n.data()->x;
+    const double scale = params.mode == Mode::ambient_occlusion ? 1 : host::pi;
+    return run_rounds(params, scene, args, {p.width, p.height}, scale, options);
+}
+
+StageInfo info() {
+    PathParams defaults;
+    StageInfo s;
+    s.name = "reference";
+    s.source = "the rendering equation (Kajiya 1986), by path tracing";
+    s.inputs = raster::surface_ports();
+    s.inputs.push_back({"lights", "buffer vec4", "W", "[light][4]: gi/reference/light_kernel.h"});
+    s.inputs.push_back({"position", "image rgba32f", "m", "points to ask about; none: the camera's pixels"});
+    s.inputs.push_back({"normal", "image rgba32f", "", "of those points"});
+    s.outputs = {{"truth", "image rgba32f", "W/(m2 sr)", "outgoing radiance; of points: irradiance, W/m2"},
+                 {"truth.error", "image rgba32f", "W/(m2 sr)", "its standard error"}};
+    s.params = describe(fields(defaults));
+    return s;
+}
+
+}  // namespace plumb::reference
