@@ -204,6 +204,9 @@ class GlbWriter {
             out["normalTexture"] = {{"index", m.normal_texture}, {"scale", double(m.normal_scale)}};
         if (m.alpha_cutoff > 0) out["alphaMode"] = "MASK", out["alphaCutoff"] = double(m.alpha_cutoff);
         out["doubleSided"] = true;
+        if (m.specular != glm::vec3(0)) out["extras"]["plumb"]["specular"] = numbers(m.specular);
+        if (m.exponent != Material{}.exponent) out["extras"]["plumb"]["exponent"] = double(m.exponent);
+        if (m.mirror != glm::vec3(0)) out["extras"]["plumb"]["mirror"] = numbers(m.mirror);
         return out;
     }
 

@@ -9,6 +9,7 @@
 #include "io/file.h"
 #include "io/gltf_document.h"
 #include "io/image_file.h"
+#include "io/scene_model.h"
 
 namespace plumb::io {
 namespace {
@@ -104,7 +105,20 @@ class MaterialReader {
             document_.note("what is blended (alphaMode BLEND) is drawn opaque");
         else if (mode != "OPAQUE")
             json["alphaMode"].fail("expected OPAQUE, MASK or BLEND");
+        read_own(json.own(), material);
         return material;
+    }
+
+    // extras/plumb: what write_glb() keeps there.
+    static void read_own(const JsonValue& own, Material& material) {
+        const auto colour = [&](const char* key) {
+            const std::vector<double> n = own[key].numbers({0, 0, 0}, 0, 1);
+            return glm::vec3(float(n[0]), float(n[1]), float(n[2]));
+        };
+        material.specular = colour("specular"), material.mirror = colour("mirror");
+        material.exponent = float(own["exponent"].number(0, max_exponent, double(material.exponent)));
+        const std::string excess = excess_of(material);
+        if (!excess.empty()) own.fail(excess);
     }
 
     static Wrap read_wrap(const JsonValue& json) {

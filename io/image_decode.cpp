@@ -56,7 +56,7 @@ const Format& format_of(const std::string& path, const std::string& extension) {
 
 // What decoding may cost is decided from the header. Of the compressions that are read, LZW packs most: under 4096
 // to 1.
-void check_size(const std::string& path, const OIIO::ImageSpec& spec, std::size_t file_bytes) {
+void check_size(const std::string& path, const OIIO::ImageSpec& spec, std::size_t file_bytes, std::int64_t limit) {
     const std::int64_t pixels = std::int64_t(spec.width) * spec.height;
     if (spec.width < 1 || spec.height < 1 || spec.nchannels < 1 || spec.depth > 1)
         throw InputError(shown(path), "header",
@@ -67,6 +67,9 @@ void check_size(const std::string& path, const OIIO::ImageSpec& spec, std::size_
                          fmt::format("{} x {} pixels of {} channels; the limits are 2^31 pixels, 2^34 values and {} "
                                      "channels",
                                      spec.width, spec.height, spec.nchannels, max_channels));
+    if (pixels > limit)
+        throw InputError(shown(path), "header",
+                         fmt::format("{} x {} pixels; the limit here is {}", spec.width, spec.height, limit));
     if (spec.image_bytes(true) > (std::size_t(1) << 20) + 4096 * file_bytes)
         throw InputError(shown(path), "header",
                          fmt::format("declares {} x {} pixels of {} channels, which {} bytes cannot hold", spec.width,
@@ -152,13 +155,14 @@ std::string reason(std::string message) {
     return message.empty() ? "unknown reason" : printable(message, 300);
 }
 
-Raw read_raw(const std::string& path) {
+Raw read_raw(const std::string& path, std::int64_t pixels) {
     const std::string extension = extension_of(path);
     format_of(path, extension);
-    return decode_raw(path, extension, read_bytes(path));
+    return decode_raw(path, extension, read_bytes(path), pixels);
 }
 
-Raw decode_raw(const std::string& path, const std::string& extension, std::vector<unsigned char> file) {
+Raw decode_raw(const std::string& path, const std::string& extension, std::vector<unsigned char> file,
+               std::int64_t pixels) {
     // The file is in memory whole: its size and its first bytes are known before a decoder sees it.
     const Format& format = format_of(path, extension);
     if (file.empty()) throw InputError(shown(path), "", "is empty; expected a picture");
@@ -184,7 +188,7 @@ Raw decode_raw(const std::string& path, const std::string& extension, std::vecto
     raw.normalise = extension != "exr";
     try {
         if (!input->open(path, raw.spec, wish)) throw InputError(shown(path), "header", reason(input->geterror()));
-        check_size(path, raw.spec, file.size());
+        check_size(path, raw.spec, file.size(), pixels);
         raw.bytes.resize(raw.spec.image_bytes(true));
         if (!input->read_image(0, 0, 0, raw.spec.nchannels, OIIO::TypeDesc::UNKNOWN, raw.bytes.data()))
             throw InputError(shown(path), "pixels", reason(input->geterror()));

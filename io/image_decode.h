@@ -22,10 +22,11 @@ struct Raw {
     bool normalise = true;  // unsigned integers stand for 0..1
 };
 
-// Throws InputError for what is not one whole, flat picture within the limits.
-Raw read_raw(const std::string& path);
+// Throws InputError for what is not one whole, flat picture within the limits and of at most `pixels`.
+Raw read_raw(const std::string& path, std::int64_t pixels = max_pixels);
 // The same of a file in memory: `extension` chooses the reader, `name` is for messages.
-Raw decode_raw(const std::string& name, const std::string& extension, std::vector<unsigned char> file);
+Raw decode_raw(const std::string& name, const std::string& extension, std::vector<unsigned char> file,
+               std::int64_t pixels = max_pixels);
 
 // Unsigned integers become 0..1, but for EXR, where they keep their value.
 compare::Picture to_float(const std::string& path, const Raw& raw);

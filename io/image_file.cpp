@@ -5,6 +5,8 @@
 #include <OpenImageIO/imageio.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 
@@ -17,6 +19,7 @@ namespace plumb::io {
 namespace {
 
 constexpr std::int64_t max_texels = std::int64_t(1) << 28;
+constexpr std::int64_t max_map_texels = std::int64_t(1) << 27;  // 40 bytes each, with the tables to sample them by
 
 std::vector<unsigned char> encode(const std::string& path, const char* format, const OIIO::ImageSpec& spec,
                                   const void* pixels) {
@@ -125,10 +128,11 @@ FloatPicture select_layer(const FloatPicture& picture, const std::string& layer,
 
 namespace {
 
+std::string pixel_name(std::size_t i, int width) {
+    return fmt::format("pixel {},{}", i % std::size_t(width), i / std::size_t(width));
+}
+
 Texture to_texture(const std::string& path, const Raw& raw) {
-    const std::int64_t width = raw.spec.width, height = raw.spec.height;
-    if (width * height > max_texels)
-        throw InputError(shown(path), "header", fmt::format("{} x {} texels; the limit is 2^28", width, height));
     if (raw.spec.nchannels > 4)
         throw InputError(
             shown(path), "header",
@@ -138,7 +142,7 @@ Texture to_texture(const std::string& path, const Raw& raw) {
     Texture texture;
     texture.name = std::filesystem::path(path).filename().string();
     texture.srgb = !raw.spec.format.is_floating_point();
-    texture.texels = Image<std::uint32_t>(int(width), int(height));
+    texture.texels = Image<std::uint32_t>(picture.width, picture.height);
     const std::size_t n = picture.channels.size();
     for (std::size_t i = 0; i < texture.texels.size(); ++i) {
         std::uint32_t byte[4] = {};
@@ -146,7 +150,7 @@ Texture to_texture(const std::string& path, const Raw& raw) {
             const float value = picture.data[i * n + c];
             if (!(value >= 0 && value <= 1))
                 throw InputError(
-                    shown(path), fmt::format("pixel {},{}", i % std::size_t(width), i / std::size_t(width)),
+                    shown(path), pixel_name(i, picture.width),
                     fmt::format("{} = {}; a texture's values lie in 0 to 1", printable(picture.channels[c]), value));
             byte[c] = std::uint32_t(value * 255.0f + 0.5f);
         }
@@ -159,11 +163,45 @@ Texture to_texture(const std::string& path, const Raw& raw) {
 
 }  // namespace
 
-Texture read_texture(const std::string& path) { return to_texture(path, read_raw(path)); }
+Texture read_texture(const std::string& path) { return to_texture(path, read_raw(path, max_texels)); }
 
 Texture decode_texture(const std::string& name, const std::vector<unsigned char>& file) {
     const bool is_jpeg = file.size() > 1 && file[0] == 0xff && file[1] == 0xd8;
-    return to_texture(name, decode_raw(name, is_jpeg ? "jpg" : "png", file));
+    return to_texture(name, decode_raw(name, is_jpeg ? "jpg" : "png", file, max_texels));
+}
+
+Image4 read_radiance_map(const std::string& path) {
+    const std::string extension = extension_of(path);
+    if (extension != "exr" && extension != "hdr" && extension != "pfm")
+        throw InputError(shown(path), "", "holds no radiance by its name; expected .exr, .hdr or .pfm");
+    const Raw raw = read_raw(path, max_map_texels);
+    const OIIO::ImageSpec& spec = raw.spec;
+    if (spec.x != spec.full_x || spec.y != spec.full_y || spec.width != spec.full_width ||
+        spec.height != spec.full_height)
+        throw InputError(shown(path), "header", "only a part of the picture is in the file; expected all directions");
+    const FloatPicture picture = select_layer(to_float(path, raw), "", path);
+
+    // Takes red, green and blue, or the only channel for all three.
+    const std::size_t n = picture.channels.size();
+    std::array<std::size_t, 3> from{};
+    for (std::size_t c = 0; c < 3 && n > 1; ++c) {
+        const std::string name(1, "RGB"[c]);
+        const auto at = std::find(picture.channels.begin(), picture.channels.end(), name);
+        if (at == picture.channels.end())
+            throw InputError(shown(path), "header", "has no channel " + name + "; expected R, G and B, or one channel");
+        from[c] = std::size_t(at - picture.channels.begin());
+    }
+    Image4 map(picture.width, picture.height);
+    for (std::size_t i = 0; i < map.size(); ++i)
+        for (int c = 0; c < 3; ++c) {
+            const float value = picture.data[i * n + from[std::size_t(c)]];
+            if (!(value >= 0 && std::isfinite(value)))
+                throw InputError(shown(path), pixel_name(i, picture.width),
+                                 fmt::format("{} = {}; a radiance is finite and not negative",
+                                             printable(picture.channels[from[std::size_t(c)]]), value));
+            map.data()[i][c] = value;
+        }
+    return map;
 }
 
 std::vector<unsigned char> encode_png(const std::string& name, const Image<std::uint32_t>& texels) {

@@ -40,6 +40,10 @@ FloatPicture read_picture(const std::string& path);
 FloatPicture select_layer(const FloatPicture& picture, const std::string& layer, const std::string& path);
 std::vector<std::string> layer_names(const FloatPicture& picture);  // in the file's order, without repetition
 
+// Radiance by direction (core/scene.h, Environment): RGB or grey of an EXR, HDR or PFM, w = 0. Every value is finite
+// and not negative, or InputError names its pixel.
+Image4 read_radiance_map(const std::string& path);
+
 // A texture of 8 bits a channel. Integer files are taken as sRGB; files of floats as linear, rounded to 8 bits: a value
 // that is not in 0..1 (NaN too) is an error that names its pixel. Grey becomes RGB, a missing alpha 1.
 Texture read_texture(const std::string& path);

@@ -277,7 +277,8 @@ void read_libraries(const std::string& path, const Lines& lines, const ReadLibra
         } catch (const InputError& e) {
             throw InputError(shown(path), fmt::format("line {}", line), std::string("mtllib: ") + e.what());
         }
-        for (Material& material : parse_mtl(file, text, model.textures)) model.materials.push_back(std::move(material));
+        for (Material& material : parse_mtl(file, text, model.textures, model.notes))
+            model.materials.push_back(std::move(material));
     }
 }
 

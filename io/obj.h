@@ -15,6 +15,7 @@ struct ObjModel {
     Mesh mesh;
     std::vector<Material> materials;  // those of its MTL files; and "default", last, where a face has none
     std::vector<Texture> textures;
+    std::vector<std::string> notes;  // what was changed to fit
     bool has_texture_coordinates = false;  // of at least one corner
 };
 
@@ -26,7 +27,9 @@ ObjModel read_obj(const std::string& path);
 using ReadLibrary = std::function<std::string(const std::string& path)>;
 ObjModel parse_obj(const std::string& path, const std::string& text, const ReadLibrary& read_library);
 
-// The materials of an MTL file and, into `textures`, their pictures, read from beside it.
-std::vector<Material> parse_mtl(const std::string& path, const std::string& text, std::vector<Texture>& textures);
+// The materials of an MTL file and, into `textures`, their pictures, read from beside it; into `notes` what had to be
+// changed.
+std::vector<Material> parse_mtl(const std::string& path, const std::string& text, std::vector<Texture>& textures,
+                                std::vector<std::string>& notes);
 
 }  // namespace plumb::io

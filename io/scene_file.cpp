@@ -212,10 +212,7 @@ class SceneReader {
         if (texture < 0 && reader.has("filter")) reader.fail("filter", "stands without a texture");
         for (Material& m : scene_.materials) {
             if (m.name != name) continue;
-            m.reflectance = glm::vec3(reader.vector("reflectance", glm::dvec3(m.reflectance), 0, 1));
-            m.emission = glm::vec3(reader.vector("emission", glm::dvec3(m.emission), 0, 3e38));
-            m.alpha_cutoff = float(reader.number("alpha_cutoff", m.alpha_cutoff, 0, 1));
-            m.normal_scale = float(reader.number("normal_scale", m.normal_scale, -1e30, 1e30));
+            read_surface(reader, m);
             if (texture >= 0) m.texture = texture;
         }
         reader.finish();
@@ -254,9 +251,7 @@ class SceneReader {
     void read_render(TomlReader& top) {
         if (const toml::table* table = top.table("environment")) {
             TomlReader environment(*table, path_, "[environment]");
-            if (environment.has("file")) environment.fail("file", "pictures of the sky are not read by this version");
-            const glm::dvec3 radiance(scene_.environment.radiance);
-            scene_.environment.radiance = glm::vec3(environment.vector("radiance", radiance, 0, 3e38));
+            read_environment(environment, path_, scene_);
             environment.finish();
         }
         if (const toml::table* table = top.table("render")) {

@@ -1,5 +1,7 @@
 #include "io/scene_model.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "core/error.h"
@@ -18,6 +20,7 @@ SceneModel from_obj(ObjModel obj) {
     model.scene.meshes.push_back(std::move(obj.mesh));
     model.scene.materials = std::move(obj.materials);
     model.scene.textures = std::move(obj.textures);
+    model.scene.notes = std::move(obj.notes);
     return model;
 }
 
@@ -96,6 +99,17 @@ void append_model(Scene& scene, SceneModel& model) {
         scene.materials.push_back(std::move(material));
     }
     for (Texture& texture : model.scene.textures) scene.textures.push_back(std::move(texture));
+}
+
+std::string excess_of(const Material& m) {
+    constexpr const char* channels[] = {"red", "green", "blue"};
+    for (int c = 0; c < 3; ++c)
+        if (!(double(m.reflectance[c]) + double(m.specular[c]) + double(m.mirror[c]) <= 1 + 1e-6))
+            return fmt::format(
+                "material \"{}\" reflects more than it receives: reflectance {:.4g} + specular {:.4g} + mirror {:.4g} "
+                "in {}; expected a sum of at most 1",
+                printable(m.name), m.reflectance[c], m.specular[c], m.mirror[c], channels[c]);
+    return "";
 }
 
 void complete_tangents(Scene& scene) {

@@ -31,6 +31,11 @@ void move_model(SceneModel& model, const glm::dmat4& transform);
 // Appends meshes, materials and textures; lights and camera stay in the model.
 void append_model(Scene& scene, SceneModel& model);
 
+inline constexpr double max_exponent = 1e6;
+
+// "" where a material reflects at most what it receives, within rounding; otherwise its name, the channel and the sum.
+std::string excess_of(const Material& material);
+
 // Gives tangents to meshes that show a normal map and have none.
 void complete_tangents(Scene& scene);
 

@@ -6,7 +6,10 @@
 #include <cmath>
 
 #include "io/angles.h"
+#include "io/file.h"
 #include "io/gltf_document.h"
+#include "io/image_file.h"
+#include "io/scene_model.h"
 
 namespace plumb::io {
 namespace {
@@ -102,6 +105,41 @@ Light read_light(TomlReader& reader, const std::vector<Light>& others) {
     light.on = reader.flag("on", true);
     light.rsm_size = reader.integer("rsm_size", 512, 1, max_rsm_size);
     return light;
+}
+
+void read_surface(TomlReader& reader, Material& m) {
+    const auto share = [&](const char* key, glm::vec3& value) {
+        value = glm::vec3(reader.colour(key, glm::dvec3(value), 0, 1));
+    };
+    share("reflectance", m.reflectance), share("specular", m.specular), share("mirror", m.mirror);
+    m.exponent = float(reader.number("exponent", m.exponent, 0, max_exponent));
+    m.emission = glm::vec3(reader.colour("emission", glm::dvec3(m.emission), 0, 3e38));
+    m.alpha_cutoff = float(reader.number("alpha_cutoff", m.alpha_cutoff, 0, 1));
+    m.normal_scale = float(reader.number("normal_scale", m.normal_scale, -1e30, 1e30));
+    const std::string excess = excess_of(m);
+    const char* const given = reader.has("mirror") ? "mirror" : reader.has("specular") ? "specular" : "reflectance";
+    if (!excess.empty()) reader.fail(given, excess);
+}
+
+void read_environment(TomlReader& reader, const std::string& path, Scene& scene) {
+    Environment& environment = scene.environment;
+    if (reader.has("file")) {
+        const std::string file = reader.word("file", "");
+        try {
+            environment.map = read_radiance_map(beside(path, file));
+        } catch (const InputError& e) {
+            reader.fail("file", e.what());
+        }
+        environment.radiance = glm::vec3(1);
+        if (environment.map.width != 2 * environment.map.height)
+            scene.notes.push_back(fmt::format("the sky \"{}\" has {} x {} texels, not 2 : 1: it is stretched",
+                                              printable(file), environment.map.width, environment.map.height));
+    }
+    environment.radiance = glm::vec3(reader.colour("radiance", glm::dvec3(environment.radiance), 0, 3e38));
+    for (const glm::vec4& texel : environment.map.texels)
+        for (int c = 0; c < 3; ++c)
+            if (!std::isfinite(texel[c] * environment.radiance[c]))
+                reader.fail("radiance", fmt::format("times {} of the map is not finite", texel[c]));
 }
 
 }  // namespace plumb::io

@@ -15,6 +15,12 @@ glm::dmat4 read_transform(TomlReader& mesh);
 // [[light]]; its name must be none of the others'.
 Light read_light(TomlReader& reader, const std::vector<Light>& others);
 
+// [[material]]: its numbers; what is not given stays. `m` reflects no more than it receives, or InputError says where.
+void read_surface(TomlReader& reader, Material& m);
+
+// [environment]: radiance, and a map beside the scene file `path`.
+void read_environment(TomlReader& reader, const std::string& path, Scene& scene);
+
 // Names of lights become names of layers: 1 to 64 letters, digits, _ or -, each once.
 bool is_layer_name(const std::string& name);
 // `name`, changed where it is not one or is another light's.

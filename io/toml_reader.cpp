@@ -161,6 +161,13 @@ glm::dvec3 TomlReader::vector(const std::string& key, const glm::dvec3& fallback
     return n ? glm::dvec3((*n)[0], (*n)[1], (*n)[2]) : fallback;
 }
 
+glm::dvec3 TomlReader::colour(const std::string& key, const glm::dvec3& fallback, double min, double max) {
+    const toml::node* value = node(key);
+    if (!value || value->is_array()) return vector(key, fallback, min, max);
+    if (!is_number(*value)) fail_type(key, "a number or three");
+    return glm::dvec3(number(key, 0, min, max));
+}
+
 FieldValue TomlReader::field_value(const std::string& key) {
     const toml::node* value = node(key);
     if (value && is_number(*value)) return *value->value<double>();

@@ -35,6 +35,8 @@ class TomlReader {
                                                double max = unbounded);
     glm::dvec3 vector(const std::string& key, const glm::dvec3& fallback, double min = -unbounded,
                       double max = unbounded);
+    // One number for grey, or three.
+    glm::dvec3 colour(const std::string& key, const glm::dvec3& fallback, double min, double max);
     // The value as core/fields.h takes it: a number, true/false, a string or three numbers.
     FieldValue field_value(const std::string& key);
 

@@ -29,6 +29,7 @@ Scene rich_scene() {
     lamp.name = "lamp", lamp.emission = {17.123f, 3.3f, 1e-20f}, lamp.emission_texture = 0;
     Material dim;
     dim.name = "dim", dim.emission = {0.1f, 0.2f, 0.3f};
+    dim.specular = {0.1f, 1 / 3.0f, 1e-20f}, dim.exponent = 33.3f, dim.mirror = {0.3f, 0, 1 / 7.0f};
     const int materials[] = {b.material(stone), b.material(lamp), b.material(dim)};
     b.object("pillar");
     // Materials take turns: the triangles of a mesh are not sorted by them.
@@ -68,6 +69,7 @@ void check_same_materials(const std::vector<Material>& a, const std::vector<Mate
                a[i].normal_texture == b[i].normal_texture));
         CHECK((a[i].normal_scale == b[i].normal_scale && a[i].alpha == b[i].alpha));
         CHECK(a[i].alpha_cutoff == b[i].alpha_cutoff);
+        CHECK((a[i].specular == b[i].specular && a[i].exponent == b[i].exponent && a[i].mirror == b[i].mirror));
     }
 }
 
@@ -217,6 +219,7 @@ TEST_CASE("make_scene: the TOML holds every light and setting of a rich scene", 
     write_glb(folder / "s.glb", s);
     const Scene a = load_scene(folder.put("s.toml", scene_toml(s, "s.glb", "a rich scene")), {"rsm"});
     check_same_lights(a.lights, s.lights);
+    check_same_materials(a.materials, s.materials);
     CHECK(a.environment.radiance == s.environment.radiance);
     CHECK(a.camera.look_at == s.camera.look_at);
     CHECK(a.camera.up == s.camera.up);

@@ -146,6 +146,73 @@ TEST_CASE("obj: materials, by name", "[io]") {
     CHECK(model.mesh.material == std::vector<std::int32_t>{0, 1});
 }
 
+TEST_CASE("mtl: illum decides whether Ks is a lobe, a mirror or nothing", "[io]") {
+    struct Case {
+        std::string lines;
+        glm::vec3 specular, mirror;
+        float exponent;
+    };
+    const glm::vec3 none(0), ks(0.25f, 0.125f, 0.5f);
+    const float unset = Material{}.exponent;
+    const std::string given = "Kd 0.5\nKs 0.25 0.125 0.5\nNs 96.5\n";
+    const std::vector<Case> cases = {
+        {given, none, none, unset},  // without illum
+        {given + "illum 0\n", none, none, unset},
+        {given + "illum 1\n", none, none, unset},
+        {given + "illum 2\n", ks, none, 96.5f},
+        {given + "illum 3\n", none, ks, unset},
+        {given + "illum 4\n", ks, none, 96.5f},
+        {given + "illum 10 # shadows\n", ks, none, 96.5f},
+        {"illum 2\nKs 0.25 0.125 0.5 # comment\nKd 0.5\n", ks, none, unset},  // in any order, without Ns
+        {"illum 2\nKs 0.1\nKd 0.5\nKs 0.25 0.125 0.5\n", ks, none, unset},   // the last one holds
+        {"illum 2\nNs 7\n", none, none, unset},
+        {"illum 2\nKs 0 0 0\nNs 7\n", none, none, 7},
+        // What illum leaves aside may be anything.
+        {"illum 1\nKs spectral f.rfl\nNs x\n", none, none, unset},
+        {"Ks -1 2\nNs nan\n", none, none, unset},
+    };
+    for (const Case& c : cases) {
+        CAPTURE(c.lines);
+        std::vector<Texture> textures;
+        std::vector<std::string> notes;
+        // Nothing of a material reaches the next one.
+        const auto m = parse_mtl("m.mtl", "newmtl a\n" + c.lines + "newmtl b\nKd 1\n", textures, notes);
+        REQUIRE(m.size() == 2);
+        CHECK(m[0].specular == c.specular);
+        CHECK(m[0].mirror == c.mirror);
+        CHECK(m[0].exponent == c.exponent);
+        CHECK((m[1].specular == none && m[1].mirror == none && m[1].exponent == unset));
+        CHECK(notes.empty());
+    }
+}
+
+TEST_CASE("mtl: Ks gives way to Kd where they reflect more than they receive, and it is said once a file", "[io]") {
+    const std::string library =
+        "newmtl fits\nKd 0.8\nKs 0.2\nillum 2\n"
+        "newmtl scaled\nKd 0.75 0.5 0\nKs 0.5 0.25 0.125\nillum 2\nNs 1e9\n"
+        "newmtl mirror\nKd 0\nKs 4 2 1\nillum 3\n"
+        "newmtl full\nKd 1 0 0\nKs 0.5\nillum 2\nNs -1.96\n"
+        "newmtl unused\nKd 1\nKs 1\nNs -1\n";
+    const ObjModel model = parse("mtllib m.mtl\n" + triangle + "usemtl fits\nf 1 2 3\n", library);
+    const std::vector<Material>& m = model.materials;
+    REQUIRE(m.size() == 5);
+    // In floats 0.8 + 0.2 is 1 and a rounding: that is no excess.
+    CHECK(m[0].specular[0] == Approx(0.2).epsilon(1e-6));
+    // One factor, 0.25 / 0.5, for all channels.
+    CHECK(m[1].reflectance == glm::vec3(0.75f, 0.5f, 0));
+    CHECK(m[1].specular == glm::vec3(0.25f, 0.125f, 0.0625f));
+    CHECK(m[1].exponent == 1e6f);
+    CHECK(m[2].mirror == glm::vec3(1, 0.5f, 0.25f));
+    CHECK(m[3].specular == glm::vec3(0));
+    CHECK(m[3].exponent == 0);
+    for (const Material& material : m)
+        for (int c = 0; c < 3; ++c)
+            CHECK(material.reflectance[c] + material.specular[c] + material.mirror[c] <= 1.0f);
+    REQUIRE(model.notes.size() == 2);
+    CHECK(model.notes[0] == "m.mtl: Kd + Ks is above 1 in 3 of 5 materials: their Ks is scaled down");
+    CHECK(model.notes[1] == "m.mtl: Ns is not in 0 to 1e6 in 2 of 5 materials: the nearest is taken");
+}
+
 TEST_CASE("obj: map_Kd is read from beside the MTL, once a file", "[io]") {
     const Folder folder;
     const std::uint8_t pixels[] = {255, 0, 128, 1, 2, 3};
@@ -227,6 +294,16 @@ TEST_CASE("mtl: malformed files are named with line and cause", "[io][robustness
         {"newmtl a\nKd spectral f.rfl\n", "line 2: Kd: \"spectral\" is not a number"},
         {"newmtl a\nKe -1 0 0\n", "line 2: Ke = -1: expected a finite number from 0 on"},
         {"newmtl a\nKe inf 0 0\n", "line 2: Ke = inf: expected a finite number from 0 on"},
+        {"Ks 1 1 1\n", "line 1: Ks before the first newmtl"},
+        {"newmtl a\nillum 11\n", "line 2: illum = 11: expected 0 to 10"},
+        {"newmtl a\nillum\nnewmtl b\n", "line 2: illum = : expected 0 to 10"},
+        {"newmtl a\nillum 2.5\n", "line 2: illum = 2.5: expected 0 to 10"},
+        {"newmtl a\nillum 2\nKs 1 1\nnewmtl b\n", "line 3: Ks has 2 numbers; expected three"},
+        {"newmtl a\nillum 2\nKs 1 -1 1\n", "line 3: Ks = -1: expected a finite number from 0 on"},
+        {"newmtl a\nillum 3\nKs 1 inf 1\n", "line 3: Ks = inf: expected a finite number from 0 on"},
+        {"newmtl a\nNs x\nillum 2\nKs 1\n", "line 2: Ns: \"x\" is not a number"},
+        {"newmtl a\nNs nan\nillum 2\nKs 1\n", "line 2: Ns: \"nan\" is not a number"},
+        {"newmtl a\nillum 2\nKs 1 0 0\nKd 2 0 0\n", "line 4: Kd = 2: expected 0 to 1"},
         {"newmtl a\nmap_Kd\n", "line 2: map_Kd names no file"},
         {"newmtl a\nmap_Kd -s 2 2 2 t.png\n", "line 2: map_Kd: options such as -s 2 2 2 t.png are not read"},
         {"newmtl a\nmap_Kd none.png\n", "line 2: map_Kd: none.png: cannot be read: No such file or directory"},
@@ -235,7 +312,8 @@ TEST_CASE("mtl: malformed files are named with line and cause", "[io][robustness
     for (const auto& [text, message] : cases) {
         CAPTURE(text);
         std::vector<Texture> textures;
-        require_message(error_of([&, t = text] { parse_mtl("m.mtl", t, textures); }), {"m.mtl: ", message});
+        std::vector<std::string> notes;
+        require_message(error_of([&, t = text] { parse_mtl("m.mtl", t, textures, notes); }), {"m.mtl: ", message});
     }
 }
 
@@ -243,7 +321,7 @@ TEST_CASE("obj: cut off or changed at any byte, it loads or is refused", "[io][r
     const Folder folder;
     const std::uint8_t grey[] = {128, 128, 128};
     write_png(folder / "t.png", 1, 1, grey);
-    folder.put("m.mtl", "newmtl a\nKd 0.5 0.5 0.5\nmap_Kd t.png\n");
+    folder.put("m.mtl", "newmtl a\nKd 0.5 0.5 0.5\nmap_Kd t.png\nKs 0.7\nNs 10\nillum 2\n");
     const std::string obj =
         "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 -1e-3\nv 0 1 0\nvt 0 0\nvn 0 0 1\nusemtl a\n"
         "f 1/1/1 2/1/1 3/1/1 4//1\nf -1 -2 -3\n";

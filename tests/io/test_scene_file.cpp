@@ -22,6 +22,8 @@ struct Files {
     Files() {
         folder.put("m.obj", obj);
         folder.put("m.mtl", mtl);
+        folder.put("shiny.obj", "mtllib shiny.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl s\nf 1 2 3\n");
+        folder.put("shiny.mtl", "newmtl s\nKd 0.5\nKs 0.5\nNs 20\nillum 2\nnewmtl bright\nKd 1\nKs 1\nillum 2\n");
         folder.put("plain.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n");
         const std::uint8_t pixels[] = {1, 2, 3};
         write_png(folder / "t.png", 1, 1, pixels);
@@ -64,6 +66,9 @@ share = 0.5
 name = "white"
 reflectance = [0.1, 0.2, 0.3]
 emission = [1, 2, 3]
+specular = [0.25, 0.5, 0.125]
+exponent = 1000000
+mirror = 0.125
 [[light]]
 name = "key"
 type = "spot"
@@ -107,6 +112,10 @@ axis = [1, 2, 3]
     REQUIRE(s.materials.size() == 2);
     CHECK(s.materials[0].reflectance == glm::vec3(0.1f, 0.2f, 0.3f));
     CHECK(s.materials[0].emission == glm::vec3(1, 2, 3));
+    CHECK(s.materials[0].specular == glm::vec3(0.25f, 0.5f, 0.125f));
+    CHECK(s.materials[0].exponent == 1e6f);
+    CHECK(s.materials[0].mirror == glm::vec3(0.125f));
+    CHECK((s.materials[1].specular == glm::vec3(0) && s.materials[1].mirror == glm::vec3(0)));
     CHECK(s.materials[1].reflectance == glm::vec3(0.5f, 0, 0));  // the file's own
     REQUIRE(s.lights.size() == 3);
     CHECK(s.lights[0].name == "key");
@@ -127,7 +136,7 @@ axis = [1, 2, 3]
     CHECK(s.settings[0].table == "rsm");
     CHECK(std::get<std::string>(s.settings[0].value) == "all");
     CHECK(std::get<double>(s.settings[1].value) == 400);
-    CHECK(s.settings[1].place == files.folder / "s.toml" + ": line 46");
+    CHECK(s.settings[1].place == files.folder / "s.toml" + ": line 49");
     CHECK(std::get<bool>(s.settings[2].value));
     CHECK(std::get<glm::vec3>(s.settings[3].value) == glm::vec3(1, 2, 3));
     CHECK(s.settings[4].table == "tonemap");
@@ -174,6 +183,27 @@ TEST_CASE("scene: an OBJ without MTL takes a material and a texture from the sce
     CHECK(t.materials[1].texture == 0);
     REQUIRE(t.notes.size() == 3);
     CHECK_THAT(t.notes[0], Catch::Contains("\"m\" has no texture coordinates"));
+}
+
+TEST_CASE("scene: one number is grey; an MTL's Ks stays until a key changes it", "[io]") {
+    const Files files;
+    const Scene s = files.load(
+        "[[mesh]]\nfile = \"shiny.obj\"\n[[material]]\nname = \"s\"\nreflectance = 0.25\nemission = 3\n"
+        "mirror = 0.25\n[environment]\nradiance = 0.5\n");
+    CHECK(s.materials[0].reflectance == glm::vec3(0.25f));
+    CHECK(s.materials[0].emission == glm::vec3(3));
+    CHECK(s.materials[0].specular == glm::vec3(0.5f));
+    CHECK(s.materials[0].exponent == 20);
+    CHECK(s.materials[0].mirror == glm::vec3(0.25f));
+    CHECK(s.environment.radiance == glm::vec3(0.5f));
+    CHECK(s.environment.map.empty());
+    // What the MTL's reader changed is said, with the file that asked for it.
+    REQUIRE(s.notes.size() == 3);
+    CHECK_THAT(s.notes[0], Catch::StartsWith("\"shiny.obj\": "));
+    CHECK_THAT(s.notes[0], Catch::Contains("shiny.mtl: Kd + Ks is above 1 in 1 of 2"));
+    // A sum of 1 that floats round up is no excess.
+    CHECK(files.error("[[mesh]]\nfile = \"m.obj\"\n[[material]]\nname = \"red\"\nreflectance = 0.8\n"
+                      "specular = 0.2\n") == "");
 }
 
 TEST_CASE("scene: two meshes keep their materials apart", "[io]") {
@@ -282,8 +312,37 @@ TEST_CASE("scene: malformed files are named with line and cause", "[io][robustne
         {light + "rsm_size = 1.0\n", "line 3: [[light]] rsm_size = 1: expected an integer"},
         {light + light, "line 4: [[light]] name = \"a\": another light has that name"},
         {"[[light]]\nname = \"a.b\"\n", "line 2: [[light]] name = \"a.b\": expected 1 to 64 letters"},
-        {"[environment]\nfile = \"sky.exr\"\n",
-         "line 2: [environment] file = \"sky.exr\": pictures of the sky are not read"},
+        {mesh + "[[material]]\nname = \"red\"\nreflectance = \"red\"\n",
+         "line 5: [[material]] reflectance = \"red\": expected a number or three"},
+        {mesh + "[[material]]\nname = \"red\"\nspeculr = 0.5\n",
+         "line 5: [[material]] unknown key 'speculr'; the nearest known one is 'specular'"},
+        {mesh + "[[material]]\nname = \"red\"\nspecular = 1.5\n",
+         "line 5: [[material]] specular = 1.5: expected 0 to 1"},
+        {mesh + "[[material]]\nname = \"red\"\nmirror = [0, -0.5, 0]\n",
+         "line 5: [[material]] mirror holds -0.5: expected 0 to 1"},
+        {mesh + "[[material]]\nname = \"red\"\nmirror = nan\n", "line 5: [[material]] mirror = nan: expected 0 to 1"},
+        {mesh + "[[material]]\nname = \"red\"\nexponent = -1\n",
+         "line 5: [[material]] exponent = -1: expected 0 to 1000000"},
+        {mesh + "[[material]]\nname = \"red\"\nexponent = 1e7\n",
+         "line 5: [[material]] exponent = 10000000: expected 0 to 1000000"},
+        {mesh + "[[material]]\nname = \"red\"\nexponent = [1, 1, 1]\n",
+         "line 5: [[material]] exponent = an array of 3: expected a number"},
+        // Each part alone is fine; together they are not, in the channel that is named.
+        {mesh + "[[material]]\nname = \"red\"\nspecular = [0.5, 1, 0]\nmirror = [0.125, 0, 0]\n",
+         "line 6: [[material]] mirror = an array of 3: material \"red\" reflects more than it receives: reflectance "
+         "0.5 + specular 0.5 + mirror 0.125 in red; expected a sum of at most 1"},
+        {mesh + "[[material]]\nname = \"red\"\nspecular = [0, 0, 0.75]\nreflectance = [0.5, 0.5, 0.5]\n",
+         "line 5: [[material]] specular = an array of 3: material \"red\" reflects more than it receives: reflectance "
+         "0.5 + specular 0.75 + mirror 0 in blue"},
+        {"[[mesh]]\nfile = \"shiny.obj\"\n[[material]]\nname = \"s\"\nreflectance = 0.75\n",
+         "line 5: [[material]] reflectance = 0.75: material \"s\" reflects more than it receives: reflectance 0.75 + "
+         "specular 0.5 + mirror 0 in red"},
+        {"[environment]\nfile = \"none.exr\"\n", "line 2: [environment] file = \"none.exr\": "},
+        {"[environment]\nfile = \"t.png\"\n", "t.png: holds no radiance by its name; expected .exr, .hdr or .pfm"},
+        {"[environment]\nfile = 1\n", "line 2: [environment] file = 1: expected a string"},
+        {"[environment]\nradiance = -1\n", "line 2: [environment] radiance = -1: expected 0 to"},
+        {"[environment]\nradience = 1\n",
+         "line 2: [environment] unknown key 'radience'; the nearest known one is 'radiance'"},
         {"[rsm]\nsamples = [1, 2]\n", "line 2: [rsm] samples = an array of 2: expected 3 numbers"},
         {"[rsm]\nsamples = 1979-05-27\n", "line 2: [rsm] samples = a date or time: expected a number, a string"},
         {"[rsm.samples]\na = 1\n", "line 1: [rsm] samples = a table: expected a number, a string"},
@@ -330,7 +389,9 @@ TEST_CASE("scene: cut off or changed at any byte, it loads or is refused", "[io]
     const Files files;
     const std::string text =
         "seed = 1\n[[mesh]]\nfile = \"m.obj\"\nscale = 2.5\n[[material]]\nname = \"red\"\n"
-        "[[light]]\ntype = \"spot\"\ncone_deg = [1, 2]\n[rsm]\nsamples = 4\n";
+        "[[light]]\ntype = \"spot\"\ncone_deg = [1, 2]\n[rsm]\nsamples = 4\n[environment]\nfile = \"s.pfm\"\n"
+        "radiance = 2\n";
+    files.folder.put("s.pfm", "Pf\n2 1\n-1\n" + std::string(8, '\0'));
     REQUIRE(files.error(text) == "");
     load_damaged(files.folder, "s.toml", text, [](const std::string& path) { load_scene(path, method_tables); });
 }
