@@ -1,4 +1,5 @@
 #include <cmath>
+#include <cstring>
 
 #include "core/host_math.h"
 #include "files.h"
@@ -128,4 +129,59 @@ TEST_CASE("cornell: the small scene is the same room", "[io]") {
     const Scene generated = load_scene(folder.put("g.toml", "[[mesh]]\ngenerate = \"cornell\"\n"), {"rsm"});
     CHECK(generated.meshes[0].triangles == big.meshes[0].triangles);
     CHECK(generated.materials.size() == 4);
+}
+
+TEST_CASE("cornell: the lamp of cornell_lamp sends the spot's light into the room, and none elsewhere", "[io]") {
+    const Scene spot = load_scene(data + "cornell/cornell.toml", {"rsm"}),
+                lamp = load_scene(data + "cornell/cornell_lamp.toml", {});
+    CHECK(lamp.lights.empty());
+    CHECK(lamp.frame_size == glm::ivec2(1024, 768));
+    CHECK(lamp.meshes[0].triangles == spot.meshes[0].triangles);
+
+    // Flux of a spot: intensity over the sphere; the smoothstep between the cosines is 1/2 in the mean.
+    REQUIRE(spot.lights.size() == 1);
+    const auto cosine = [](float degrees) { return host::cos(double(degrees) * host::pi / 180); };
+    const double mean = (cosine(spot.lights[0].cone_inner_deg) + cosine(spot.lights[0].cone_outer_deg)) / 2;
+    const double flux = 2 * host::pi * double(spot.lights[0].intensity.x) * (1 - mean);
+    double sent = 0, ceiling = 0;
+    for (std::size_t i = 0; i < lamp.meshes[0].triangles.size(); ++i) {
+        const glm::dvec3 a = corner(lamp, i, 0);
+        const glm::dvec3 n = glm::cross(corner(lamp, i, 1) - a, corner(lamp, i, 2) - a);
+        const double area = std::sqrt(glm::dot(n, n)) / 2;
+        const Material& m = lamp.materials[std::size_t(lamp.meshes[0].material[i])];
+        sent += area * double(m.emission.x);
+        if (a.y > 1.999 && n.y < 0 && n.y * n.y > 0.999 * glm::dot(n, n)) ceiling += area;
+    }
+    CHECK(sent == Approx(flux).epsilon(1e-4));
+    // The lamp fills its hole: together they are the whole ceiling, without a part that lies twice.
+    CHECK(ceiling == Approx(2.02624 * 2.0379).epsilon(1e-5));
+    // From its back nothing is in sight.
+    for (double x : {-0.9, -0.3, 0.0, 0.3, 0.9}) CHECK(trace(lamp, {x / 4, 2, 0.01}, {x, 0.2, 0.1}).t == 1e30);
+}
+
+TEST_CASE("cornell: cornell_glossy is the same room, with a glossy and a mirroring block", "[io]") {
+    const Scene box = load_scene(data + "cornell/cornell_lamp.toml", {}),
+                glossy = load_scene(data + "cornell/cornell_glossy.toml", {});
+    const Mesh &a = box.meshes[0], &b = glossy.meshes[0];
+    REQUIRE(a.vertices.size() == b.vertices.size());
+    CHECK(std::memcmp(a.vertices.data(), b.vertices.data(), a.vertices.size() * sizeof(Vertex)) == 0);
+    REQUIRE(a.triangles == b.triangles);
+    int blocks = 0;
+    for (std::size_t i = 0; i < a.triangles.size(); ++i) {
+        const Material &was = box.materials[std::size_t(a.material[i])],
+                       &is = glossy.materials[std::size_t(b.material[i])];
+        CAPTURE(i, is.name);
+        if (is.name == "short_block" || is.name == "tall_block") {
+            ++blocks;
+            CHECK(was.name == "white");
+            CHECK((is.specular != glm::vec3(0)) == (is.name == "short_block"));
+            CHECK((is.mirror != glm::vec3(0)) == (is.name == "tall_block"));
+        } else {
+            CHECK(is.name == was.name);
+            CHECK(is.reflectance == was.reflectance);
+            CHECK(is.emission == was.emission);
+            CHECK((is.specular == glm::vec3(0) && is.mirror == glm::vec3(0)));
+        }
+    }
+    CHECK(blocks == 20);
 }

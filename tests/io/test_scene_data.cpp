@@ -1,4 +1,4 @@
-// The scenes of data/scenes that are generated: each file is read, and is the scene that its comment promises.
+// The scenes of data/scenes: each file is read; one that is generated is the scene that its comment promises.
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <regex>
@@ -44,4 +44,22 @@ TEST_CASE("data/scenes: every generated scene has a file that is read", "[io][sc
         seen.insert(name[1]);
     }
     CHECK(seen.size() == generated_scenes().size());
+}
+
+TEST_CASE("data/scenes: every scene whose mesh is a file is read, and leaves nothing open but its lights", "[io]") {
+    int count = 0;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(PLUMB_SOURCE_DIR "/data/scenes")) {
+        if (entry.path().extension() != ".toml") continue;
+        if (text_of(entry.path()).find("generate") != std::string::npos) continue;
+        INFO(entry.path());
+        const Scene s = load_scene(entry.path().string(), {"rsm", "shadow", "tonemap", "layout"});
+        CHECK(!s.meshes.empty());
+        // What it is lit by: lights, what emits, or the sky.
+        bool lit = !s.lights.empty() || s.environment.radiance != glm::vec3(0);
+        for (const Material& m : s.materials) lit |= m.emission != glm::vec3(0);
+        CHECK(lit);
+        for (const std::string& note : s.notes) CHECK_THAT(note, Catch::StartsWith("no light in the file"));
+        ++count;
+    }
+    CHECK(count >= 5);
 }
