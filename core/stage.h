@@ -29,7 +29,7 @@ struct StageInfo {
     std::string source;  // the document and its section or equation
     std::vector<Port> inputs, outputs;
     std::vector<ParamInfo> params;
-    std::string twin;    // path of the GLSL twin from the project's root
+    std::string twin;    // path of the GLSL twin from the project's root; empty: none, and `source` says why
     Budget budget;
 };
 

@@ -1,7 +1,10 @@
 #include <fmt/format.h>
 
+#include <memory>
+
 #include "core/error.h"
 #include "gi/frame/frame.h"
+#include "gi/reference/ray_query.h"
 #include "raster/light_view.h"
 
 namespace plumb::frame {
@@ -53,10 +56,12 @@ struct Explainer {
             return direct::explain(settings.shadow, {&g.position, &g.normal, frame.rsms[l]}, pixel);
         if (stage.name == "direct")
             return direct::explain({&g.position, &g.normal, &lights, &frame.visibility}, pixel);
-        if (stage.name == "rsm.disc" || stage.name == "rsm.all") {
-            rsm::Pattern pattern;  // rsm.all reads none
+        if (is_gather(stage.name)) {
+            rsm::Pattern pattern;  // only rsm.disc reads one
             if (stage.name == "rsm.disc") pattern = rsm::disc_pattern(settings.rsm, lights[l].rsm_size, settings.seed);
-            return rsm::explain_maps(settings.rsm, {&g.position, &g.normal, nullptr, &pattern, settings.seed},
+            std::unique_ptr<RayQuery> rays;
+            if (stage.name == "rsm.all_rays") rays = reference::build_ray_query(geometry, surfaces, settings.rsm.rays);
+            return rsm::explain_maps(settings.rsm, gather_inputs(scene, settings, g, l, geometry, pattern, rays.get()),
                                      frame.rsms[l], pixel);
         }
         if (stage.name == "compose")

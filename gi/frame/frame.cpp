@@ -4,9 +4,14 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <memory>
 
 #include "core/error.h"
 #include "core/fp_environment.h"
+#include "core/hash.h"
+#include "gi/reference/ray_query.h"
+#include "gi/rsm/all_rays.h"
 #include "raster/hemicube.h"
 #include "raster/light_view.h"
 #include "raster/texture_space.h"
@@ -68,9 +73,20 @@ void add(Image4& sum, const Image4& term) {
     for (std::size_t i = 0; i < sum.size(); ++i) sum.texels[i] += term.texels[i];
 }
 
+// Adds a light's standard error to those of others: independent errors add by their squares.
+void add_errors(Image4& sum, const Image4& term) {
+    if (sum.empty()) sum = Image4(term.width, term.height);
+    for (std::size_t i = 0; i < sum.size(); ++i)
+        for (int c = 0; c < 3; ++c) {
+            const double a = sum.texels[i][c], b = term.texels[i][c];
+            sum.texels[i][c] = float(std::sqrt(a * a + b * b));
+        }
+}
+
 std::vector<StageInfo> frame_stages() {
     return {raster::info_gbuffer(), raster::info_rsm(),    direct::shadow_info(),   rsm::info_disc(),
-            rsm::info_all(),        direct::direct_info(), compose::compose_info(), compose::tonemap_info()};
+            rsm::info_all(),        rsm::info_all_rays(),  direct::direct_info(),   compose::compose_info(),
+            compose::tonemap_info()};
 }
 
 }  // namespace
@@ -86,6 +102,7 @@ Frame execute(const Scene& scene, const Settings& settings, const Plan& plan, co
     bounds(geometry, low, high);
 
     raster::Workspace workspace;
+    std::unique_ptr<RayQuery> rays;  // built for the first stage that traces
     Frame f;
     f.gbuffer = nothing_seen(size, scene.camera.reversed_z);
     for (const Light& light : scene.lights) f.rsms.emplace_back(raster::map_count(light));
@@ -123,14 +140,21 @@ Frame execute(const Scene& scene, const Settings& settings, const Plan& plan, co
         } else if (stage.name == "direct") {
             direct::run({&f.gbuffer.position, &f.gbuffer.normal, &lights, &f.visibility}, options, f.direct);
             run.bytes = bytes_of(f.direct);
-        } else if (stage.name == "rsm.disc" || stage.name == "rsm.all") {
-            rsm::Pattern pattern;  // rsm.all reads none
+        } else if (is_gather(stage.name)) {
+            rsm::Pattern pattern;  // only rsm.disc reads one
             if (stage.name == "rsm.disc") pattern = rsm::disc_pattern(settings.rsm, lights[l].rsm_size, settings.seed);
+            const bool traces = stage.name == "rsm.all_rays";
+            if (traces && !rays) rays = reference::build_ray_query(geometry, surfaces, settings.rsm.rays);
             Image4 irradiance;
-            rsm::run_maps(settings.rsm, {&f.gbuffer.position, &f.gbuffer.normal, nullptr, &pattern, settings.seed},
-                          f.rsms[l], options, irradiance);
+            rsm::RaysReport report;
+            rsm::run_maps(settings.rsm, gather_inputs(scene, settings, f.gbuffer, l, geometry, pattern, rays.get()),
+                          f.rsms[l], options, irradiance, &report);
             add(f.indirect, irradiance);
-            run.bytes = bytes_of(irradiance);
+            run.bytes = bytes_of(irradiance) + bytes_of(report.standard_error);
+            if (traces) {
+                add_errors(f.indirect_error, report.standard_error);
+                run.reason += "; " + rsm::summary(report);
+            }
         } else if (stage.name == "compose") {
             compose::run({&f.gbuffer.normal, &f.gbuffer.albedo, &f.gbuffer.emission, &f.direct, &f.indirect,
                           scene.environment.radiance},
@@ -145,6 +169,27 @@ Frame execute(const Scene& scene, const Settings& settings, const Plan& plan, co
         f.stages.push_back(run);
     }
     return f;
+}
+
+rsm::GatherInputs gather_inputs(const Scene& scene, const Settings& settings, const raster::GBuffer& gbuffer, int light,
+                                const Geometry& geometry, const rsm::Pattern& pattern, const RayQuery* rays) {
+    rsm::GatherInputs in{&gbuffer.position, &gbuffer.normal, nullptr, &pattern, settings.seed};
+    if (settings.rsm.gather != rsm::Gather::all_rays) return in;
+    glm::vec3 low(0), high(0);
+    bounds(geometry, low, high);
+    in.rays = rays;
+    const glm::ivec2 size = scene.frame_size;
+    const View view = make_view(scene.camera, double(size.x) / size.y, scene.convention, size);
+    in.offsets = rsm::ray_offsets(settings.layout, low, high, view, size);
+    // Each light chooses for itself: their errors are independent.
+    in.seed = std::uint32_t(pcg(std::int32_t(settings.seed) + pcg(std::int32_t(light))));
+    return in;
+}
+
+bool is_gather(const std::string& stage) {
+    for (auto gather : {rsm::Gather::disc, rsm::Gather::all, rsm::Gather::all_rays})
+        if (stage == rsm::stage_name(gather)) return true;
+    return false;
 }
 
 std::vector<StageInfo> all_stages() {

@@ -17,7 +17,7 @@
 namespace plumb::frame {
 
 struct PlannedStage {
-    std::string name;      // of the kind of stage: "gbuffer", "rsm", "shadow", "direct", "rsm.disc", "rsm.all", ...
+    std::string name;      // of the kind of stage: "gbuffer", "rsm", "shadow", "direct", "rsm.disc", ...
     int light = -1;        // index into Scene::lights, for a stage that runs once a light
     std::string label;     // as people read it: "rsm.disc (key)"
     bool needed = true;
@@ -52,6 +52,7 @@ struct Frame {
     std::vector<std::vector<raster::Rsm>> rsms;
     Buffer<float> visibility;  // [lights][height][width]
     Image4 direct, indirect;   // irradiance, W/m2
+    Image4 indirect_error;     // standard error of `indirect`, by channel, W/m2; empty where no rsm.all_rays ran
     Image4 radiance;           // outgoing, W/(m2 sr)
     Image4 display;            // sRGB-encoded, 0..1
     std::vector<StageRun> stages;
@@ -63,6 +64,11 @@ using Progress = std::function<void(const std::string& label, double done)>;
 // The picture does not depend on the options.
 Frame execute(const Scene& scene, const Settings& settings, const Plan& plan, const RunOptions& options,
               const Progress& progress = {});
+
+// What the gather of a light reads of a frame, but its maps. `pattern` is read by rsm.disc, `rays` by rsm.all_rays.
+rsm::GatherInputs gather_inputs(const Scene& scene, const Settings& settings, const raster::GBuffer& gbuffer, int light,
+                                const Geometry& geometry, const rsm::Pattern& pattern, const RayQuery* rays);
+bool is_gather(const std::string& stage);  // "rsm.disc" and its like
 
 // One stage's values at one pixel (for stage "rsm": a texel of the light's map; the six maps of a point light lie side
 // by side, so that x runs to 6 rsm_size).

@@ -2,6 +2,7 @@
 
 #include "core/error.h"
 #include "gi/frame/frame.h"
+#include "gi/rsm/all_rays.h"
 #include "raster/light_view.h"
 
 namespace plumb::frame {
@@ -11,7 +12,7 @@ namespace {
 // Milliseconds for a million turns of a stage's inner loop on one core with AVX-512, measured by plumb_bench
 // on a 2.x GHz server core. They order stages by cost; they promise nothing.
 constexpr double ms_pixels = 60, ms_shadow = 8, ms_direct = 6, ms_disc = 4.2, ms_all = 0.55,
-                 ms_compose = 5, ms_tonemap = 25;
+                 ms_all_rays = 150, ms_compose = 5, ms_tonemap = 25;
 
 bool black(const glm::vec3& v) { return !(v.x > 0 || v.y > 0 || v.z > 0); }
 
@@ -77,6 +78,20 @@ struct Planner {
         s.expected_ms = s.needed ? work * 1e-6 * ms_per_million : 0;
         plan.stages.push_back(std::move(s));
     }
+
+    void add_gather(int light, double pixels, int maps, double texels, const std::string& why_not) {
+        const rsm::GatherParams& params = settings.rsm;
+        const std::string name = rsm::stage_name(params.gather), why = "indirect light of this light";
+        if (params.gather == rsm::Gather::disc)
+            return add(name.c_str(), light, pixels * maps * params.samples, "samples", ms_disc, why, why_not);
+        if (params.gather == rsm::Gather::all)
+            return add(name.c_str(), light, pixels * texels, "texel pairs", ms_all, why, why_not);
+        // How many texels are lit and how many pixels see a surface, only the run knows.
+        const double asked = double(rsm::texels_asked(params, std::uint64_t(pixels), std::uint64_t(texels)));
+        const std::string subset =
+            asked < texels ? fmt::format("; subset of at least {} of {} texels a pixel", asked, texels) : "";
+        add(name.c_str(), light, pixels * asked, "shadow rays at most", ms_all_rays, why + subset, why_not);
+    }
 };
 
 }  // namespace
@@ -109,10 +124,7 @@ Plan plan(const Scene& scene, const Settings& settings) {
                     dark);
         planner.add("shadow", l, pixels, "pixels", ms_shadow, "direct light reads it", dark);
         if (settings.method != Method::rsm) continue;
-        const bool disc = settings.rsm.gather == rsm::Gather::disc;
-        planner.add(disc ? "rsm.disc" : "rsm.all", l, pixels * (disc ? maps * double(settings.rsm.samples) : texels),
-                    disc ? "samples" : "texel pairs", disc ? ms_disc : ms_all, "indirect light of this light",
-                    dark.empty() ? no_bounce : dark);
+        planner.add_gather(l, pixels, maps, texels, dark.empty() ? no_bounce : dark);
     }
     planner.add("direct", -1, pixels * double(scene.lights.size()), "pixels x lights", ms_direct, "direct light",
                 !empty && scene.lights.empty() ? "there is no light" : nothing);

@@ -10,6 +10,7 @@
 #include "core/host_math.h"
 #include "core/fp_environment.h"
 #include "core/parallel.h"
+#include "gi/rsm/all_rays.h"
 #include "gi/rsm/gather_rows.h"
 #include "raster/light_view.h"
 
@@ -17,7 +18,8 @@ namespace plumb::rsm {
 
 std::vector<Field> fields(GatherParams& p) {
     return {
-        {"gather", as_int(p.gather), "", "which texels of the map are gathered", 0, 1, {"disc", "all"}, false},
+        {"gather", as_int(p.gather), "", "which texels of the map are gathered; all_rays: each with a shadow ray",
+         0, 2, {"disc", "all", "all_rays"}, false},
         {"variant", as_int(p.variant), "",
          "corrected, or the weights and constants as printed: xi1^2 and no 1/pi (LRA 4.3.3, VRSM (3.2))", 0, 1,
          {"corrected", "published"}, false},
@@ -30,12 +32,22 @@ std::vector<Field> fields(GatherParams& p) {
          "plain, or clamped to the map, so that points outside it gather from its border (ours)", 0, 1,
          {"plain", "clamped"}, false},
         {"min_distance", &p.min_distance, "m", "floor of |x - x_p|; 0 is off", 0, unbounded, {}, true},
+        {"rays", as_int(p.rays), "",
+         "all_rays: exact, the same bits on every processor, or native, the ray tracer's own test", 0, 1,
+         {"exact", "native"}, false},
+        {"max_rays", &p.max_rays, "rays",
+         "all_rays: above it a light asks a subset of its texels, at least 16 a pixel; 0 is no limit (ours)", 0,
+         unbounded, {}, false},
     };
+}
+
+std::string stage_name(Gather gather) {
+    return gather == Gather::disc ? "rsm.disc" : gather == Gather::all ? "rsm.all" : "rsm.all_rays";
 }
 
 void validate(const GatherParams& params, const GatherInputs& in) {
     GatherParams copy = params;
-    const std::string stage = params.gather == Gather::disc ? "rsm.disc" : "rsm.all";
+    const std::string stage = stage_name(params.gather);
     validate_fields(stage, fields(copy));
     auto require = [&](bool good, const std::string& cause) {
         if (!good) throw InputError(stage + ": " + cause);
@@ -48,13 +60,23 @@ void validate(const GatherParams& params, const GatherInputs& in) {
                         in.normal->height, in.position->width, in.position->height));
     require(in.rsm->size >= 1 && in.rsm->size <= 32767,
             fmt::format("the map's side is {} texels: expected 1 to 32767", in.rsm->size));
-    if (params.gather == Gather::all) return;
+    require(params.gather != Gather::all_rays || in.rays, "rays must be bound");
+    if (params.gather != Gather::disc) return;
     require(in.pattern != nullptr, "pattern must be bound");
     require(in.pattern->samples == params.samples && in.pattern->rotations == params.rotations,
             fmt::format("pattern has {} samples by {} rotations: expected {} by {}", in.pattern->samples,
                         in.pattern->rotations, params.samples, params.rotations));
     require(double(params.radius) * in.rsm->size < 32767,
             fmt::format("radius = {} of {} texels: whole-texel offsets end at 32767", params.radius, in.rsm->size));
+}
+
+float least_distance2(const GatherParams& params) {
+    // Below 1e-37 m2 the inverse would overflow.
+    return std::max(params.min_distance * params.min_distance, 1e-37f);
+}
+
+float irradiance_scale(const GatherParams& params) {
+    return params.variant == Variant::published ? 1.0f : float(1 / host::pi);
 }
 
 namespace {
@@ -73,9 +95,8 @@ GatherInputsView<Component> view_of(const GatherParams& params, const GatherInpu
     GatherInputsView<Component> v{};
     GatherUniforms& u = v.u;
     u.map = raster::projection_args(in.rsm->view, in.rsm->size, params.projection == Projection::clamped);
-    // Below 1e-37 m2 the inverse would overflow.
-    u.least_distance2 = std::max(params.min_distance * params.min_distance, 1e-37f);
-    u.scale = params.variant == Variant::published ? 1.0f : float(1 / host::pi);
+    u.least_distance2 = least_distance2(params);
+    u.scale = irradiance_scale(params);
     u.samples = params.samples;
     u.rotations = params.rotations;
     u.width = in.position->width;
@@ -110,6 +131,8 @@ vec3<F> one_pixel(const GatherParams& params, const GatherInputsView<Component>&
 
 void run(const GatherParams& params, const GatherInputs& in, const RunOptions& options, Image4& irradiance) {
     validate(params, in);
+    if (params.gather == Gather::all_rays)
+        return run_all_rays(params, in, {in.rsm, 1}, options, irradiance, nullptr);
     irradiance = Image4(in.position->width, in.position->height);
     const int band = params.gather == Gather::all ? 1 : 16;
     auto shade = [&](auto view, auto rows) {
@@ -130,7 +153,8 @@ void run(const GatherParams& params, const GatherInputs& in, const RunOptions& o
 }
 
 void run_maps(const GatherParams& params, const GatherInputs& given, std::span<const raster::Rsm> maps,
-              const RunOptions& options, Image4& irradiance) {
+              const RunOptions& options, Image4& irradiance, RaysReport* report) {
+    if (params.gather == Gather::all_rays) return run_all_rays(params, given, maps, options, irradiance, report);
     GatherInputs in = given;
     if (maps.size() == 1) {
         in.rsm = maps.data();
@@ -164,6 +188,7 @@ void run_double(const GatherParams& params, const GatherInputs& in, const RunOpt
 
 std::vector<TapValue> explain(const GatherParams& params, const GatherInputs& in, glm::ivec2 pixel) {
     validate(params, in);
+    if (params.gather == Gather::all_rays) return explain_all_rays(params, in, {in.rsm, 1}, pixel);
     const Buffer<float> floats = in.rsm->half ? widened(in.rsm->half_records) : in.rsm->records;
     const auto view = view_of(params, in, floats.data());
     FpEnvironment environment;
@@ -177,6 +202,7 @@ std::vector<TapValue> explain(const GatherParams& params, const GatherInputs& in
 
 std::vector<TapValue> explain_maps(const GatherParams& params, const GatherInputs& given,
                                    std::span<const raster::Rsm> maps, glm::ivec2 pixel) {
+    if (params.gather == Gather::all_rays) return explain_all_rays(params, given, maps, pixel);
     GatherInputs in = given;
     if (maps.size() == 1) {
         in.rsm = maps.data();
@@ -210,13 +236,19 @@ StageInfo info(Gather gather) {
     };
     s.outputs = {{"irradiance", "image rgba32f", "W/m2", "indirect irradiance, one bounce"}};
     s.params = describe(fields(defaults));
+    s.name = stage_name(gather);
     if (gather == Gather::all) {
-        s.name = "rsm.all";
         s.source = "VRSM (3.2), summed over every texel";
         s.twin = "gi/rsm/gather_all.comp";
         return s;
     }
-    s.name = "rsm.disc";
+    if (gather == Gather::all_rays) {
+        s.source = "VRSM fig. 5.1 d: (3.2) over every texel, a shadow ray each; a reference on the CPU, so without a twin";
+        s.inputs.push_back({"rays", "ray query", "", "the scene's triangles"});
+        s.outputs.push_back({"standard_error", "image rgba32f", "W/m2",
+                             "of the irradiance, by channel, where a subset of the texels was asked; else 0"});
+        return s;
+    }
     s.source = "Dachsbacher and Stamminger 2005; LRA 4.3.3; VRSM (3.2)";
     s.inputs.push_back({"offsets", "buffer i32", "texels", "[samples][rotations] whole-texel offsets, 16 bits each"});
     s.inputs.push_back({"weights", "buffer f32", "texels", "[samples] texels that a sample stands for"});
@@ -228,5 +260,6 @@ StageInfo info(Gather gather) {
 
 StageInfo info_disc() { return info(Gather::disc); }
 StageInfo info_all() { return info(Gather::all); }
+StageInfo info_all_rays() { return info(Gather::all_rays); }
 
 }  // namespace plumb::rsm

@@ -1,4 +1,5 @@
-// The stages rsm.disc and rsm.all: indirect irradiance from one light's reflective shadow map. See gi/rsm/README.md.
+// The stages rsm.disc, rsm.all and rsm.all_rays: indirect irradiance from one light's reflective shadow map. See
+// gi/rsm/README.md.
 #pragma once
 
 #include <cstdint>
@@ -8,13 +9,15 @@
 
 #include "core/image.h"
 #include "core/isa.h"
+#include "core/ray_query.h"
 #include "core/stage.h"
 #include "core/tap.h"
+#include "gi/rsm/shadow_rays.h"
 #include "raster/rsm.h"
 
 namespace plumb::rsm {
 
-enum class Gather : int { disc, all };
+enum class Gather : int { disc, all, all_rays };
 enum class Variant : int { corrected, published };
 enum class Sequence : int { hammersley, r2, random };
 enum class Projection : int { plain, clamped };
@@ -28,6 +31,8 @@ struct GatherParams {
     Sequence sequence = Sequence::hammersley;
     Projection projection = Projection::plain;
     float min_distance = 0;
+    Rays rays = Rays::exact;
+    float max_rays = 1e9f;
 };
 std::vector<Field> fields(GatherParams& params);
 
@@ -48,7 +53,19 @@ struct GatherInputs {
     const Image4* normal = nullptr;    // xyz unit; all 0 where there is no surface
     const raster::Rsm* rsm = nullptr;
     const Pattern* pattern = nullptr;  // disc only
-    std::uint32_t seed = 1;            // of the choice of rotation
+    std::uint32_t seed = 1;            // of the choice of rotation, or of a subset
+    const RayQuery* rays = nullptr;    // all_rays only
+    RayOffsets offsets = {};           // all_rays only: ray_offsets(), all_rays.h
+};
+
+// What all_rays reports of a run beside its irradiance.
+struct RaysReport {
+    Image4 standard_error;       // of the irradiance, by channel; 0 everywhere where every texel was asked
+    std::uint64_t points = 0;    // pixels with a surface
+    std::uint64_t lit = 0;       // texels that reflect flux, of `texels`: only they are asked
+    std::uint64_t texels = 0;
+    std::uint64_t asked = 0;     // texels a pixel: lit, or fewer
+    std::uint64_t traced = 0;    // rays: texels that face the point and are faced by it
 };
 
 // Throws InputError that names the input or parameter at fault.
@@ -58,11 +75,11 @@ void validate(const GatherParams& params, const GatherInputs& inputs);
 void run(const GatherParams& params, const GatherInputs& inputs, const RunOptions& options, Image4& irradiance);
 
 // All maps of a light, one after the other, added in their order: the six faces of a point light, each a map of its own.
-// A map of size 0 sends nothing. inputs.rsm is not read.
+// A map of size 0 sends nothing. inputs.rsm is not read. `report` is written by all_rays.
 void run_maps(const GatherParams& params, const GatherInputs& inputs, std::span<const raster::Rsm> maps,
-              const RunOptions& options, Image4& irradiance);
+              const RunOptions& options, Image4& irradiance, RaysReport* report = nullptr);
 
-// The same in double precision from the same inputs, on one lane: the truth that float is held against.
+// disc and all in double precision from the same inputs, on one lane: the truth that float is held against.
 void run_double(const GatherParams& params, const GatherInputs& inputs, const RunOptions& options,
                 Image<glm::dvec4>& irradiance);
 
@@ -71,7 +88,9 @@ std::vector<TapValue> explain(const GatherParams& params, const GatherInputs& in
 std::vector<TapValue> explain_maps(const GatherParams& params, const GatherInputs& inputs,
                                    std::span<const raster::Rsm> maps, glm::ivec2 pixel);
 
+std::string stage_name(Gather gather);  // "rsm.disc", ...
 StageInfo info_disc();
 StageInfo info_all();
+StageInfo info_all_rays();
 
 }  // namespace plumb::rsm

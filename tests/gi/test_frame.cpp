@@ -228,18 +228,26 @@ TEST_CASE("frame: every stage of the plan can be explained, and its last values 
                       "explain: the stage hemicube is not part of a frame: no method runs it");
 }
 
-TEST_CASE("frame: every stage has a twin, a source, inputs, outputs and a method's README", "[frame][stages]") {
+TEST_CASE("frame: every stage has a twin or says why not, a source, inputs, outputs and a method's README",
+          "[frame][stages]") {
+    int without = 0;
     for (const StageInfo& stage : frame::all_stages()) {
         CAPTURE(stage.name);
         CHECK_FALSE(stage.source.empty());
         CHECK_FALSE(stage.inputs.empty());
         CHECK_FALSE(stage.outputs.empty());
         CHECK(stage.budget.c <= 16);
+        for (const ParamInfo& p : stage.params) CHECK_FALSE(p.meaning.empty());
+        if (stage.twin.empty()) {
+            CHECK(stage.source.find("without a twin") != std::string::npos);
+            ++without;
+            continue;
+        }
         const std::string twin = std::string(PLUMB_SOURCE_DIR) + "/" + stage.twin;
         CHECK(std::ifstream(twin).good());
         CHECK(std::ifstream(twin.substr(0, twin.rfind('/')) + "/README.md").good());
-        for (const ParamInfo& p : stage.params) CHECK_FALSE(p.meaning.empty());
     }
+    CHECK(without == 1);  // rsm.all_rays
 }
 
 TEST_CASE("frame: settings come from the scene file, and errors name the place", "[frame][settings]") {
@@ -265,4 +273,88 @@ TEST_CASE("frame: every stage tells which instruction set its kernels were chose
         for (const frame::StageRun& s : frame::execute(scene, settings, frame::plan(scene, settings), options).stages)
             CHECK(s.isa == isa);
     }
+}
+
+TEST_CASE("frame: all_rays takes its own stage, no more light than rsm.all, and says what it asked", "[frame][all_rays]") {
+    Scene scene = small_scene();
+    frame::Settings settings = frame::settings_of(scene);
+    settings.rsm.gather = rsm::Gather::all;
+    const frame::Frame without = render(scene, settings);
+    CHECK(without.indirect_error.empty());
+    settings.rsm.gather = rsm::Gather::all_rays;
+    const frame::Plan plan = frame::plan(scene, settings);
+    const frame::Frame f = frame::execute(scene, settings, plan, {});
+
+    // The block hides a part of the light of the wall and the floor, and adds none.
+    double sum = 0, sum_without = 0;
+    for (std::size_t i = 0; i < f.indirect.size(); ++i) {
+        const float e = f.indirect.texels[i].x, open = without.indirect.texels[i].x;
+        CHECK(e <= open);
+        sum += e, sum_without += open;
+    }
+    CHECK(sum > 0.3 * sum_without);
+    CHECK(sum < 0.98 * sum_without);
+    REQUIRE(f.indirect_error.size() == f.indirect.size());
+    for (const glm::vec4& e : f.indirect_error.texels) CHECK(e == glm::vec4(0));
+    auto reason = [](const auto& stages, const char* label) {
+        for (const auto& s : stages)
+            if (s.label == label) return s.reason;
+        return std::string();
+    };
+    CHECK(reason(plan.stages, "rsm.all_rays (key)") == "indirect light of this light");
+    CHECK(reason(f.stages, "rsm.all_rays (key)").find("indirect light of this light; all ") == 0);
+
+    // The picture is the same on every instruction set and thread count.
+    for (Isa isa : supported_isas())
+        for (int threads : {1, 3}) {
+            RunOptions options;
+            options.isa = isa, options.threads = threads;
+            require_equal(frame::execute(scene, settings, plan, options).indirect, f.indirect);
+        }
+
+    // A pixel of every light is explained, and adds up.
+    const glm::ivec2 pixel(12, 14);
+    glm::vec3 explained(0);
+    for (int light : {0, 1}) {
+        const auto values = frame::explain(scene, settings, plan, f, "rsm.all_rays", light, pixel).at(0).values;
+        for (int c = 0; c < 3; ++c) explained[c] += float(values.back().value.at(std::size_t(c)));
+    }
+    for (int c = 0; c < 3; ++c) CHECK(explained[c] == f.indirect(12, 14)[c]);
+}
+
+TEST_CASE("frame: where all_rays would take too long it asks a subset, and its error is that of both lights",
+          "[frame][all_rays]") {
+    Scene scene = small_scene();
+    scene.settings = {{"rsm", "gather", std::string("all_rays"), "small.toml: line 3"}};
+    const frame::Settings whole = frame::settings_of(scene);
+    CHECK(whole.rsm.rays == Rays::exact);
+    scene.settings.push_back({"rsm", "max_rays", 24.0 * 18 * 64, "small.toml: line 4"});
+    const frame::Settings settings = frame::settings_of(scene);
+    const frame::Plan plan = frame::plan(scene, settings);
+    const frame::Frame truth = render(scene, whole), f = frame::execute(scene, settings, plan, {});
+    int stages = 0;
+    for (const frame::PlannedStage& s : plan.stages)
+        if (s.name == "rsm.all_rays") {
+            CHECK(s.reason == "indirect light of this light; subset of at least 64 of 1024 texels a pixel");
+            CHECK(s.work == 24 * 18 * 64);
+            ++stages;
+        }
+    CHECK(stages == 2);
+    for (const frame::StageRun& s : f.stages)
+        if (s.label == "rsm.all_rays (key)") {
+            // Some pixels see nothing, so that the others may ask more.
+            CHECK(s.reason.find("; subset of ") != std::string::npos);
+            CHECK(s.reason.find(" lit texels a pixel, ") != std::string::npos);
+        }
+
+    int within_1 = 0, within_3 = 0, n = 0;
+    for (std::size_t i = 0; i < f.indirect.size(); ++i) {
+        const float error = f.indirect_error.texels[i].x;
+        if (error == 0) continue;
+        const double z = std::abs(double(f.indirect.texels[i].x) - truth.indirect.texels[i].x) / error;
+        within_1 += z < 1, within_3 += z < 3, ++n;
+    }
+    CHECK(n > 100);
+    CHECK(double(within_1) / n == Approx(0.68).margin(0.1));
+    CHECK(double(within_3) / n > 0.96);
 }
