@@ -25,8 +25,10 @@ using EmbreeGeometry = std::unique_ptr<RTCGeometryTy, ReleaseEmbree>;
 // A device: "" is the one that the process shares, else a new one of this configuration. Both throw InputError with
 // Embree's message.
 EmbreeDevice retain_device(const std::string& config);
-// A scene of this one geometry, built.
-EmbreeScene build_scene(RTCDevice device, EmbreeGeometry geometry);
+// A scene for rays: filled by attach(), then built, which throws InputError with Embree's message.
+EmbreeScene new_scene(RTCDevice device);
+void attach(RTCScene scene, EmbreeGeometry geometry);
+void build(RTCScene scene);
 
 // The widest packet that the device's instruction set traverses: 4, 8 or 16.
 int widest_packet(RTCDevice device);

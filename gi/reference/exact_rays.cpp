@@ -52,72 +52,47 @@ class ExactRays final : public PacketQuery<ExactRays> {
     ExactRays(const Geometry& g, const raster::Surfaces& surfaces, EmbreeDevice device)
         : PacketQuery(widest_packet(device.get())),
           masks_(raster::surface_args(g, surfaces, View{})),
-          any_masked_(surfaces.any_masked),
           device_(std::move(device)) {
-        copy_corners(g);
+        copy_corners(g, surfaces);
         EmbreeGeometry user(rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_USER));
         rtcSetGeometryUserPrimitiveCount(user.get(), unsigned(corners_.size()));
         rtcSetGeometryUserData(user.get(), this);
         rtcSetGeometryBoundsFunction(user.get(), bound, nullptr);
         rtcSetGeometryIntersectFunction(user.get(), intersected);
         rtcSetGeometryOccludedFunction(user.get(), occluding);
-        scene_ = build_scene(device_.get(), std::move(user));
+        scene_ = new_scene(device_.get());
+        attach(scene_.get(), std::move(user));
+        build(scene_.get());
     }
 
     template <int W>
     void trace_nearest(const std::int32_t* active, RayPacket<W>& rays) const {
-        alignas(64) std::int32_t near[W];
         Packet<W> packet;
-        int together = 0;
-        for (int i = 0; i < W; ++i) {
-            near[i] = 0;
-            if (!active[i]) continue;
-            rays.mask[i] = 0xffffffff;
-            rays.triangle[i] = no_hit;
-            if (W == 1 || is_far(rays, i)) {
-                trace_single(rays, i);
-                continue;
-            }
-            packet.ray[i] = shear_lane(rays, i);
-            near[i] = -1;
-            ++together;
-        }
-        if (W > 1 && together) {
-            rtcInitIntersectContext(&packet.context);
-            intersect(near, scene_.get(), &packet.context, embree_hits(rays));
-        }
+        if (start(active, rays, packet))
+            intersect(active, scene_.get(), &packet.context, embree_hits(rays));
+        else
+            for (int i = 0; i < W; ++i)
+                if (active[i]) trace_single(rays, i);
         for (int i = 0; i < W; ++i)
             if (active[i] && rays.triangle[i] != no_hit) complete(rays, i);
     }
 
     template <int W>
     void trace_occluded(const std::int32_t* active, RayPacket<W>& rays) const {
-        alignas(64) std::int32_t near[W];
         Packet<W> packet;
-        int together = 0;
-        for (int i = 0; i < W; ++i) {
-            near[i] = 0;
-            if (!active[i]) continue;
-            rays.mask[i] = 0xffffffff;
-            if (W == 1 || is_far(rays, i)) {
-                block_single(rays, i);
-                continue;
-            }
-            packet.ray[i] = shear_lane(rays, i);
-            near[i] = -1;
-            ++together;
-        }
-        if (W > 1 && together) {
-            rtcInitIntersectContext(&packet.context);
-            occlude(near, scene_.get(), &packet.context, embree_rays(rays));
-        }
+        if (start(active, rays, packet))
+            occlude(active, scene_.get(), &packet.context, embree_rays(rays));
+        else
+            for (int i = 0; i < W; ++i)
+                if (active[i]) block_single(rays, i);
     }
 
   private:
-    void copy_corners(const Geometry& g) {
+    void copy_corners(const Geometry& g, const raster::Surfaces& surfaces) {
         corners_.resize(g.triangles.size());
         for (std::size_t i = 0; i < g.triangles.size(); ++i) {
             Corners& t = corners_[i];
+            t.a[3] = surfaces.any_masked && surfaces.masked[std::size_t(g.material[i])] ? 1 : 0;
             float* corner[3] = {t.a, t.b, t.c};
             for (int k = 0; k < 3; ++k) {
                 const glm::vec3& p = g.vertices[g.triangles[i][k]].position;
@@ -154,7 +129,8 @@ class ExactRays final : public PacketQuery<ExactRays> {
     }
 
     bool there(unsigned triangle, const TriangleHit& hit) const {
-        return !any_masked_ || raster::passes_alpha<float>(masks_, std::int32_t(triangle), {hit.u, hit.v});
+        return corners_[triangle].a[3] == 0 ||
+               raster::passes_alpha<float>(masks_, std::int32_t(triangle), {hit.u, hit.v});
     }
 
     static void intersected(const RTCIntersectFunctionNArguments* call) {
@@ -174,6 +150,24 @@ class ExactRays final : public PacketQuery<ExactRays> {
             case 8: return self.occlude_packet<8>(call);
             case 16: return self.occlude_packet<16>(call);
         }
+    }
+
+    // Whether the rays are to be traced together. Embree takes a packet through user geometry until its last ray is
+    // done, so it pays for rays alone that stay together: those of one origin. Same bits either way.
+    template <int W>
+    bool start(const std::int32_t* active, const RayPacket<W>& rays, Packet<W>& packet) const {
+        if (W == 1) return false;
+        int first = 0;
+        while (!active[first]) ++first;
+        for (int i = first; i < W; ++i) {
+            const bool alike = rays.origin_x[i] == rays.origin_x[first] && rays.origin_y[i] == rays.origin_y[first] &&
+                               rays.origin_z[i] == rays.origin_z[first];
+            if (active[i] && (!alike || is_far(rays, i))) return false;
+        }
+        for (int i = first; i < W; ++i)
+            if (active[i]) packet.ray[i] = shear_lane(rays, i);
+        rtcInitIntersectContext(&packet.context);
+        return true;
     }
 
     void intersect_single(const RTCIntersectFunctionNArguments* call) const {
@@ -284,9 +278,8 @@ class ExactRays final : public PacketQuery<ExactRays> {
     }
 
     raster::SurfaceArgs masks_;
-    bool any_masked_;
     EmbreeDevice device_;
-    Buffer<Corners> corners_;
+    Buffer<Corners> corners_;  // a[3]: 1 where the material has an alpha mask
     float largest_ = 0;  // coordinate of the triangles that have an area
     EmbreeScene scene_;
 };

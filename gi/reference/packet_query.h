@@ -2,14 +2,16 @@
 // gi/reference/*rays.cpp.
 #pragma once
 
+#include <cmath>
 #include <cstring>
 
 #include "core/ray_query.h"
 
 namespace plumb::reference {
 
-// Derived has trace_nearest<W>(active, rays) and trace_occluded<W>(active, rays), const; `active` is
-// aligned to its own size. A packet wider than widest() is traced in halves: Embree's own way of doing so reads no mask.
+// Derived has trace_nearest<W>(active, rays) and trace_occluded<W>(active, rays), const. What they are given: `active` is
+// aligned to its own size and 0 where a ray is not finite; `mask` is set, and nothing is hit yet. A packet wider than
+// widest() is traced in halves: Embree's own way of doing so reads no mask.
 template <class Derived>
 class PacketQuery : public RayQuery {
   public:
@@ -28,18 +30,39 @@ class PacketQuery : public RayQuery {
   private:
     template <int W>
     void find(const std::int32_t* active, RayPacket<W>& rays) const {
-        if (W > 4 && W > widest_)
-            halve<W>(active, rays, 20, [&](auto* a, auto& half) { find(a, half); });
-        else
-            aligned<W>(active, [&](auto* a) { self().template trace_nearest<W>(a, rays); });
+        if (W > 4 && W > widest_) return halve(active, rays, 20, [&](auto* a, auto& half) { find(a, half); });
+        alignas(4 * W) std::int32_t usable[W];
+        for (int i = 0; i < W; ++i) {
+            rays.triangle[i] = active[i] ? no_hit : rays.triangle[i];
+            rays.geometry[i] = active[i] ? no_hit : rays.geometry[i];
+        }
+        if (prepare(active, rays, usable)) self().trace_nearest(usable, rays);
     }
     template <int W>
     void block(const std::int32_t* active, RayPacket<W>& rays) const {
-        if (W > 4 && W > widest_)
-            halve<W>(active, rays, 12, [&](auto* a, auto& half) { block(a, half); });
-        else
-            aligned<W>(active, [&](auto* a) { self().template trace_occluded<W>(a, rays); });
+        if (W > 4 && W > widest_) return halve(active, rays, 12, [&](auto* a, auto& half) { block(a, half); });
+        alignas(4 * W) std::int32_t usable[W];
+        if (prepare(active, rays, usable)) self().trace_occluded(usable, rays);
     }
+
+    // Leaves out rays that Embree does not take: those hit nothing. False where none is left.
+    template <int W>
+    static bool prepare(const std::int32_t* active, RayPacket<W>& rays, std::int32_t* usable) {
+        std::int32_t any = 0;
+        for (int i = 0; i < W; ++i) {
+            const bool finite = is_coordinate(rays.origin_x[i]) & is_coordinate(rays.origin_y[i]) &
+                                is_coordinate(rays.origin_z[i]) & is_coordinate(rays.direction_x[i]) &
+                                is_coordinate(rays.direction_y[i]) & is_coordinate(rays.direction_z[i]);
+            const bool range = bool(rays.t_near[i] >= 0) & bool(rays.t_far[i] >= rays.t_near[i]);
+            usable[i] = finite & range ? active[i] : 0;
+            rays.mask[i] = active[i] ? 0xffffffff : rays.mask[i];
+            any |= usable[i];
+        }
+        return any != 0;
+    }
+
+    // By Embree's bound.
+    static bool is_coordinate(float x) { return std::abs(x) <= 1.844e18f; }
 
     // Moves the packet's first `rows` arrays through packets of half the width.
     template <int W, class Body>
@@ -55,14 +78,6 @@ class PacketQuery : public RayQuery {
             for (int row = 0; row < rows; ++row)
                 std::memcpy(whole + row * 4 * W + side * 4 * half, copy + row * 4 * half, 4 * half);
         }
-    }
-
-    template <int W, class Body>
-    static void aligned(const std::int32_t* active, const Body& body) {
-        if (reinterpret_cast<std::uintptr_t>(active) % (4 * W) == 0) return body(active);
-        alignas(64) std::int32_t copy[W];
-        std::memcpy(copy, active, sizeof copy);
-        body(static_cast<const std::int32_t*>(copy));
     }
 
     const Derived& self() const { return static_cast<const Derived&>(*this); }

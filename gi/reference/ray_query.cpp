@@ -37,14 +37,20 @@ int widest_packet(RTCDevice device) {
     return rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED) ? 8 : 4;
 }
 
-EmbreeScene build_scene(RTCDevice device, EmbreeGeometry geometry) {
+EmbreeScene new_scene(RTCDevice device) {
     EmbreeScene scene(rtcNewScene(device));
     rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST);
-    rtcCommitGeometry(geometry.get());
-    rtcAttachGeometryByID(scene.get(), geometry.get(), 0);
-    rtcCommitScene(scene.get());
-    if (!failure.empty()) refuse(std::exchange(failure, {}));
     return scene;
+}
+
+void attach(RTCScene scene, EmbreeGeometry geometry) {
+    rtcCommitGeometry(geometry.get());
+    rtcAttachGeometry(scene, geometry.get());
+}
+
+void build(RTCScene scene) {
+    rtcCommitScene(scene);
+    if (!failure.empty()) refuse(std::exchange(failure, {}));
 }
 
 std::unique_ptr<RayQuery> build_ray_query(const Geometry& geometry, const raster::Surfaces& surfaces, Rays rays,
