@@ -30,12 +30,14 @@ struct PathArgs {
     CameraArgs camera;
     const float* position;       // [height][width] rgba32f: points instead of a camera's pixels; null: a camera
     const float* normal;
+    float extent;                // m: largest |coordinate| of the scene, for the points, whose triangles are not known
     std::int32_t width, first_row;
     std::int32_t round, samples; // samples of this round
     std::uint32_t seed;
     std::int32_t first_bounce, last_bounce;  // reflections before the light reaches the first surface
     std::int32_t last_depth;     // surfaces after which no path can find anything that counts
     std::int32_t openness;       // 1: ambient occlusion
+    float inverse_roulette;      // 1 / PathParams::roulette
     float ao_distance;           // m
     std::int32_t jitter;         // 1: camera rays start anywhere in their pixel
     float* sum;                  // [height][width] rgba32f, out: sum over the samples of this round
@@ -142,9 +144,9 @@ PLUMB_INLINE PathVertex<F> vertex_of(const PathArgs& in, const RayHit<F>& hit, c
     return v;
 }
 
-// A given point: white, so that what leaves it is its irradiance over pi.
+// A given point: white, so that what leaves it is its irradiance over pi; seen from above.
 template <class F>
-PLUMB_INLINE void take_given_points(const PathArgs& in, const mask_t<F>& first, const PathState<F>& s,
+PLUMB_INLINE void take_given_points(const PathArgs& in, const mask_t<F>& first, PathState<F>& s,
                                     PathVertex<F>& v) {
     using N = number<F>;
     const F one(1.0f), zero(0.0f);
@@ -153,7 +155,8 @@ PLUMB_INLINE void take_given_points(const PathArgs& in, const mask_t<F>& first, 
     v.x = select3<F>(first, x, v.x);
     v.n = select3<F>(first, n, v.n);
     v.face = select3<F>(first, n, v.face);
-    v.offset = select(first, ray_offset(raster::largest3(x)), v.offset);
+    s.direction = select3<F>(first, vec3<F>{-n.x, -n.y, -n.z}, s.direction);
+    v.offset = select(first, ray_offset(F(in.extent)), v.offset);
     v.emission = select3<F>(first, black, v.emission);
     v.bsdf.diffuse = select3<F>(first, vec3<F>{one, one, one}, v.bsdf.diffuse);
     v.bsdf.specular = select3<F>(first, black, v.bsdf.specular);
@@ -314,7 +317,8 @@ PLUMB_INLINE std::uint64_t trace_paths(const PathArgs& in, const RayQuery& query
             const F brightest = raster::largest3(s.throughput);
             goes_on = at_surface & (dot3(v.face, s.direction) > zero) & (brightest > zero) &
                       (s.depth <= I(in.last_depth));
-            const F survival = select(s.depth > I(2), min(brightest, F(1.0f - 0x1p-16f)), one);
+            const F survival = select(
+                s.depth > I(2), min(brightest * F(in.inverse_roulette), F(1.0f - 0x1p-16f)), one);
             goes_on = goes_on & (choice.z < survival);
             s.throughput = s.throughput * (one / max(survival, F(1e-37f)));
         }

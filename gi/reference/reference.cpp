@@ -87,6 +87,7 @@ PathArgs args_of(const PathParams& params, const PathScene& scene, int width, st
     a.emitters = scene.lights.any_triangle;
     a.width = width;
     a.seed = seed;
+    a.inverse_roulette = 1 / params.roulette;
     a.openness = params.mode == Mode::ambient_occlusion;
     a.ao_distance = params.ao_distance > 0 ? params.ao_distance : std::numeric_limits<float>::infinity();
     a.jitter = params.filter == Filter::box;
@@ -174,6 +175,10 @@ std::vector<Field> fields(PathParams& p) {
         {"max_samples", &p.max_samples, "", "where until_error gives up", 1, 1 << 24, {}, false},
         {"max_bounces", &p.max_bounces, "", "reflections of a path; 0: no limit but Russian roulette", 0, 1 << 20, {},
          false},
+        {"roulette", &p.roulette, "",
+         "throughput below which Russian roulette may end a path; lower: fewer, longer paths to the same error where "
+         "almost all light is reflected",
+         1e-6, 1, {}, false},
         {"rays", as_int(p.rays), "", "exact: the same bits everywhere; native: Embree's own test, faster", 0, 1,
          {"exact", "native"}, false},
         {"filter", as_int(p.filter), "", "camera rays start at the pixel's centre, as samples of the rasterizer, or anywhere",
@@ -236,6 +241,9 @@ Estimate trace_irradiance(const PathParams& params, const PathScene& scene, cons
     PathArgs args = args_of(params, scene, p.width, seed);
     args.position = &p.data()->x;
     args.normal = &n.data()->x;
+    glm::vec3 low(0), high(0);
+    bounds(scene.geometry, low, high);
+    for (int c = 0; c < 3; ++c) args.extent = std::max({args.extent, std::abs(low[c]), std::abs(high[c])});
     const double scale = params.mode == Mode::ambient_occlusion ? 1 : host::pi;
     return run_rounds(params, scene, args, {p.width, p.height}, scale, options);
 }
