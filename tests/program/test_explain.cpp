@@ -160,8 +160,8 @@ TEST_CASE("stages: text and JSON name every stage, its ports and its twin", "[pr
     CHECK(json.exit == 0);
     CHECK(text.exit == 0);
     const Json stages = Json::parse(json.out);
-    for (const char* name : {"gbuffer", "rsm", "shadow", "direct", "rsm.disc", "rsm.all", "compose", "tonemap", "hemicube",
-                             "texture_space"}) {
+    for (const char* name : {"gbuffer", "rsm", "shadow", "direct", "rsm.disc", "rsm.all", "rsm.all_rays", "compose", "tonemap",
+                             "hemicube", "texture_space"}) {
         CHECK_THAT(text.out, Contains(std::string(name) + "\n"));
         CHECK(std::count_if(stages.begin(), stages.end(), [&](const Json& s) { return s["name"] == name; }) == 1);
     }

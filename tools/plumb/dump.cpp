@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "gi/frame/frame.h"
+#include "gi/reference/ray_query.h"
 #include "io/file.h"
 #include "io/npy.h"
 #include "raster/light_view.h"
@@ -57,6 +59,7 @@ struct Dump {
     std::vector<std::string> lights;
     Geometry geometry;
     raster::Surfaces surfaces;
+    std::unique_ptr<RayQuery> rays;  // built for rsm.all_rays alone
 
     // What the two raster passes read.
     Json surface_inputs() {
@@ -118,14 +121,19 @@ struct Dump {
     }
 
     // The frame keeps the sum over the lights; each light's share is gathered again.
-    std::string irradiance(const frame::PlannedStage& s, const rsm::GatherInputs& in) {
+    void irradiance(const frame::PlannedStage& s, const rsm::Pattern& pattern, Json& outputs) {
+        if (s.name == "rsm.all_rays" && !rays) rays = reference::build_ray_query(geometry, surfaces, settings.rsm.rays);
         Image4 image;
-        rsm::run_maps(settings.rsm, in, frame.rsms[s.light], options, image);
-        return files.picture(s.name + "." + lights[s.light] + ".irradiance", image);
+        rsm::RaysReport report;
+        rsm::run_maps(settings.rsm,
+                      frame::gather_inputs(scene, settings, frame.gbuffer, s.light, geometry, pattern, rays.get()),
+                      frame.rsms[s.light], options, image, &report);
+        const std::string name = s.name + "." + lights[s.light] + ".";
+        outputs["irradiance"] = files.picture(name + "irradiance", image);
+        if (rays) outputs["standard_error"] = files.picture(name + "standard_error", report.standard_error);
     }
 
     void gather(const frame::PlannedStage& s, Json& inputs, Json& outputs) {
-        const raster::GBuffer& g = frame.gbuffer;
         const int l = s.light;
         const rsm::Pattern pattern = rsm::disc_pattern(settings.rsm, scene.lights[l].rsm_size, settings.seed);
         inputs = surface_points();
@@ -136,7 +144,7 @@ struct Dump {
             inputs["offsets"] = files.array(name + "offsets", {samples, rotations}, pattern.offsets.data());
             inputs["weights"] = files.array(name + "weights", {samples}, pattern.weights.data());
         }
-        outputs["irradiance"] = irradiance(s, {&g.position, &g.normal, nullptr, &pattern, settings.seed});
+        irradiance(s, pattern, outputs);
     }
 
     Json surface_points() {
@@ -197,7 +205,7 @@ struct Dump {
 
 void write_dump(const Scene& scene, const frame::Settings& settings, const frame::Plan& plan, const frame::Frame& frame,
                 const RunOptions& options, Outputs& outputs) {
-    Dump dump{scene, settings, plan, frame, options, {outputs, {}}, light_file_names(scene), flatten(scene), {}};
+    Dump dump{scene, settings, plan, frame, options, {outputs, {}}, light_file_names(scene), flatten(scene), {}, {}};
     dump.surfaces = raster::prepare(scene, dump.geometry);
     Json stages = Json::array();
     for (const frame::PlannedStage& s : plan.stages)

@@ -57,7 +57,7 @@ struct Checker {
         glm::vec3 sum(0);
         int lights = 0;
         for (const frame::PlannedStage& s : plan.stages) {
-            if (!s.needed || (s.name != "rsm.disc" && s.name != "rsm.all")) continue;
+            if (!s.needed || !frame::is_gather(s.name)) continue;
             const auto e = frame::explain(scene, settings, plan, frame, s.name, s.light, pixel);
             const std::vector<double> v = last_value(e.at(0), "irradiance");
             sum += glm::vec3(v.at(0), v.at(1), v.at(2));

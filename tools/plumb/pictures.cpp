@@ -53,6 +53,7 @@ void write_pictures(const Scene& scene, const frame::Plan& plan, const frame::Fr
         layer("normal", xyz, g.normal),         {"depth", {"Z"}, &g.position.data()->w, 4},
         {"zbuffer", {"Z"}, g.depth.data(), 1},  {"id", {"X", "Y"}, id.data(), 2},
     };
+    if (!frame.indirect_error.empty()) layers.push_back(layer("indirect.error", rgb, frame.indirect_error));
     for (int l = 0; l < int(lights.size()); ++l) {
         if (runs(plan, "shadow", l))
             layers.push_back({"shadow." + lights[l], {"Y"}, frame.visibility.data() + l * pixels, 1});
