@@ -6,8 +6,8 @@
 // reciprocal, because r . w_i = 2 (N.w_o)(N.w_i) - w_o.w_i is.
 //
 // Energy: of what arrives along w_o the lobe reflects `specular` at normal incidence, exactly, and less at all others,
-// as that part of the lobe is lost which lies below the surface; at grazing incidence about half. Nothing is added to
-// make up for it. So diffuse + specular + mirror <= 1 conserves energy.
+// as N.w_i falls towards grazing (for large n it reflects specular N.w_o) and as that part of the lobe is lost
+// which lies below the surface. Nothing is added to make up for it: diffuse + specular + mirror <= 1 conserves energy.
 //
 // A NaN in a direction or a reflectance comes out as NaN.
 #pragma once
@@ -64,9 +64,9 @@ PLUMB_INLINE LobeShares<F> lobe_shares(const Bsdf<F>& bsdf) {
     return {select(black, F(1.0f), diffuse / whole), specular / whole, mirror / whole};
 }
 
-// max(0, a . b)^n of unit vectors. With n = 1e6 the lobe is 1e-3 wide, and a . b keeps 1e-7 of what is 1e-6 from 1: so
-// 1 - a . b is taken as |a - b|^2 / 2, which keeps three more digits, and the logarithm of the rest carries what a float
-// cannot hold.
+// max(0, a . b)^n of unit vectors. With n = 1e6 the lobe is 1e-3 wide, and there a . b is 1e-6 from 1, of which a float
+// keeps one digit: so 1 - a . b is taken as |a - b|^2 / 2, which keeps three more, and the logarithm of the rest carries
+// what a float cannot hold.
 template <class F>
 PLUMB_INLINE F phong_lobe(const vec3<F>& a, const vec3<F>& b, F exponent) {
     const vec3<F> d = a - b;
@@ -86,7 +86,7 @@ PLUMB_INLINE F phong_lobe(const vec3<F>& a, const vec3<F>& b, F exponent) {
     return select(behind, F(0.0f), select(versine == versine, power, versine));
 }
 
-// ---- Everything -------------------------------------------------------------------------------------------------------
+// ---- Everything -----------------------------------------------------------------------------------------------------
 
 // Both parts of a Scattering share the lobe. Its density is that of sample(), also below the surface, where the value
 // is 0.
@@ -138,13 +138,15 @@ PLUMB_INLINE BsdfSample<F> sample(const Bsdf<F>& bsdf, const vec3<F>& n, const v
     direction = select3<F>(mirror, r, direction);
 
     const Scattering<F> s = scatter(bsdf, n, w_o, direction);
+    // On the rim of a lobe, too, rounding may leave no density to divide by.
     const F cosine_o = dot3(n, w_o), cosine_i = dot3(n, direction);
-    const mask_t<F> lost = (cosine_o < zero) | (cosine_i <= zero);
-    const vec3<F> weight = select3<F>(mirror, bsdf.mirror / share.mirror, s.value / s.pdf);
-    return {direction, select3<F>(lost, black, weight), select(mirror, zero, s.pdf), mirror};
+    const mask_t<F> lost = (cosine_o < zero) | (cosine_i <= zero) | (s.pdf == zero);
+    const vec3<F> weight = select3<F>(lost, black, s.value / s.pdf);
+    const vec3<F> reflected = select3<F>(cosine_o < zero, black, bsdf.mirror / share.mirror);
+    return {direction, select3<F>(mirror, reflected, weight), select(mirror, zero, s.pdf), mirror};
 }
 
-// ---- Diffuse alone ----------------------------------------------------------------------------------------------------
+// ---- Diffuse alone --------------------------------------------------------------------------------------------------
 //
 // For scenes that have nothing else; the normal is on the side of w_o.
 

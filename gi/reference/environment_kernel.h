@@ -23,7 +23,7 @@ struct EnvironmentSample {
     F pdf;              // 1/sr
 };
 
-// atan2(y, x) / (2 pi) for x, y that are not both 0, between -1/2 and 1/2; of a zero's sign nothing is told. The smaller
+// atan2(y, x) / (2 pi) for x, y that are not both 0, between -1/2 and 1/2; a zero's sign does not matter. The smaller
 // over the larger, in one division with atan q = pi/4 + atan((q - 1)/(q + 1)); then a minimax polynomial to 4.1e-8.
 template <class F>
 PLUMB_INLINE F turn_of(F y, F x) {

@@ -13,7 +13,7 @@ namespace plumb::reference {
 
 inline constexpr float one_over_pi = 0.318309886f, one_over_two_pi = 0.159154943f;
 
-// ---- Frames -----------------------------------------------------------------------------------------------------------
+// ---- Frames ---------------------------------------------------------------------------------------------------------
 
 // tangent x bitangent = normal; all of unit length.
 template <class F>
@@ -34,7 +34,7 @@ PLUMB_INLINE vec3<F> to_world(const Basis<F>& basis, const vec3<F>& local) {
     return basis.tangent * local.x + basis.bitangent * local.y + basis.normal * local.z;
 }
 
-// ---- Sine and cosine --------------------------------------------------------------------------------------------------
+// ---- Sine and cosine ------------------------------------------------------------------------------------------------
 
 // The cosine and sine of t pi/4, |t| <= 1. Minimax polynomials (Sollya's fpminimax): the cosine to 1.1e-9, the sine to
 // 2.8e-8 of itself; what floats round comes on top.
@@ -61,7 +61,7 @@ PLUMB_INLINE vec2<F> on_circle(F turn) {
     return {select(minus_cosine, -cosine, cosine), select(minus_sine, -sine, sine)};
 }
 
-// ---- Directions about z -----------------------------------------------------------------------------------------------
+// ---- Directions about z ---------------------------------------------------------------------------------------------
 
 // Density cos(theta) / pi: the concentric disc (Shirley and Chiu 1997), raised to the hemisphere (Malley).
 template <class F>
@@ -73,8 +73,8 @@ PLUMB_INLINE vec3<F> cosine_hemisphere(F u1, F u2) {
     return {select(along_x, p.x, p.y), select(along_x, p.y, p.x), sqrt((1.0f - radius) * (1.0f + radius))};
 }
 
-// Density (n + 1) / (2 pi) cos(theta)^n, n >= 0: cos(theta) = (1 - u1)^(1 / (n + 1)). Lobes of large n are narrower than
-// the steps of a cosine near 1: so 1 - cos(theta) is computed for itself, from 2^v - 1 = v P(v), to 1.4e-8 of it.
+// Density (n + 1) / (2 pi) cos(theta)^n, n >= 0: cos(theta) = (1 - u1)^(1 / (n + 1)). For a lobe of large n the steps of
+// a cosine near 1 are coarse: so 1 - cos(theta) is computed for itself, from 2^v - 1 = v P(v), to 1.4e-8 of it.
 template <class F>
 PLUMB_INLINE vec3<F> cosine_power(F u1, F u2, F exponent) {
     const F rest = 1.0f - u1;
@@ -104,7 +104,7 @@ PLUMB_INLINE F pdf_cosine_power(F cosine, F exponent) {
     return select(cosine <= F(0.0f), F(0.0f), (exponent + 1.0f) * one_over_two_pi * power);
 }
 
-// ---- Triangles --------------------------------------------------------------------------------------------------------
+// ---- Triangles ------------------------------------------------------------------------------------------------------
 
 // Barycentrics (l1, l2) of a point, uniform in area (Heitz 2019, "A Low-Distortion Map Between Triangle and Square").
 template <class F>
