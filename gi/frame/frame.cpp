@@ -153,7 +153,8 @@ Frame execute(const Scene& scene, const Settings& settings, const Plan& plan, co
             run.bytes = bytes_of(irradiance) + bytes_of(report.standard_error);
             if (traces) {
                 add_errors(f.indirect_error, report.standard_error);
-                run.reason += "; " + rsm::summary(report);
+                // What was asked takes the place of what the plan could tell.
+                run.reason = run.reason.substr(0, run.reason.find("; subset of ")) + "; " + rsm::summary(report);
             }
         } else if (stage.name == "compose") {
             compose::run({&f.gbuffer.normal, &f.gbuffer.albedo, &f.gbuffer.emission, &f.direct, &f.indirect,

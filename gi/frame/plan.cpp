@@ -12,7 +12,7 @@ namespace {
 // Milliseconds for a million turns of a stage's inner loop on one core with AVX-512, measured by plumb_bench
 // on a 2.x GHz server core. They order stages by cost; they promise nothing.
 constexpr double ms_pixels = 60, ms_shadow = 8, ms_direct = 6, ms_disc = 4.2, ms_all = 0.55,
-                 ms_all_rays = 150, ms_compose = 5, ms_tonemap = 25;
+                 ms_exact_rays = 100, ms_native_rays = 25, ms_compose = 5, ms_tonemap = 25;
 
 bool black(const glm::vec3& v) { return !(v.x > 0 || v.y > 0 || v.z > 0); }
 
@@ -90,7 +90,8 @@ struct Planner {
         const double asked = double(rsm::texels_asked(params, std::uint64_t(pixels), std::uint64_t(texels)));
         const std::string subset =
             asked < texels ? fmt::format("; subset of at least {} of {} texels a pixel", asked, texels) : "";
-        add(name.c_str(), light, pixels * asked, "shadow rays at most", ms_all_rays, why + subset, why_not);
+        const double ms = params.rays == Rays::exact ? ms_exact_rays : ms_native_rays;
+        add(name.c_str(), light, pixels * asked, "shadow rays at most", ms, why + subset, why_not);
     }
 };
 
