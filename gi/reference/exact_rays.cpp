@@ -2,11 +2,12 @@
 //
 // The result is the least (t, index) among all triangles that the ray meets. It cannot depend on the order in which
 // Embree visits them, so all that is to show is that the box of that triangle is never passed over. Embree compares
-// planes at (p - o) / d with each other and with t_far. In its way without ROBUST, which user geometry always gets, that
-// is p r - o r with r = 1 / d to about 2^-22: a plane seems moved by up to 2^-22 (|p| + |o|) + 2^-24 |o|. t, rounded to
-// float, and the double test's own errors move the hit along an axis by at most 2^-24 (|p| + |o|). With M the scene's
-// largest coordinate and |o| <= 2 M that is less than 2^-19.9 M in all, and boxes are padded by 2^-19 M, 16 to 32 ULPs
-// of M. A direction of 0 along an axis, which Embree replaces by 1e-18, is covered as well: the box has width there.
+// planes at (p - o) / d with each other and with t_far. In its way without ROBUST, which user geometry always gets,
+// that is p r - o r with r = 1 / d to about 2^-22: a plane seems moved by up to 2^-22 (|p| + |o|) + 2^-24 |o|. t,
+// rounded to float, and the double test's own errors move the hit along an axis by at most 2^-24 (|p| + |o|). With M
+// the scene's largest coordinate and |o| <= 2 M that is less than 2^-19.9 M in all, and boxes are padded by 2^-19 M, 16
+// to 32 ULPs of M. A direction of 0 along an axis, which Embree replaces by 1e-18, is covered as well: the box has
+// width there.
 //
 // A ray from farther away, or of a direction so long or short that 1e-18 counts, visits boxes by another ray: the same
 // line, started where it enters the cube of +-M, of unit length, whose end is not drawn in as hits are found. The test
@@ -38,7 +39,7 @@ struct Single {
     float t_near, t_far;  // t_far: of the nearest hit so far
     std::uint32_t triangle;
     float u, v;
-    bool draws_in;        // whether Embree's ray ends at the nearest hit, too
+    bool draws_in;  // whether Embree's ray ends at the nearest hit, too
 };
 
 template <int W>
@@ -136,19 +137,27 @@ class ExactRays final : public PacketQuery<ExactRays> {
     static void intersected(const RTCIntersectFunctionNArguments* call) {
         const auto& self = *static_cast<const ExactRays*>(call->geometryUserPtr);
         switch (call->N) {
-            case 1: return self.intersect_single(call);
-            case 4: return self.intersect_packet<4>(call);
-            case 8: return self.intersect_packet<8>(call);
-            case 16: return self.intersect_packet<16>(call);
+            case 1:
+                return self.intersect_single(call);
+            case 4:
+                return self.intersect_packet<4>(call);
+            case 8:
+                return self.intersect_packet<8>(call);
+            case 16:
+                return self.intersect_packet<16>(call);
         }
     }
     static void occluding(const RTCOccludedFunctionNArguments* call) {
         const auto& self = *static_cast<const ExactRays*>(call->geometryUserPtr);
         switch (call->N) {
-            case 1: return self.occlude_single(call);
-            case 4: return self.occlude_packet<4>(call);
-            case 8: return self.occlude_packet<8>(call);
-            case 16: return self.occlude_packet<16>(call);
+            case 1:
+                return self.occlude_single(call);
+            case 4:
+                return self.occlude_packet<4>(call);
+            case 8:
+                return self.occlude_packet<8>(call);
+            case 16:
+                return self.occlude_packet<16>(call);
         }
     }
 
@@ -213,7 +222,8 @@ class ExactRays final : public PacketQuery<ExactRays> {
     // Whether Embree's arithmetic on this very ray is not good enough. True for what is not finite.
     template <int W>
     bool is_far(const RayPacket<W>& rays, int i) const {
-        const float origin = std::max({std::abs(rays.origin_x[i]), std::abs(rays.origin_y[i]), std::abs(rays.origin_z[i])});
+        const float origin =
+            std::max({std::abs(rays.origin_x[i]), std::abs(rays.origin_y[i]), std::abs(rays.origin_z[i])});
         const float length =
             std::max({std::abs(rays.direction_x[i]), std::abs(rays.direction_y[i]), std::abs(rays.direction_z[i])});
         return !(origin <= largest_origin * largest_ && length >= shortest && length <= longest);
@@ -280,7 +290,7 @@ class ExactRays final : public PacketQuery<ExactRays> {
     raster::SurfaceArgs masks_;
     EmbreeDevice device_;
     Buffer<Corners> corners_;  // a[3]: 1 where the material has an alpha mask
-    float largest_ = 0;  // coordinate of the triangles that have an area
+    float largest_ = 0;        // coordinate of the triangles that have an area
     EmbreeScene scene_;
 };
 

@@ -9,9 +9,9 @@
 
 namespace plumb::reference {
 
-// Derived has trace_nearest<W>(active, rays) and trace_occluded<W>(active, rays), const. What they are given: `active` is
-// aligned to its own size and 0 where a ray is not finite; `mask` is set, and nothing is hit yet. A packet wider than
-// widest() is traced in halves: Embree's own way of doing so reads no mask.
+// Derived has trace_nearest<W>(active, rays) and trace_occluded<W>(active, rays), const. What they are given: `active`
+// is aligned to its own size and 0 where a ray is not finite; `mask` is set, and nothing is hit yet. A packet wider
+// than widest() is traced in halves: Embree's own way of doing so reads no mask.
 template <class Derived>
 class PacketQuery : public RayQuery {
   public:
@@ -50,11 +50,11 @@ class PacketQuery : public RayQuery {
     static bool prepare(const std::int32_t* active, RayPacket<W>& rays, std::int32_t* usable) {
         std::int32_t any = 0;
         for (int i = 0; i < W; ++i) {
-            const bool finite = is_coordinate(rays.origin_x[i]) & is_coordinate(rays.origin_y[i]) &
-                                is_coordinate(rays.origin_z[i]) & is_coordinate(rays.direction_x[i]) &
-                                is_coordinate(rays.direction_y[i]) & is_coordinate(rays.direction_z[i]);
-            const bool range = bool(rays.t_near[i] >= 0) & bool(rays.t_far[i] >= rays.t_near[i]);
-            usable[i] = finite & range ? active[i] : 0;
+            const int finite = is_coordinate(rays.origin_x[i]) & is_coordinate(rays.origin_y[i]) &
+                               is_coordinate(rays.origin_z[i]) & is_coordinate(rays.direction_x[i]) &
+                               is_coordinate(rays.direction_y[i]) & is_coordinate(rays.direction_z[i]);
+            const int range = int(rays.t_near[i] >= 0) & int(rays.t_far[i] >= rays.t_near[i]);
+            usable[i] = (finite & range) != 0 ? active[i] : 0;
             rays.mask[i] = active[i] ? 0xffffffff : rays.mask[i];
             any |= usable[i];
         }
@@ -62,7 +62,7 @@ class PacketQuery : public RayQuery {
     }
 
     // By Embree's bound.
-    static bool is_coordinate(float x) { return std::abs(x) <= 1.844e18f; }
+    static int is_coordinate(float x) { return std::abs(x) <= 1.844e18f; }
 
     // Moves the packet's first `rows` arrays through packets of half the width.
     template <int W, class Body>

@@ -1,5 +1,6 @@
 #include "gi/reference/ray_query.h"
 
+#include <new>
 #include <utility>
 
 #include "core/error.h"
@@ -57,8 +58,12 @@ std::unique_ptr<RayQuery> build_ray_query(const Geometry& geometry, const raster
                                           const std::string& config) {
     failure.clear();
     EmbreeDevice device = retain_device(config);
-    return rays == Rays::exact ? build_exact(geometry, surfaces, std::move(device))
-                               : build_native(geometry, surfaces, std::move(device));
+    try {
+        return rays == Rays::exact ? build_exact(geometry, surfaces, std::move(device))
+                                   : build_native(geometry, surfaces, std::move(device));
+    } catch (const std::bad_alloc&) {
+        throw InputError("rays: out of memory for " + std::to_string(geometry.triangles.size()) + " triangles");
+    }
 }
 
 std::unique_ptr<RayQuery> build_ray_query(const Geometry& geometry, const raster::Surfaces& surfaces, Rays rays) {

@@ -154,7 +154,9 @@ Geometry soup(int triangles, float extent, std::uint64_t seed) {
         glm::vec3 p[3] = {c + random.vector(-size, size), c + random.vector(-size, size),
                           c + random.vector(-size, size)};
         switch (random.below(8)) {
-            case 0: p[2] = p[0] + (p[1] - p[0]) * 0.5f + random.vector(-1e-5, 1e-5); break;
+            case 0:
+                p[2] = p[0] + (p[1] - p[0]) * 0.5f + random.vector(-1e-5, 1e-5);
+                break;
             case 1:
             case 2: {
                 const int axis = random.below(3);
@@ -162,8 +164,11 @@ Geometry soup(int triangles, float extent, std::uint64_t seed) {
                 for (glm::vec3& q : p) q[axis] = plane;
                 break;
             }
-            case 3: p[2] = p[random.below(2)]; break;
-            default: break;
+            case 3:
+                p[2] = p[random.below(2)];
+                break;
+            default:
+                break;
         }
         const auto corner = [&](int k) { return raster::test::at(p[k] * extent); };
         raster::test::add_triangle(g, corner(0), corner(1), corner(2));
@@ -359,7 +364,9 @@ Geometry geodesic_sphere(int n, const glm::vec3& centre) {
                 const glm::dvec3 a = base[std::size_t(i)], b = base[std::size_t(j)], c = base[std::size_t(k)];
                 const auto is_edge = [](const glm::dvec3& e) { return glm::dot(e, e) < 4.1; };  // edges have length 2
                 if (!is_edge(a - b) || !is_edge(b - c) || !is_edge(c - a)) continue;
-                const auto at = [&](int u, int v) { return corner(a + (b - a) * (double(u) / n) + (c - a) * (double(v) / n)); };
+                const auto at = [&](int u, int v) {
+                    return corner(a + (b - a) * (double(u) / n) + (c - a) * (double(v) / n));
+                };
                 for (int u = 0; u < n; ++u)
                     for (int v = 0; u + v < n; ++v) {
                         g.triangles.push_back({at(u, v), at(u + 1, v), at(u, v + 1)});
@@ -382,7 +389,10 @@ int escapes(const RayQuery& query, const Geometry& g, const glm::vec3& centre, f
         const glm::vec3 from = i % 4 ? centre + random.vector(-inside, inside) : centre;
         const int kind = random.below(4);
         const float along = kind == 1 ? 0.5f : float(random.uniform());
-        rays.push_back({from, (kind == 0 ? a : kind == 3 ? centre + random.vector(-1, 1) : a + (b - a) * along) - from});
+        rays.push_back({from, (kind == 0   ? a
+                               : kind == 3 ? centre + random.vector(-1, 1)
+                                           : a + (b - a) * along) -
+                                  from});
         if (rays.back().direction == glm::vec3(0)) rays.pop_back();
     }
     return int(rays.size()) - hit_count(nearest<W>(query, rays));
