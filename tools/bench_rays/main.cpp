@@ -1,4 +1,5 @@
-// The speed of rays: bare calls of Embree against RayQuery, native and exact, the same rays on the same instruction set.
+// The speed of rays: bare calls of Embree against RayQuery, native and exact, the same rays on the same instruction
+// set.
 #include <embree3/rtcore.h>
 #include <fmt/core.h>
 
@@ -42,12 +43,13 @@ class BareScene {
         return W <= 4 || rtcGetDeviceProperty(device_, W == 8 ? RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED
                                                               : RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED);
     }
-    void nearest(const std::int32_t* active, RayPacket<1>& r) const { rtcIntersect1(scene_, context(), as<RTCRayHit>(r)); (void)active; }
-    void nearest(const std::int32_t* active, RayPacket<8>& r) const { rtcIntersect8(active, scene_, context(), as<RTCRayHit8>(r)); }
-    void nearest(const std::int32_t* active, RayPacket<16>& r) const { rtcIntersect16(active, scene_, context(), as<RTCRayHit16>(r)); }
-    void occluded(const std::int32_t* active, RayPacket<1>& r) const { rtcOccluded1(scene_, context(), as<RTCRay>(r)); (void)active; }
-    void occluded(const std::int32_t* active, RayPacket<8>& r) const { rtcOccluded8(active, scene_, context(), as<RTCRay8>(r)); }
-    void occluded(const std::int32_t* active, RayPacket<16>& r) const { rtcOccluded16(active, scene_, context(), as<RTCRay16>(r)); }
+    using Active = const std::int32_t*;
+    void nearest(Active, RayPacket<1>& r) const { rtcIntersect1(scene_, context(), as<RTCRayHit>(r)); }
+    void nearest(Active a, RayPacket<8>& r) const { rtcIntersect8(a, scene_, context(), as<RTCRayHit8>(r)); }
+    void nearest(Active a, RayPacket<16>& r) const { rtcIntersect16(a, scene_, context(), as<RTCRayHit16>(r)); }
+    void occluded(Active, RayPacket<1>& r) const { rtcOccluded1(scene_, context(), as<RTCRay>(r)); }
+    void occluded(Active a, RayPacket<8>& r) const { rtcOccluded8(a, scene_, context(), as<RTCRay8>(r)); }
+    void occluded(Active a, RayPacket<16>& r) const { rtcOccluded16(a, scene_, context(), as<RTCRay16>(r)); }
 
   private:
     template <class To, class From>
@@ -161,8 +163,9 @@ int main(int argc, char** argv) {
     app.add_option("--runs", runs, "of each side, in turns; medians are shown (7)")->check(CLI::Range(1, 1000));
     CLI11_PARSE(app, argc, argv);
     try {
-        fmt::print("| rays | packet | threads | bare, Mrays/s | native | exact | native / bare | exact / native |\n"
-                   "|---|---|---|---|---|---|---|---|\n");
+        fmt::print(
+            "| rays | packet | threads | bare, Mrays/s | native | exact | native / bare | exact / native |\n"
+            "|---|---|---|---|---|---|---|---|\n");
         for (const std::string& name : scenes) bench::measure_world(name, size, runs, threads);
         return 0;
     } catch (const InputError& error) {

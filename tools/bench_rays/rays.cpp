@@ -33,8 +33,9 @@ World load_world(const std::string& name, const std::string& root) {
     World world;
     world.name = name;
     const bool masks = name == "atrium+masks";
-    world.scene = name == "cornell" ? io::load_scene(root + "/data/scenes/cornell/cornell.toml", {"rsm", "shadow", "reference"})
-                                    : io::generate_scene(masks ? "atrium" : name, {}, "bench");
+    world.scene = name == "cornell"
+                      ? io::load_scene(root + "/data/scenes/cornell/cornell.toml", {"rsm", "shadow", "reference"})
+                      : io::generate_scene(masks ? "atrium" : name, {}, "bench");
     if (!masks)
         for (Material& m : world.scene.materials) m.alpha_cutoff = 0;
     world.geometry = flatten(world.scene);

@@ -27,8 +27,8 @@ struct BenchRay {
     float t_near = 0, t_far = std::numeric_limits<float>::infinity();
 };
 
-// primary: from the camera, blocks of 4 x 4 pixels after each other. bounce: from the points those hit, cosine-weighted.
-// shadow: from the same points to a random point of the scene's bounds.
+// primary: from the camera, blocks of 4 x 4 pixels after each other. bounce: from the points those hit,
+// cosine-weighted. shadow: from the same points to a random point of the scene's bounds.
 struct RaySet {
     std::vector<BenchRay> primary, bounce, shadow;
 };
