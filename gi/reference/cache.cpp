@@ -1,0 +1,91 @@
+#include "gi/reference/cache.h"
+
+#include <cpuid.h>
+
+#include <type_traits>
+
+#include "core/content_hash.h"
+
+namespace plumb::reference {
+
+namespace {
+
+struct Hasher {
+    std::uint64_t hash = 0;
+
+    // Values without padding: numbers, vectors and matrices of them.
+    template <class... T>
+    void add(const T&... values) {
+        static_assert((std::is_trivially_copyable_v<T> && ...));
+        ((hash = content_hash(&values, sizeof values, hash)), ...);
+    }
+    void add(const std::string& text) { hash = content_hash(text, hash); }
+    // The number of elements counts, so that two lists in a row are told apart.
+    template <class List>
+    void add_all(const List& list) {
+        hash = content_hash(list.data(), list.size() * sizeof(list[0]), hash);
+    }
+};
+
+// What the processor calls itself (CPUID leaves 0x80000002 to 4): Embree chooses its code by it.
+std::string processor() {
+    unsigned words[12] = {};
+    for (unsigned i = 0; i < 3; ++i)
+        __get_cpuid(0x80000002 + i, &words[4 * i], &words[4 * i + 1], &words[4 * i + 2], &words[4 * i + 3]);
+    return {reinterpret_cast<const char*>(words), sizeof words};
+}
+
+void add_scene(const Scene& scene, const Geometry& geometry, Hasher& h) {
+    h.add_all(geometry.vertices);
+    h.add_all(geometry.tangents);
+    h.add_all(geometry.triangles);
+    h.add_all(geometry.material);
+    h.add(scene.materials.size(), scene.textures.size(), scene.lights.size());
+    for (const Material& m : scene.materials) {
+        h.add(m.reflectance, m.emission, m.texture, m.emission_texture, m.normal_texture, m.normal_scale, m.alpha,
+              m.alpha_cutoff, m.specular, m.exponent, m.mirror);
+    }
+    for (const Texture& t : scene.textures) {
+        h.add(t.srgb, t.filter, t.wrap_u, t.wrap_v, t.mips);
+        h.hash = content_hash(t.texels, h.hash);
+    }
+    for (const Light& l : scene.lights)
+        h.add(l.type, l.position, l.direction, l.cone_inner_deg, l.cone_outer_deg, l.intensity, l.on);
+    h.add(scene.environment.radiance);
+    h.hash = content_hash(scene.environment.map, h.hash);
+}
+
+Hasher begin(const char* what, const PathParams& given, const Scene& scene, const Geometry& geometry,
+             std::uint32_t seed, Isa isa) {
+    Hasher h;
+    h.add(std::string(what));
+    h.add(path_tracer_version, seed);
+    PathParams params = given;
+    for (const Field& f : fields(params)) h.add(f.name + " = " + value_text(f));
+    if (given.rays == Rays::native) {
+        h.add(isa);
+        h.add(processor());
+    }
+    add_scene(scene, geometry, h);
+    return h;
+}
+
+}  // namespace
+
+std::uint64_t cache_key(const PathParams& params, const Scene& scene, const Geometry& geometry, std::uint32_t seed,
+                        Isa isa) {
+    Hasher h = begin("radiance", params, scene, geometry, seed, isa);
+    const Camera& c = scene.camera;
+    h.add(c.position, c.look_at, c.up, c.fov_y_deg, c.near, c.far, scene.frame_size);
+    return h.hash;
+}
+
+std::uint64_t cache_key(const PathParams& params, const Scene& scene, const Geometry& geometry,
+                        const PointInputs& points, std::uint32_t seed, Isa isa) {
+    Hasher h = begin("irradiance", params, scene, geometry, seed, isa);
+    h.hash = content_hash(*points.position, h.hash);
+    h.hash = content_hash(*points.normal, h.hash);
+    return h.hash;
+}
+
+}  // namespace plumb::reference

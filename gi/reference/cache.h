@@ -1,0 +1,38 @@
+// What the bits of an estimate depend on, as one number, and where estimates are kept by it.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "gi/reference/reference.h"
+
+namespace plumb::reference {
+
+// Raise it with every change of the path tracer that changes a bit of what it returns: sampling, lights, reflection,
+// the order of a sum, the triangle test. What was kept before is then traced again.
+inline constexpr std::uint32_t path_tracer_version = 1;
+
+// Of trace(): parameters, seed, camera, frame and all of the scene that a ray can meet. The names of things, the
+// convention and the settings of other stages are no part of it. Exact rays give the same bits everywhere; of native
+// ones the instruction set and the processor count as well. `geometry`: flatten(scene).
+std::uint64_t cache_key(const PathParams& params, const Scene& scene, const Geometry& geometry, std::uint32_t seed,
+                        Isa isa);
+// Of trace_irradiance(): the points in place of the camera.
+std::uint64_t cache_key(const PathParams& params, const Scene& scene, const Geometry& geometry,
+                        const PointInputs& points, std::uint32_t seed, Isa isa);
+
+struct Kept {
+    Estimate estimate;
+    double ms = 0;  // that tracing it took
+};
+
+// Somewhere that outlives a run. Neither function throws: what cannot be found is traced, what cannot be kept is not.
+class Store {
+  public:
+    virtual ~Store() = default;
+    // The estimate of that key, of `size` pixels; nothing where there is none to be trusted.
+    virtual std::optional<Kept> find(std::uint64_t key, glm::ivec2 size) = 0;
+    virtual void keep(std::uint64_t key, const Kept& kept) = 0;
+};
+
+}  // namespace plumb::reference
