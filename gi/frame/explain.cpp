@@ -83,10 +83,12 @@ std::vector<Explanation> explain(const Scene& scene, const Settings& settings, c
                                      nearest_name(stage, names)));
     if (!stage.empty() && !in_a_frame(stage))
         throw InputError(fmt::format("explain: the stage {} is not part of a frame: no method runs it", stage));
+    if (stage == "reference")
+        throw InputError("explain: the stage reference is a mean over paths; it has no values to list");
     std::vector<const PlannedStage*> chosen;
     std::string left_out;
     for (const PlannedStage& s : plan.stages) {
-        if (stage.empty() ? s.name == "rsm" : s.name != stage) continue;
+        if (stage.empty() ? s.name == "rsm" || s.name == "reference" : s.name != stage) continue;
         if (light >= 0 && s.light >= 0 && s.light != light) continue;
         if (!s.needed) {
             left_out = s.reason;

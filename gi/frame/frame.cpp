@@ -86,13 +86,13 @@ void add_errors(Image4& sum, const Image4& term) {
 std::vector<StageInfo> frame_stages() {
     return {raster::info_gbuffer(), raster::info_rsm(),    direct::shadow_info(),   rsm::info_disc(),
             rsm::info_all(),        rsm::info_all_rays(),  direct::direct_info(),   compose::compose_info(),
-            compose::tonemap_info()};
+            reference::info(),      compose::tonemap_info()};
 }
 
 }  // namespace
 
 Frame execute(const Scene& scene, const Settings& settings, const Plan& plan, const RunOptions& given,
-              const Progress& progress) {
+              const Progress& progress, reference::Store* store) {
     FpEnvironment environment;
     const Geometry geometry = flatten(scene);
     const raster::Surfaces surfaces = raster::prepare(scene, geometry);
@@ -111,6 +111,7 @@ Frame execute(const Scene& scene, const Settings& settings, const Plan& plan, co
     std::vector<Light> lights;
     for (const Light& light : scene.lights) lights.push_back(shining(light));
 
+    Tracer tracer(scene, settings, geometry, store);
     for (const PlannedStage& stage : plan.stages) {
         StageRun run{stage.label, stage.needed, stage.reason};
         if (!stage.needed) {
@@ -161,6 +162,12 @@ Frame execute(const Scene& scene, const Settings& settings, const Plan& plan, co
                           scene.environment.radiance},
                          options, f.radiance);
             run.bytes = bytes_of(f.radiance);
+        } else if (stage.name == "reference") {
+            f.traced.push_back(tracer.trace(stage.layer, f.gbuffer, options));
+            const Image4& mean = f.traced.back().estimate.mean;
+            if (stage.layer == "color") f.radiance = mean;
+            if (stage.layer == "truth") compose::run(settings.tonemap, mean, given, f.truth_display);
+            run.bytes = 2 * bytes_of(mean);
         } else {
             compose::run(settings.tonemap, f.radiance, options, f.display);
             run.bytes = bytes_of(f.display);
@@ -191,6 +198,12 @@ bool is_gather(const std::string& stage) {
     for (auto gather : {rsm::Gather::disc, rsm::Gather::all, rsm::Gather::all_rays})
         if (stage == rsm::stage_name(gather)) return true;
     return false;
+}
+
+const Traced* find_traced(const Frame& frame, const std::string& layer) {
+    for (const Traced& traced : frame.traced)
+        if (traced.layer == layer) return &traced;
+    return nullptr;
 }
 
 std::vector<StageInfo> all_stages() {

@@ -11,6 +11,7 @@
 #include "core/stage.h"
 #include "core/tap.h"
 #include "gi/frame/settings.h"
+#include "gi/frame/truth.h"
 #include "raster/gbuffer.h"
 #include "raster/rsm.h"
 
@@ -22,6 +23,8 @@ struct PlannedStage {
     std::string label;     // as people read it: "rsm.disc (key)"
     bool needed = true;
     std::string reason;    // why it is needed, or why it is left out
+    std::string layer;     // of a path traced stage: which layer it makes (truth.h)
+    int samples = 0;       // of a path traced stage: paths a pixel; 0: as many as it takes
     double work = 0;       // how often its inner loop runs: pixels, triangles, samples
     std::string work_unit;
     double expected_ms = 0;  // on one core with AVX-512, from the benchmark's figures; an order of magnitude
@@ -55,15 +58,21 @@ struct Frame {
     Image4 indirect_error;     // standard error of `indirect`, by channel, W/m2; empty where no rsm.all_rays ran
     Image4 radiance;           // outgoing, W/(m2 sr)
     Image4 display;            // sRGB-encoded, 0..1
+    std::vector<Traced> traced;  // the path traced layers, in the plan's order
+    Image4 truth_display;      // sRGB-encoded, 0..1: the truth under the picture's tone curve
     std::vector<StageRun> stages;
 };
 
 // Called before each stage and while it runs: its label and the share that is done.
 using Progress = std::function<void(const std::string& label, double done)>;
 
-// The picture does not depend on the options.
+// The picture does not depend on the options. Path traced layers that `store` keeps are taken from it, the others are
+// kept there.
 Frame execute(const Scene& scene, const Settings& settings, const Plan& plan, const RunOptions& options,
-              const Progress& progress = {});
+              const Progress& progress = {}, reference::Store* store = nullptr);
+
+// The traced layer of that name, or null.
+const Traced* find_traced(const Frame& frame, const std::string& layer);
 
 // What the gather of a light reads of a frame, but its maps. `pattern` is read by rsm.disc, `rays` by rsm.all_rays.
 rsm::GatherInputs gather_inputs(const Scene& scene, const Settings& settings, const raster::GBuffer& gbuffer, int light,

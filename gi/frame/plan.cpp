@@ -12,7 +12,11 @@ namespace {
 // Milliseconds for a million turns of a stage's inner loop on one core with AVX-512, measured by plumb_bench
 // on a 2.x GHz server core. They order stages by cost; they promise nothing.
 constexpr double ms_pixels = 60, ms_shadow = 8, ms_direct = 6, ms_disc = 4.2, ms_all = 0.55,
+<<<<<<< HEAD
                  ms_exact_rays = 100, ms_native_rays = 25, ms_compose = 5, ms_tonemap = 25;
+=======
+                 ms_all_rays = 150, ms_compose = 5, ms_tonemap = 25, ms_paths = 4000;
+>>>>>>> 01e4fac (wip)
 
 bool black(const glm::vec3& v) { return !(v.x > 0 || v.y > 0 || v.z > 0); }
 
@@ -93,6 +97,21 @@ struct Planner {
         const double ms = params.rays == Rays::exact ? ms_exact_rays : ms_native_rays;
         add(name.c_str(), light, pixels * asked, "shadow rays at most", ms, why + subset, why_not);
     }
+
+    // A layer that is path traced. Until the error is small enough, nobody knows how many samples that takes: what is
+    // expected is the number that is given all the same.
+    void add_traced(const char* layer, double pixels, const std::string& why) {
+        const reference::PathParams& p = settings.reference;
+        std::string reason = why;
+        if (p.until_error > 0)
+            reason += fmt::format("; until its error is {} of its mean, at most {} samples", p.until_error,
+                                  p.max_samples);
+        add("reference", -1, pixels * double(p.samples), "paths", ms_paths, reason, "");
+        PlannedStage& s = plan.stages.back();
+        s.layer = layer;
+        s.samples = p.until_error > 0 ? 0 : p.samples;
+        if (s.layer != "color") s.label = layer;
+    }
 };
 
 }  // namespace
@@ -105,6 +124,8 @@ Plan plan(const Scene& scene, const Settings& settings) {
     const double pixels = double(scene.frame_size.x) * scene.frame_size.y;
     const double triangles = double(geometry.triangles.size());
     const bool reflects = any_surface(scene, geometry, &Material::reflectance);
+    // The path tracer reads the scene itself.
+    const std::string by_paths = settings.method == Method::reference ? "paths are traced instead" : "";
     const std::string no_bounce = empty ? nothing : reflects ? "" : "nothing reflects";
 
     Planner planner{scene, settings, {}};
@@ -112,11 +133,12 @@ Plan plan(const Scene& scene, const Settings& settings) {
     if (settings.pruning)
         planner.plan.gbuffer = wanted(reflects, any_surface(scene, geometry, &Material::emission), without);
     planner.add("gbuffer", -1, triangles + pixels, "triangles + pixels", ms_pixels,
-                "every later stage reads it" + without, nothing);
+                (by_paths.empty() ? "every later stage reads it" : "its layers") + without, nothing);
     double total_texels = 0;
     for (int l = 0; l < int(scene.lights.size()); ++l) {
         const Light& light = scene.lights[l];
-        const std::string dark = empty ? nothing : why_dark(light, low, high);
+        std::string dark = empty ? nothing : why_dark(light, low, high);
+        if (dark.empty()) dark = by_paths;
         const int maps = raster::map_count(light);
         const double texels = double(maps) * light.rsm_size * light.rsm_size;
         if (dark.empty() || !settings.pruning) add_texels(scene, light, texels, total_texels);
@@ -128,9 +150,16 @@ Plan plan(const Scene& scene, const Settings& settings) {
         planner.add_gather(l, pixels, maps, texels, dark.empty() ? no_bounce : dark);
     }
     planner.add("direct", -1, pixels * double(scene.lights.size()), "pixels x lights", ms_direct, "direct light",
-                !empty && scene.lights.empty() ? "there is no light" : nothing);
-    planner.add("compose", -1, pixels, "pixels", ms_compose, "the picture", "");
+                empty ? nothing : scene.lights.empty() ? "there is no light" : by_paths);
+    planner.add("compose", -1, pixels, "pixels", ms_compose, "the picture", by_paths);
+    if (settings.method == Method::reference) planner.add_traced("color", pixels, "the picture");
     planner.add("tonemap", -1, pixels, "pixels", ms_tonemap, "the picture", "");
+    if (settings.truth) {
+        planner.add_traced("truth", pixels, "the truth of color");
+        planner.add_traced("truth.direct", pixels, "the truth of direct: lamps alone");
+        if (settings.method == Method::rsm)
+            planner.add_traced("truth.indirect", pixels, "the truth of indirect: one bounce of the lamps' light");
+    }
     return std::move(planner.plan);
 }
 

@@ -18,22 +18,28 @@ E parse_choice(const char* key, const std::vector<std::string>& choices, const s
     return value;
 }
 
+// As the enumeration counts them.
+std::vector<std::string> method_names() { return {"direct", "rsm", "reference"}; }
+
 }  // namespace
 
-std::vector<std::string> method_tables() { return {"rsm", "shadow", "tonemap", "layout"}; }
+std::vector<std::string> method_tables() { return {"rsm", "shadow", "tonemap", "reference", "layout"}; }
 
 std::vector<Field> table_fields(Settings& s, const std::string& table, const std::string& place) {
     if (table == "rsm") return rsm::fields(s.rsm);
     if (table == "shadow") return direct::fields(s.shadow);
     if (table == "tonemap") return compose::fields(s.tonemap);
+    if (table == "reference") return reference::fields(s.reference);
     if (table == "layout") return raster::fields(s.layout);
     throw InputError(fmt::format("{}: unknown table [{}]; the nearest known one is [{}]", place, table,
                                  nearest_name(table, method_tables())));
 }
 
 Method parse_method(const std::string& name, const std::string& place) {
-    return parse_choice<Method>("method", {"direct", "rsm"}, name, place);
+    return parse_choice<Method>("method", method_names(), name, place);
 }
+
+std::string method_name(Method method) { return method_names().at(std::size_t(method)); }
 
 raster::Layout parse_layout(const std::string& name, const std::string& place) {
     return raster::parse_layout(name, place);

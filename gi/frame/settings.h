@@ -7,12 +7,14 @@
 #include "core/scene.h"
 #include "gi/compose/compose.h"
 #include "gi/direct/direct.h"
+#include "gi/reference/reference.h"
 #include "gi/rsm/gather.h"
 #include "raster/layout.h"
 
 namespace plumb::frame {
 
-enum class Method : int { direct, rsm };
+// reference: the picture itself is path traced.
+enum class Method : int { direct, rsm, reference };
 
 struct Settings {
     Method method = Method::rsm;
@@ -20,11 +22,14 @@ struct Settings {
     rsm::GatherParams rsm;
     direct::ShadowParams shadow;
     compose::TonemapParams tonemap;
+    reference::PathParams reference;  // of the method reference and of the truth
     std::uint32_t seed = 1;
+    bool truth = false;   // also trace what the method approximates
     bool pruning = true;  // false: every stage runs, needed or not; the picture is the same
 };
 
-// The tables of a scene file that hold parameters: "rsm", "shadow", "tonemap", "layout" (of a custom layout).
+// The tables of a scene file that hold parameters: "rsm", "shadow", "tonemap", "reference", "layout" (of a custom
+// layout).
 std::vector<std::string> method_tables();
 
 // The parameters of one table; throws InputError at `place` for a table that does not exist.
@@ -32,6 +37,7 @@ std::vector<Field> table_fields(Settings& settings, const std::string& table, co
 
 // [render] method, layout; throws InputError at `place`.
 Method parse_method(const std::string& name, const std::string& place);
+std::string method_name(Method method);
 raster::Layout parse_layout(const std::string& name, const std::string& place);
 
 // Defaults, then what the scene file sets, in its order.

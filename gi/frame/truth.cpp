@@ -1,0 +1,83 @@
+#include "gi/frame/truth.h"
+
+#include <algorithm>
+#include <chrono>
+
+namespace plumb::frame {
+
+namespace {
+
+// Whether that part of some material is not 0.
+bool any_material(const Scene& scene, glm::vec3 Material::* part) {
+    return std::any_of(scene.materials.begin(), scene.materials.end(),
+                       [&](const Material& m) { return m.*part != glm::vec3(0); });
+}
+
+// What the methods for diffuse light of lamps leave out of a scene.
+std::vector<std::string> beyond_lamps(const Scene& scene) {
+    std::vector<std::string> names;
+    if (any_material(scene, &Material::emission)) names.push_back("emission");
+    if (any_material(scene, &Material::specular)) names.push_back("specular");
+    if (any_material(scene, &Material::mirror)) names.push_back("mirror");
+    if (scene.environment.radiance != glm::vec3(0)) names.push_back("environment");
+    return names;
+}
+
+Scene without_them(Scene scene) {
+    for (Material& m : scene.materials) m.emission = m.specular = m.mirror = glm::vec3(0);
+    scene.environment = {};
+    return scene;
+}
+
+}  // namespace
+
+Tracer::Tracer(const Scene& scene, const Settings& settings, const Geometry& geometry, reference::Store* store)
+    : scene_(scene), settings_(settings), geometry_(geometry), store_(store), without_(beyond_lamps(scene)) {
+    whole_.scene = own_.scene = &scene_;
+    if (!settings.truth || without_.empty()) return;
+    lamps_only_ = without_them(scene);
+    own_.scene = &lamps_only_;
+}
+
+const reference::PathScene& Tracer::paths(View& view) const {
+    if (!view.paths) view.paths = reference::prepare(*view.scene, settings_.reference.rays);
+    return *view.paths;
+}
+
+Traced Tracer::trace(const std::string& layer, const raster::GBuffer& gbuffer, const RunOptions& options) {
+    Traced traced;
+    traced.layer = layer;
+    traced.params = settings_.reference;
+    const bool own = layer == "truth.direct" || layer == "truth.indirect";
+    if (own) {
+        traced.params.mode = layer == "truth.direct" ? reference::Mode::direct : reference::Mode::one_bounce;
+        traced.without = without_;
+    }
+    // Without anything to leave out, both views are of the same scene.
+    View& view = own && !without_.empty() ? own_ : whole_;
+    const reference::PointInputs points{&gbuffer.position, &gbuffer.normal};
+    const std::uint32_t seed = settings_.seed;
+
+    // Look for a kept one.
+    std::uint64_t key = 0;
+    if (store_) {
+        key = own ? reference::cache_key(traced.params, *view.scene, geometry_, points, seed, options.isa)
+                  : reference::cache_key(traced.params, *view.scene, geometry_, seed, options.isa);
+        if (std::optional<reference::Kept> kept = store_->find(key, scene_.frame_size)) {
+            traced.estimate = std::move(kept->estimate);
+            traced.ms = kept->ms;
+            traced.cached = true;
+            return traced;
+        }
+    }
+
+    const reference::PathScene& paths = this->paths(view);
+    const auto start = std::chrono::steady_clock::now();
+    traced.estimate = own ? reference::trace_irradiance(traced.params, paths, points, seed, options)
+                          : reference::trace(traced.params, paths, scene_.camera, scene_.frame_size, seed, options);
+    traced.ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    if (store_) store_->keep(key, {traced.estimate, traced.ms});
+    return traced;
+}
+
+}  // namespace plumb::frame

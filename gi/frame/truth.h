@@ -1,0 +1,52 @@
+// The layers of a frame that are path traced: the picture of the method reference, and the truth beside a method's.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "gi/frame/settings.h"
+#include "gi/reference/cache.h"
+#include "raster/gbuffer.h"
+
+namespace plumb::frame {
+
+struct Traced {
+    std::string layer;                 // "color", or "truth", "truth.direct", "truth.indirect"
+    reference::PathParams params;
+    reference::Estimate estimate;
+    std::vector<std::string> without;  // what the scene has and this layer leaves out, as the method does
+    double ms = 0;                     // that tracing took; of a kept estimate: when it was traced
+    bool cached = false;
+};
+
+// Traces layer by layer. What several layers need, the scene as rays see it, is made once, and only where something has
+// to be traced.
+class Tracer {
+  public:
+    // The arguments must outlive the tracer; store may be null.
+    Tracer(const Scene& scene, const Settings& settings, const Geometry& geometry, reference::Store* store);
+
+    // "color" and "truth": outgoing radiance by [reference]. "truth.direct" and "truth.indirect": irradiance at the
+    // G-buffer's points by the method's own transport: no bounce, or exactly one, of the lamps' light off diffuse
+    // surfaces. Emission, the environment, specular and mirror parts send no light there, as they send none in the
+    // method.
+    Traced trace(const std::string& layer, const raster::GBuffer& gbuffer, const RunOptions& options);
+
+  private:
+    struct View {
+        const Scene* scene = nullptr;
+        std::unique_ptr<reference::PathScene> paths;
+    };
+    const reference::PathScene& paths(View& view) const;
+
+    const Scene& scene_;
+    const Settings& settings_;
+    const Geometry& geometry_;
+    reference::Store* store_;
+    Scene lamps_only_;                 // empty where the scene has nothing else
+    std::vector<std::string> without_;
+    View whole_, own_;
+};
+
+}  // namespace plumb::frame
