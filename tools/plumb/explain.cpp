@@ -116,7 +116,8 @@ frame::Plan up_to(frame::Plan plan, const std::string& stage) {
     for (const char* early : {"gbuffer", "rsm", "shadow", "direct"}) {
         if (stage != early) continue;
         std::erase_if(plan.stages, [](const frame::PlannedStage& s) {
-            return s.name == "compose" || s.name == "tonemap" || s.name.rfind("rsm.", 0) == 0;
+            return s.name == "compose" || s.name == "tonemap" || s.name == "reference" ||
+                   s.name.rfind("rsm.", 0) == 0;
         });
         if (stage != "gbuffer") plan.gbuffer.albedo = plan.gbuffer.emission = false;
     }
@@ -139,6 +140,8 @@ int explain(const ExplainOptions& given) {
                                      nearest_name(given.stage, names)));
     if (!given.stage.empty() && !frame::in_a_frame(given.stage))
         throw InputError(fmt::format("--stage {}: the stage is not part of a frame: no method runs it", given.stage));
+    if (given.stage == "reference")
+        throw InputError("--stage reference: it is a mean over paths; it has no values to list");
     if (given.stage != "rsm" && (pixel.x >= scene.frame_size.x || pixel.y >= scene.frame_size.y))
         throw InputError(fmt::format("--pixel {}: outside of the picture, which is {} x {}", given.pixel,
                                      scene.frame_size.x, scene.frame_size.y));

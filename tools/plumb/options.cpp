@@ -36,6 +36,37 @@ bool read_vector(std::string text, glm::vec3& v) {
     return true;
 }
 
+// --truth and the options that stand for a key of [reference].
+void set_truth(const SceneOptions& options, frame::Settings& settings) {
+    const bool reference = settings.method == frame::Method::reference;
+    if (options.truth && reference)
+        throw InputError("--truth: the method reference is the truth: expected the method direct or rsm");
+    settings.truth = options.truth;
+    const struct {
+        const char *option, *key;
+        const std::string& text;
+    } shorthands[] = {{"--spp", "samples", options.samples},
+                      {"--until-error", "until_error", options.until_error},
+                      {"--rays", "rays", options.rays}};
+    for (const auto& [option, key, text] : shorthands) {
+        if (text.empty()) continue;
+        if (!options.truth && !reference)
+            throw InputError(fmt::format("{}: nothing is path traced: expected --truth or --method reference", option));
+        const std::string place = fmt::format("{} {}", option, text);
+        std::vector<Field> fields = reference::fields(settings.reference);
+        set_field(find_field(fields, key, place), parse_value(text), option);
+    }
+    if (!options.samples.empty() && !options.until_error.empty())
+        throw InputError("--until-error: --spp is given, too: expected one of them");
+    // A number of samples on the command line is meant, whatever the scene file says.
+    if (!options.samples.empty()) settings.reference.until_error = 0;
+    if (!options.until_error.empty() && settings.reference.until_error == 0)
+        throw InputError(fmt::format("--until-error {}: expected above 0", options.until_error));
+    const reference::Mode mode = settings.reference.mode;
+    if (options.truth && mode != reference::Mode::all && mode != reference::Mode::direct)
+        throw InputError("--truth: reference.mode: expected \"all\" or \"direct\", which hold what color holds");
+}
+
 }  // namespace
 
 FieldValue parse_value(const std::string& raw) {
@@ -100,6 +131,7 @@ frame::Settings settings_of(const Scene& scene, const SceneOptions& options) {
     }
     raster::validate(settings.layout, "--set");
     if (!options.method.empty()) settings.method = frame::parse_method(options.method, "--method");
+    set_truth(options, settings);
     return settings;
 }
 

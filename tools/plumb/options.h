@@ -29,9 +29,13 @@ struct SceneOptions {
     std::string file, method;
     std::vector<std::string> sets;
     bool no_pruning = false;
+
+    // Of what is path traced; words in place of [reference]: samples, until_error, rays. Empty: as it stands there.
+    bool truth = false, no_cache = false;
+    std::string samples, until_error, rays;
 };
 
-// The scene file's settings, then --method, then every --set in its order.
+// The scene file's settings, then --method, then every --set in its order, then what --truth goes with.
 frame::Settings settings_of(const Scene& scene, const SceneOptions& options);
 
 // Index of the light; throws InputError that names the nearest.

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "core/error.h"
+#include "io/file.h"
 #include "tools/plumb/cli.h"
 
 namespace plumb::cli {
@@ -131,6 +132,7 @@ void watch_signals() {
         r.interrupted = true;
         std::lock_guard lock(r.mutex);
         for (const Pending& pending : r.pending) remove(pending);
+        io::remove_unfinished_files();
         if (isatty(STDERR_FILENO)) (void)!write(STDERR_FILENO, "\r\033[K", 4);
         _exit(interrupted);
     }).detach();

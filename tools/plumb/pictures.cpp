@@ -46,13 +46,21 @@ void write_pictures(const Scene& scene, const frame::Plan& plan, const frame::Fr
 
     // Everything of the camera's size goes into one file.
     const Buffer<float> id = id_floats(g.id);
-    std::vector<io::Layer> layers = {
-        layer("color", rgb, frame.radiance),    layer("direct", rgb, frame.direct),
-        layer("indirect", rgb, frame.indirect), layer("albedo", rgb, g.albedo),
-        layer("emission", rgb, g.emission),     layer("position", xyz, g.position),
-        layer("normal", xyz, g.normal),         {"depth", {"Z"}, &g.position.data()->w, 4},
-        {"zbuffer", {"Z"}, g.depth.data(), 1},  {"id", {"X", "Y"}, id.data(), 2},
-    };
+    std::vector<io::Layer> layers = {layer("color", rgb, frame.radiance)};
+    if (!frame::find_traced(frame, "color")) {
+        layers.push_back(layer("direct", rgb, frame.direct));
+        layers.push_back(layer("indirect", rgb, frame.indirect));
+    }
+    for (const io::Layer& always :
+         {layer("albedo", rgb, g.albedo), layer("emission", rgb, g.emission), layer("position", xyz, g.position),
+          layer("normal", xyz, g.normal), io::Layer{"depth", {"Z"}, &g.position.data()->w, 4},
+          io::Layer{"zbuffer", {"Z"}, g.depth.data(), 1}, io::Layer{"id", {"X", "Y"}, id.data(), 2}})
+        layers.push_back(always);
+    for (const frame::Traced& traced : frame.traced) {
+        const bool picture = traced.layer == "color";
+        if (!picture) layers.push_back(layer(traced.layer, rgb, traced.estimate.mean));
+        layers.push_back(layer(picture ? "truth.error" : traced.layer + ".error", rgb, traced.estimate.error));
+    }
     if (!frame.indirect_error.empty()) layers.push_back(layer("indirect.error", rgb, frame.indirect_error));
     for (int l = 0; l < int(lights.size()); ++l) {
         if (runs(plan, "shadow", l))
@@ -79,8 +87,12 @@ void write_pictures(const Scene& scene, const frame::Plan& plan, const frame::Fr
                       [&](const std::string& path) { io::write_exr(path, side, side, maps); });
     }
 
-    const std::vector<unsigned char> bytes = compose::to_bytes(frame.display);
-    outputs.write(name + ".png", [&](const std::string& path) { io::write_png(path, size.x, size.y, bytes.data()); });
+    auto write_png = [&](const std::string& file, const Image4& display) {
+        const std::vector<unsigned char> bytes = compose::to_bytes(display);
+        outputs.write(file, [&](const std::string& path) { io::write_png(path, size.x, size.y, bytes.data()); });
+    };
+    write_png(name + ".png", frame.display);
+    if (!frame.truth_display.empty()) write_png(name + ".truth.png", frame.truth_display);
 }
 
 }  // namespace plumb::cli

@@ -11,7 +11,9 @@
 namespace plumb::cli {
 
 // Writes <scene>.exr, a <scene>.rsm.<light>.exr for each map that was drawn (it has a size of its own), and
-// <scene>.png. A shadow.<light> or an RSM is there where its stage ran, every other layer always.
+// <scene>.png. A shadow.<light> or an RSM is there where its stage ran; truth (and <scene>.truth.png), truth.direct and
+// truth.indirect, each with its standard error, where they were traced; direct and indirect unless the picture itself is
+// path traced; every other layer always.
 void write_pictures(const Scene& scene, const frame::Plan& plan, const frame::Frame& frame, Outputs& outputs);
 
 // Writes every buffer that a stage reads or writes into dump/, once each and named after the stage that made it, and

@@ -28,9 +28,9 @@ std::string time_text(double seconds) {
 std::string progress_line(const std::string& stage, double share, double seconds_left, int width) {
     share = std::clamp(share, 0.0, 1.0);
     const std::string end = fmt::format(" {:3.0f} %  {}", 100 * share, time_text(seconds_left));
-    const int bar = std::clamp(width - 1 - 22 - 2 - 24, 0, 40);
+    const int bar = std::clamp(width - 1 - 28 - 2 - 24, 0, 40);
     const int full = int(share * bar);
-    std::string line = fmt::format("{:<20.20}  ", stage);
+    std::string line = fmt::format("{:<26.26}  ", stage);
     if (bar > 0) line += "[" + std::string(full, '#') + std::string(bar - full, '.') + "]";
     return (line + end).substr(0, std::max(0, width - 1));
 }
@@ -40,6 +40,7 @@ ProgressBar::ProgressBar(const frame::Plan& plan) : terminal_(isatty(STDERR_FILE
         if (!s.needed) continue;
         stage_[s.label] = {total_, s.expected_ms};
         total_ += s.expected_ms;
+        if (s.samples > 0) samples_[s.label] = s.samples;
     }
     start_ = std::chrono::steady_clock::now();
 }
@@ -66,7 +67,10 @@ void ProgressBar::show(const std::string& label, double done) {
     furthest_ = std::max(furthest_, total_ > 0 ? (before + done * own) / total_ : 0);
     const double elapsed = std::chrono::duration<double>(now - start_).count();
     const double left = furthest_ > 0.01 && elapsed > 0.3 ? elapsed * (1 - furthest_) / furthest_ : -1;
-    std::fputs(("\r" + progress_line(label, furthest_, left, terminal_width()) + "\033[K").c_str(), stderr);
+    const auto samples = samples_.find(label);
+    std::string what = label;
+    if (samples != samples_.end()) what += fmt::format(" {}/{}", int(done * samples->second), samples->second);
+    std::fputs(("\r" + progress_line(what, furthest_, left, terminal_width()) + "\033[K").c_str(), stderr);
     std::fflush(stderr);
 }
 

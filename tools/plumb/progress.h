@@ -27,6 +27,7 @@ class ProgressBar {
     bool terminal_;
     double total_ = 0;                                        // expected ms of all stages
     std::map<std::string, std::pair<double, double>> stage_;  // label: expected ms before it, and of it
+    std::map<std::string, int> samples_;                      // label: paths a pixel, where their number is known
     std::mutex mutex_;
     std::chrono::steady_clock::time_point start_, last_;
     std::string label_;

@@ -6,14 +6,15 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "core/error.h"
 #include "io/file.h"
 #include "tools/plumb/cli.h"
 #include "tools/plumb/outputs.h"
 #include "tools/plumb/pictures.h"
 #include "tools/plumb/progress.h"
+#include "tools/plumb/reference_files.h"
 #include "tools/plumb/reports.h"
 #include "tools/plumb/scene_command.h"
+#include "tools/plumb/truth.h"
 
 namespace plumb::cli {
 
@@ -23,7 +24,7 @@ struct RenderOptions {
     SceneOptions scene;
     Common common;
     std::string folder = "out";
-    bool dump = false, truth = false;
+    bool dump = false;
 };
 
 std::size_t peak_bytes() {
@@ -33,7 +34,6 @@ std::size_t peak_bytes() {
 }
 
 int render(const RenderOptions& given) {
-    if (given.truth) throw InputError("--truth: the path tracer comes with a later version");
     const RunOptions options = given.common.run_options();
     const Scene scene = load(given.scene);
     const frame::Settings settings = settings_of(scene, given.scene);
@@ -43,14 +43,18 @@ int render(const RenderOptions& given) {
 
     // Render.
     const auto start = std::chrono::steady_clock::now();
+    const std::string cache = given.scene.no_cache ? "" : cache_folder();
+    ReferenceFiles kept(cache);
     const frame::Frame frame = [&] {
         ProgressBar bar(plan);
-        return frame::execute(scene, settings, plan, options, bar.callback());
+        return frame::execute(scene, settings, plan, options, bar.callback(), cache.empty() ? nullptr : &kept);
     }();
     const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 
     // Write.
-    const RunReport report{scene, settings, options, frame.stages, ms, peak_bytes()};
+    const int threads = given.common.threads;
+    const Json truth = frame.traced.empty() ? Json(nullptr) : truth_json(frame, kept.notes(), threads);
+    const RunReport report{scene, settings, options, frame.stages, ms, peak_bytes(), truth};
     const std::string json = json_text(run_json(report));
     write_pictures(scene, plan, frame, outputs);
     if (given.dump) write_dump(scene, settings, plan, frame, options, outputs);
@@ -58,11 +62,13 @@ int render(const RenderOptions& given) {
     outputs.commit();
 
     // Tell.
+    for (const std::string& warning : truth_warnings(frame)) std::fprintf(stderr, "plumb: %s\n", warning.c_str());
     if (given.common.json) {
         std::fputs(json.c_str(), stdout);
         return success;
     }
     std::string text = run_text(report) + "\n";
+    if (!frame.traced.empty()) text += truth_text(frame, kept.notes(), threads) + "\n";
     std::size_t dumped = 0;
     for (const std::string& file : outputs.files()) {
         if (file.find("/dump/") == std::string::npos && file.rfind("dump/", 0) != 0)
@@ -84,7 +90,8 @@ void add_render(CLI::App& program, Action& action) {
     command->add_option("-o,--output", given->folder, "folder for what is written; \"out\" otherwise")
         ->type_name("DIR");
     command->add_flag("--dump", given->dump, "also write every stage's inputs and outputs, to DIR/dump");
-    command->add_flag("--truth", given->truth, "also path trace the scene (comes with a later version)");
+    add_truth_options(*command, given->scene);
+    command->add_flag("--no-cache", given->scene.no_cache, "trace even what is kept, and keep nothing");
     add_common(*command, given->common);
     command->footer(
         "Files: <scene>.exr (32-bit float; layers color, direct, indirect, albedo, emission, position, normal,\n"
@@ -92,7 +99,13 @@ void add_render(CLI::App& program, Action& action) {
         "(rsm.<light>.position, normal, flux, depth: its size is its own; of a point light rsm.<light>.px.position and\n"
         "so on: px, nx, py, ny, pz, nz, but for faces that can see nothing), <scene>.png (tone mapped), run.json (time\n"
         "and memory by stage). On a surface, color = (albedo (direct + indirect) + emission) / pi. Equal pictures are\n"
-        "equal files.");
+        "equal files.\n"
+        "--truth adds the layers truth (outgoing radiance, all light), truth.direct and for rsm truth.indirect\n"
+        "(irradiance, the lamps' light alone, as the method counts it), each with a layer .error, its standard error,\n"
+        "<scene>.truth.png, and in run.json how far color, direct and indirect are from them. The method reference\n"
+        "writes its color, truth.error and no direct and indirect.\n"
+        "What was path traced is kept in $PLUMB_CACHE, else $XDG_CACHE_HOME/plumbline, else ~/.cache/plumbline, at\n"
+        "most 4 GiB, those used last; the same scene and settings take it from there. Nothing else is in that folder.");
     command->callback([given, &action] { action = [=] { return render(*given); }; });
 }
 

@@ -42,7 +42,7 @@ std::string json_text(const Json& json) { return json.dump(2, ' ', false, Json::
 Json settings_json(const frame::Settings& settings) {
     frame::Settings s = settings;
     Json json;
-    json["method"] = s.method == frame::Method::rsm ? "rsm" : "direct";
+    json["method"] = frame::method_name(s.method);
     json["layout"] = s.layout.name;
     json["seed"] = s.seed;
     json["pruning"] = s.pruning;
@@ -61,7 +61,7 @@ Json run_json(const RunReport& run) {
             {{"name", s.label}, {"needed", s.needed}, {"reason", s.reason}, {"ms", s.ms}, {"bytes", s.bytes}});
         if (s.needed) kernels[s.label] = isa_name(s.isa);
     }
-    return {{"scene", run.scene.name},
+    Json json = {{"scene", run.scene.name},
             {"settings", settings_json(run.settings)},
             {"isa", isa_name(run.options.isa)},
             {"kernels", kernels},
@@ -69,6 +69,8 @@ Json run_json(const RunReport& run) {
             {"stages", stages},
             {"total_ms", run.total_ms},
             {"peak_bytes", run.peak_bytes}};
+    if (!run.truth.is_null()) json["truth"] = run.truth;
+    return json;
 }
 
 std::string run_text(const RunReport& run) {

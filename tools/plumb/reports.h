@@ -1,7 +1,7 @@
 // What the commands print, as text for people and as JSON for scripts. The keys are a contract (README.md).
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -23,6 +23,7 @@ struct RunReport {
     const std::vector<frame::StageRun>& stages;
     double total_ms = 0;
     std::size_t peak_bytes = 0;  // of the whole program
+    Json truth = nullptr;        // truth_json(), where something was path traced
 };
 Json run_json(const RunReport& run);
 std::string run_text(const RunReport& run);

@@ -6,11 +6,21 @@ namespace plumb::cli {
 
 void add_scene_options(CLI::App& command, SceneOptions& options) {
     command.add_option("scene", options.file, "the scene: .toml, or a bare .obj, .gltf or .glb")->required()->type_name("SCENE");
-    command.add_option("--method", options.method, "direct or rsm; the scene file's otherwise")->type_name("M");
+    command.add_option("--method", options.method, "direct, rsm or reference; the scene file's otherwise")->type_name("M");
     command.add_option("--set", options.sets, "table.key=value in place of the scene file's; may be repeated")
         ->allow_extra_args(false)
         ->type_name("T.K=V");
     command.add_flag("--no-pruning", options.no_pruning, "run every stage, needed or not: the picture is the same");
+}
+
+void add_truth_options(CLI::App& command, SceneOptions& options) {
+    command.add_flag("--truth", options.truth, "also path trace the scene, and say how far the picture is from it");
+    command.add_option("--spp", options.samples, "paths a pixel: reference.samples")->type_name("N");
+    command.add_option("--until-error", options.until_error,
+                       "in place of --spp: until the standard error is this part of the mean, 0.01 say")
+        ->type_name("E");
+    command.add_option("--rays", options.rays, "native (faster) or exact (the same bits everywhere): reference.rays")
+        ->type_name("R");
 }
 
 Scene load(const SceneOptions& options) { return io::load_scene(options.file, frame::method_tables()); }

@@ -8,6 +8,9 @@ namespace plumb::cli {
 
 void add_scene_options(CLI::App& command, SceneOptions& options);
 
+// --truth and what goes with it.
+void add_truth_options(CLI::App& command, SceneOptions& options);
+
 Scene load(const SceneOptions& options);
 
 // Says what was chosen for the user.

@@ -1,0 +1,179 @@
+#include "tools/plumb/truth.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "tools/plumb/table.h"
+
+namespace plumb::cli {
+
+namespace {
+
+compare::Picture rgb_of(const Image4& image) {
+    compare::Picture picture{{"R", "G", "B"}, image.width, image.height, {}};
+    picture.data.reserve(3 * image.size());
+    for (const glm::vec4& v : image.texels) picture.data.insert(picture.data.end(), {v.x, v.y, v.z});
+    return picture;
+}
+
+// JSON has neither NaN nor infinity.
+Json number_json(std::optional<double> value) { return value && std::isfinite(*value) ? Json(*value) : Json(nullptr); }
+
+std::string mode_name(const reference::PathParams& given) {
+    reference::PathParams params = given;
+    std::vector<Field> fields = reference::fields(params);
+    return find_field(fields, "mode", "reference").choices.at(std::size_t(params.mode));
+}
+const char* kind_name(const reference::PathParams& params) { return params.rays == Rays::exact ? "exact" : "native"; }
+
+double rays_per_second(const frame::Traced& t) { return t.ms > 0 ? double(t.estimate.rays) / (t.ms * 1e-3) : 0; }
+
+Json estimate_json(const frame::Traced& t) {
+    const reference::Estimate& e = t.estimate;
+    Json json = {{"mode", mode_name(t.params)},
+                 {"kind", kind_name(t.params)},
+                 {"samples", e.samples},
+                 {"rounds", e.rounds},
+                 {"rays", e.rays},
+                 {"relative_error", number_json(e.relative_error)},
+                 {"nonfinite", e.nonfinite},
+                 {"ms", t.ms},
+                 {"rays_per_second", rays_per_second(t)},
+                 {"cached", t.cached}};
+    if (!t.without.empty()) json["without"] = t.without;
+    return json;
+}
+
+void add_comparison(const TruthComparison& c, Json& json) {
+    json["mean_error"] = number_json(c.report.mean_error);
+    json["rmse"] = number_json(c.report.rmse);
+    json["rel_mse"] = number_json(c.report.rel_mse);
+    json["psnr"] = number_json(c.report.psnr);
+    json["noise"] = number_json(c.noise);
+    json["bias"] = number_json(c.bias);
+    json["share_above_noise"] = c.share_above_noise;
+    json["below_noise"] = c.below_noise;
+}
+
+// A layer and the traced one that it approximates.
+struct Pair {
+    const char* name;
+    const Image4* layer;
+    const frame::Traced* traced;
+};
+std::vector<Pair> pairs(const frame::Frame& frame) {
+    std::vector<Pair> all;
+    for (const Pair& pair : {Pair{"color", &frame.radiance, frame::find_traced(frame, "truth")},
+                             Pair{"direct", &frame.direct, frame::find_traced(frame, "truth.direct")},
+                             Pair{"indirect", &frame.indirect, frame::find_traced(frame, "truth.indirect")}})
+        if (pair.traced) all.push_back(pair);
+    return all;
+}
+
+std::string counted(double count, double unit, const char* text) { return fmt::format("{:.3g} {}", count / unit, text); }
+
+std::string traced_text(const frame::Traced& t) {
+    const reference::Estimate& e = t.estimate;
+    std::string text = fmt::format("{}: {}, {} samples in {} rounds, {} rays, standard error {:.3g} % of the mean; ",
+                                   t.layer, mode_name(t.params), e.samples, e.rounds, kind_name(t.params),
+                                   100 * e.relative_error);
+    text += t.cached ? fmt::format("kept from before, {} s to trace", milliseconds_text(t.ms * 1e-3))
+                     : fmt::format("{} in {} s, {} a second", counted(double(e.rays), 1e6, "million rays"),
+                                   milliseconds_text(t.ms * 1e-3), counted(rays_per_second(t), 1e6, "million"));
+    if (!t.without.empty()) text += fmt::format("; without {}", fmt::join(t.without, ", "));
+    return text + "\n";
+}
+
+std::vector<std::string> comparison_row(const Pair& pair, const TruthComparison& c) {
+    auto number = [](std::optional<double> v) {
+        return v && std::isfinite(*v) ? fmt::format("{:.4g}", *v) : std::string("undefined");
+    };
+    return {pair.name,
+            number(c.report.mean_error),
+            number(c.report.rmse),
+            number(c.noise),
+            number(c.bias),
+            fmt::format("{:.4g} %", 100 * c.share_above_noise),
+            c.below_noise ? "the difference is below the truth's noise" : ""};
+}
+
+}  // namespace
+
+TruthComparison compare_with_truth(const Image4& layer, const reference::Estimate& truth, int threads) {
+    TruthComparison c;
+    compare::Options options;
+    options.perceptual = false;
+    options.threads = threads;
+    c.report = compare::compare(rgb_of(layer), rgb_of(truth.mean), options);
+
+    double squares = 0, differences = 0;
+    std::size_t above = 0;
+    for (std::size_t i = 0; i < truth.mean.size(); ++i) {
+        bool within = true;
+        for (int k = 0; k < 3; ++k) {
+            const double t = truth.mean.texels[i][k], error = truth.error.texels[i][k], d = layer.texels[i][k] - t;
+            squares += error * error;
+            differences += d;
+            within = within && std::abs(d) <= 3 * error + 1e-5 * std::abs(t);
+        }
+        if (!within) ++above;
+    }
+    const double values = 3 * double(truth.mean.size());
+    c.noise = std::sqrt(squares / values);
+    c.bias = differences / values;
+    c.share_above_noise = double(above) / double(truth.mean.size());
+    c.below_noise = c.report.rmse && *c.report.rmse <= c.noise;
+    return c;
+}
+
+Json truth_json(const frame::Frame& frame, const std::vector<std::string>& notes, int threads) {
+    const frame::Traced* picture = frame::find_traced(frame, "color");
+    if (!picture) picture = frame::find_traced(frame, "truth");
+    Json json = estimate_json(*picture), own = Json::object();
+    for (const Pair& pair : pairs(frame)) {
+        const TruthComparison c = compare_with_truth(*pair.layer, pair.traced->estimate, threads);
+        if (pair.traced == picture) {
+            add_comparison(c, json);
+            continue;
+        }
+        own[pair.name] = estimate_json(*pair.traced);
+        add_comparison(c, own[pair.name]);
+    }
+    if (!own.empty()) json["own_transport"] = own;
+    json["notes"] = notes;
+    return json;
+}
+
+std::string truth_text(const frame::Frame& frame, const std::vector<std::string>& notes, int threads) {
+    std::string text;
+    for (const frame::Traced& t : frame.traced) text += traced_text(t);
+    std::vector<std::vector<std::string>> rows;
+    for (const Pair& pair : pairs(frame))
+        rows.push_back(comparison_row(pair, compare_with_truth(*pair.layer, pair.traced->estimate, threads)));
+    if (!rows.empty()) {
+        text += "\n" + format_table({{"against its truth"},
+                                     {"mean error", Align::right},
+                                     {"RMSE", Align::right},
+                                     {"noise", Align::right},
+                                     {"bias", Align::right},
+                                     {"above 3 noise", Align::right},
+                                     {""}},
+                                    rows);
+    }
+    for (const std::string& note : notes) text += "note: " + note + "\n";
+    return text;
+}
+
+std::vector<std::string> truth_warnings(const frame::Frame& frame) {
+    std::vector<std::string> lines;
+    for (const frame::Traced& t : frame.traced) {
+        if (t.estimate.nonfinite == 0) continue;
+        lines.push_back(fmt::format("warning: {}: {} values that are not finite; none was left out or clamped", t.layer,
+                                    t.estimate.nonfinite));
+    }
+    return lines;
+}
+
+}  // namespace plumb::cli

@@ -1,0 +1,33 @@
+// How far the layers of a picture are from their path traced truth, and whether that can be told from its noise.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/compare.h"
+#include "gi/frame/frame.h"
+#include "tools/plumb/reports.h"
+
+namespace plumb::cli {
+
+struct TruthComparison {
+    compare::Report report;        // of the layer against the truth; without the metrics of perception
+    double noise = 0;              // root of the mean of the squared standard errors: the RMSE of an unbiased layer
+    double bias = 0;               // mean of layer - truth over pixels and channels
+    double share_above_noise = 0;  // of the pixels with a channel more than 3 standard errors (and 1e-5, for the
+                                   // rounding of float) away from the truth; what is not finite is
+    bool below_noise = false;      // RMSE <= noise: more samples are needed to see a difference
+};
+TruthComparison compare_with_truth(const Image4& layer, const reference::Estimate& truth, int threads);
+
+// For run.json: "truth", of a frame with traced layers. On top what was traced for the picture and, where it stands
+// beside the method's, how far color is from it; in own_transport the same for the layers direct and indirect.
+Json truth_json(const frame::Frame& frame, const std::vector<std::string>& notes, int threads);
+
+// The same for people; empty where nothing was traced.
+std::string truth_text(const frame::Frame& frame, const std::vector<std::string>& notes, int threads);
+
+// One line for each layer with values that are not finite.
+std::vector<std::string> truth_warnings(const frame::Frame& frame);
+
+}  // namespace plumb::cli
