@@ -23,20 +23,22 @@ std::vector<std::string> beyond_lamps(const Scene& scene) {
     return names;
 }
 
-Scene without_them(Scene scene) {
+}  // namespace
+
+bool own_transport(const std::string& layer) { return layer == "truth.direct" || layer == "truth.indirect"; }
+
+Scene lamps_only(Scene scene) {
     for (Material& m : scene.materials) m.emission = m.specular = m.mirror = glm::vec3(0);
     scene.environment = {};
     return scene;
 }
 
-}  // namespace
-
 Tracer::Tracer(const Scene& scene, const Settings& settings, const Geometry& geometry, reference::Store* store)
     : scene_(scene), settings_(settings), geometry_(geometry), store_(store), without_(beyond_lamps(scene)) {
     whole_.scene = own_.scene = &scene_;
     if (!settings.truth || without_.empty()) return;
-    lamps_only_ = without_them(scene);
-    own_.scene = &lamps_only_;
+    lamps_ = lamps_only(scene);
+    own_.scene = &lamps_;
 }
 
 const reference::PathScene& Tracer::paths(View& view) const {
@@ -48,7 +50,7 @@ Traced Tracer::trace(const std::string& layer, const raster::GBuffer& gbuffer, c
     Traced traced;
     traced.layer = layer;
     traced.params = settings_.reference;
-    const bool own = layer == "truth.direct" || layer == "truth.indirect";
+    const bool own = own_transport(layer);
     if (own) {
         traced.params.mode = layer == "truth.direct" ? reference::Mode::direct : reference::Mode::one_bounce;
         traced.without = without_;

@@ -11,6 +11,11 @@
 
 namespace plumb::frame {
 
+// Whether that layer is traced by the method's own transport: "truth.direct" and "truth.indirect".
+bool own_transport(const std::string& layer);
+// The scene as that transport sees it: diffuse surfaces, and lamps alone.
+Scene lamps_only(Scene scene);
+
 struct Traced {
     std::string layer;                 // "color", or "truth", "truth.direct", "truth.indirect"
     reference::PathParams params;
@@ -28,9 +33,8 @@ class Tracer {
     Tracer(const Scene& scene, const Settings& settings, const Geometry& geometry, reference::Store* store);
 
     // "color" and "truth": outgoing radiance by [reference]. "truth.direct" and "truth.indirect": irradiance at the
-    // G-buffer's points by the method's own transport: no bounce, or exactly one, of the lamps' light off diffuse
-    // surfaces. Emission, the environment, specular and mirror parts send no light there, as they send none in the
-    // method.
+    // G-buffer's points of lamps_only(scene), without a bounce and by exactly one: emission, the environment, specular
+    // and mirror parts send no light there, as they send none in the method.
     Traced trace(const std::string& layer, const raster::GBuffer& gbuffer, const RunOptions& options);
 
   private:
@@ -44,8 +48,8 @@ class Tracer {
     const Settings& settings_;
     const Geometry& geometry_;
     reference::Store* store_;
-    Scene lamps_only_;                 // empty where the scene has nothing else
-    std::vector<std::string> without_;
+    Scene lamps_;                       // lamps_only(scene); empty where the scene has nothing else
+    std::vector<std::string> without_;  // what else it has
     View whole_, own_;
 };
 

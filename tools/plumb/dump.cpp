@@ -8,6 +8,7 @@
 
 #include "gi/frame/frame.h"
 #include "gi/reference/ray_query.h"
+#include "gi/reference/lights.h"
 #include "io/file.h"
 #include "io/npy.h"
 #include "raster/light_view.h"
@@ -147,6 +148,30 @@ struct Dump {
         irradiance(s, pattern, outputs);
     }
 
+    // A path traced layer: of the camera's pixels, or of the G-buffer's points by the method's own transport.
+    void traced(const frame::PlannedStage& s, Json& inputs, Json& outputs) {
+        const bool own = frame::own_transport(s.layer);
+        const Scene seen = own ? frame::lamps_only(scene) : scene;
+        const raster::Surfaces seen_surfaces = raster::prepare(seen, geometry);
+        const auto table =
+            reference::light_table(seen, geometry, seen_surfaces, reference::environment_table(seen.environment));
+        const std::string base = own ? "reference.lamps." : "reference.";
+        inputs = surface_inputs();
+        inputs["materials"] = files.array(base + "materials", {std::int64_t(seen_surfaces.masked.size()), 16},
+                                          seen_surfaces.materials.data());
+        inputs["lights"] = files.array(base + "lights", {table.count, 16}, table.rows.data());
+        inputs["position"] = inputs["normal"] = nullptr;
+        if (own) inputs.update(surface_points());
+        const reference::Estimate& e = frame::find_traced(frame, s.layer)->estimate;
+        const std::string name = s.layer == "color" ? "truth" : s.layer;
+        outputs = {{"truth", files.picture(name, e.mean)}, {"truth.error", files.picture(name + ".error", e.error)}};
+    }
+
+    // What the picture is made of, named after the stage that made it.
+    std::string radiance() {
+        return files.picture(frame::find_traced(frame, "color") ? "truth" : "compose.radiance", frame.radiance);
+    }
+
     Json surface_points() {
         const Json g = gbuffer_outputs();
         return {{"position", g["position"]}, {"normal", g["normal"]}};
@@ -187,14 +212,17 @@ struct Dump {
             inputs["direct"] = files.picture("direct.irradiance", frame.direct);
             inputs["indirect"] = files.picture("indirect", frame.indirect);
             outputs["radiance"] = files.picture("compose.radiance", frame.radiance);
+        } else if (s.name == "reference") {
+            traced(s, inputs, outputs);
         } else if (s.name == "tonemap") {
-            inputs["radiance"] = files.picture("compose.radiance", frame.radiance);
+            inputs["radiance"] = radiance();
             outputs["display"] = files.picture("tonemap.display", frame.display);
         } else {
             gather(s, inputs, outputs);
         }
         Json json = {{"stage", s.name}};
         if (s.light >= 0) json["light"] = scene.lights[s.light].name;
+        if (!s.layer.empty()) json["layer"] = s.layer;
         json["inputs"] = inputs;
         json["outputs"] = outputs;
         return json;

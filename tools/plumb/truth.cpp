@@ -72,16 +72,16 @@ std::vector<Pair> pairs(const frame::Frame& frame) {
     return all;
 }
 
-std::string counted(double count, double unit, const char* text) { return fmt::format("{:.3g} {}", count / unit, text); }
+std::string seconds_text(double ms) { return fmt::format("{:.3g} s", ms * 1e-3); }
 
 std::string traced_text(const frame::Traced& t) {
     const reference::Estimate& e = t.estimate;
     std::string text = fmt::format("{}: {}, {} samples in {} rounds, {} rays, standard error {:.3g} % of the mean; ",
                                    t.layer, mode_name(t.params), e.samples, e.rounds, kind_name(t.params),
                                    100 * e.relative_error);
-    text += t.cached ? fmt::format("kept from before, {} s to trace", milliseconds_text(t.ms * 1e-3))
-                     : fmt::format("{} in {} s, {} a second", counted(double(e.rays), 1e6, "million rays"),
-                                   milliseconds_text(t.ms * 1e-3), counted(rays_per_second(t), 1e6, "million"));
+    text += t.cached ? fmt::format("kept from before, when it took {}", seconds_text(t.ms))
+                     : fmt::format("{:.3g} million rays in {}, {:.3g} million a second", double(e.rays) * 1e-6,
+                                   seconds_text(t.ms), rays_per_second(t) * 1e-6);
     if (!t.without.empty()) text += fmt::format("; without {}", fmt::join(t.without, ", "));
     return text + "\n";
 }
