@@ -136,17 +136,20 @@ TEST_CASE("environment: files that are no maps are refused with one line", "[io]
     write_exr(skies.folder / "layer.exr", 1, 1, {{"normal", {"X"}, &value, 1}});
     require_message(skies.error("file = \"layer.exr\"\n"), {"layer.exr: has no layer \"\"; the nearest is \"normal\""});
 
-    // A part of a larger picture would be stretched over all directions.
-    OIIO::ImageSpec part(2, 1, 1, OIIO::TypeDesc::FLOAT);
-    part.full_width = 4, part.full_height = 2;
-    const std::string path = skies.folder / "part.exr";
-    const std::vector<float> values(2, 1.0f);
-    const auto output = OIIO::ImageOutput::create(path);
-    REQUIRE(output);
-    REQUIRE(output->open(path, part));
-    REQUIRE(output->write_image(OIIO::TypeDesc::FLOAT, values.data()));
-    REQUIRE(output->close());
-    require_message(skies.error("file = \"part.exr\"\n"), {"part.exr: header: only a part of the picture"});
+    // A part of a larger picture would be stretched over all directions: left or right of it, above or below.
+    for (const glm::ivec4& whole : {glm::ivec4(0, 0, 3, 1), glm::ivec4(-1, 0, 3, 1), glm::ivec4(0, 0, 2, 2),
+                                    glm::ivec4(0, -1, 2, 2)}) {
+        OIIO::ImageSpec part(2, 1, 1, OIIO::TypeDesc::FLOAT);
+        part.full_x = whole.x, part.full_y = whole.y, part.full_width = whole.z, part.full_height = whole.w;
+        const std::string path = skies.folder / "part.exr";
+        const std::vector<float> values(2, 1.0f);
+        const auto output = OIIO::ImageOutput::create(path);
+        REQUIRE(output);
+        REQUIRE(output->open(path, part));
+        REQUIRE(output->write_image(OIIO::TypeDesc::FLOAT, values.data()));
+        REQUIRE(output->close());
+        require_message(skies.error("file = \"part.exr\"\n"), {"part.exr: header: only a part of the picture"});
+    }
 }
 
 TEST_CASE("environment: a huge map is refused from its header, before memory is taken", "[io][robustness]") {
