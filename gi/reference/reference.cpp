@@ -187,8 +187,25 @@ std::vector<Field> fields(PathParams& p) {
     };
 }
 
+namespace {
+
+// Lanes whose ray meets nothing read triangle 0: where there is none, one without area stands in.
+Scene with_a_triangle(Scene scene) {
+    Mesh dot;
+    dot.vertices.resize(1);
+    dot.triangles = {{0, 0, 0}};
+    dot.material = {0};
+    scene.meshes = {dot};
+    if (scene.materials.empty()) scene.materials.emplace_back();
+    return scene;
+}
+
+}  // namespace
+
 std::unique_ptr<PathScene> prepare(const Scene& scene, Rays rays) {
     FpEnvironment environment;
+    Geometry geometry = flatten(scene);
+    if (geometry.triangles.empty()) return prepare(with_a_triangle(scene), rays);
     auto s = std::make_unique<PathScene>();
     for (const Material& m : scene.materials) {
         for (int c = 0; c < 3; ++c) {
@@ -202,7 +219,7 @@ std::unique_ptr<PathScene> prepare(const Scene& scene, Rays rays) {
         s->reflection.insert(s->reflection.end(), {m.specular.x, m.specular.y, m.specular.z, m.exponent,  //
                                                    m.mirror.x, m.mirror.y, m.mirror.z, 0});
     }
-    s->geometry = flatten(scene);
+    s->geometry = std::move(geometry);
     s->surfaces = raster::prepare(scene, s->geometry);
     s->environment = environment_table(scene.environment);
     s->lights = light_table(scene, s->geometry, s->surfaces, s->environment);
