@@ -326,6 +326,21 @@ TEST_CASE("rsm.all_rays: six faces are added as rsm.all adds them; a face may be
     CHECK(same_bits(r.irradiance, all(drawn.points, drawn.maps)));
 }
 
+TEST_CASE("rsm.all_rays: a point that rounding put behind the wall of its crease is not hidden", "[rsm][all_rays]") {
+    // Half a micrometre behind, where rays keep off by one: floor y = 0, walls x = 0 and x = 1.
+    BruteRays room;
+    room.add_quad({0, 0, -1}, {0, 0, 1}, {0, 2, -1});
+    room.add_quad({0, 0, -1}, {1, 0, -1}, {0, 0, 1});
+    raster::Rsm map = empty_map(1);
+    set_texel(map, 0, 0, {1, 1, 0}, {-1, 0, 0}, glm::vec3(1));
+    CHECK(all_rays(Points({-5e-7f, 0, 0}, {0, 1, 0}), {&map, 1}, room).irradiance(0, 0).x > 0.05);
+    // The same for a texel at the foot of its wall.
+    set_texel(map, 0, 0, {1, -5e-7f, 0}, {-1, 0, 0}, glm::vec3(1));
+    CHECK(all_rays(Points({0, 1, 0}, {1, 0, 0}), {&map, 1}, room).irradiance(0, 0).x > 0.05);
+    // Four times as far behind it is: the surfaces are where they are.
+    CHECK(black(all_rays(Points({-2e-6f, 0, 0}, {0, 1, 0}), {&map, 1}, room).irradiance));
+}
+
 // ---- Subsets ------------------------------------------------------------------------------------------------------------
 
 TEST_CASE("rsm.all_rays: max_rays gives each point 16 times a power of two of texels", "[rsm][all_rays]") {
