@@ -136,9 +136,9 @@ TEST_CASE("environment: files that are no maps are refused with one line", "[io]
     write_exr(skies.folder / "layer.exr", 1, 1, {{"normal", {"X"}, &value, 1}});
     require_message(skies.error("file = \"layer.exr\"\n"), {"layer.exr: has no layer \"\"; the nearest is \"normal\""});
 
-    // A part of a larger picture would be stretched over all directions: left or right of it, above or below.
-    for (const glm::ivec4& whole : {glm::ivec4(0, 0, 3, 1), glm::ivec4(-1, 0, 3, 1), glm::ivec4(0, 0, 2, 2),
-                                    glm::ivec4(0, -1, 2, 2)}) {
+    // A part of a larger picture would be stretched over all directions, a shifted one would turn.
+    for (const glm::ivec4& whole : {glm::ivec4(0, 0, 3, 1), glm::ivec4(-1, 0, 2, 1), glm::ivec4(0, 0, 2, 2),
+                                    glm::ivec4(0, -1, 2, 1)}) {
         OIIO::ImageSpec part(2, 1, 1, OIIO::TypeDesc::FLOAT);
         part.full_x = whole.x, part.full_y = whole.y, part.full_width = whole.z, part.full_height = whole.w;
         const std::string path = skies.folder / "part.exr";
