@@ -15,7 +15,10 @@ if(TARGET plumb)
   install(TARGETS plumb)
 endif()
 
-install(DIRECTORY core raster gi io DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/plumbline FILES_MATCHING PATTERN "*.h")
+install(DIRECTORY core raster gi io DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/plumbline FILES_MATCHING PATTERN "*.h"
+  # They see Embree.
+  PATTERN "gi/reference/embree_scene.h" EXCLUDE PATTERN "gi/reference/packet_query.h" EXCLUDE
+  PATTERN "gi/reference/ray_device.h" EXCLUDE)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
 
 configure_package_config_file(cmake/plumblineConfig.cmake.in ${CMAKE_BINARY_DIR}/package/plumblineConfig.cmake

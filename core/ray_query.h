@@ -1,4 +1,4 @@
-// Rays against the triangles of a scene: what Embree does for the path tracer, the exact gathers and the bake of probes.
+// Rays against the triangles of a scene: what Embree does for the path tracer, the exact gathers and the probes' bake.
 // gi/reference/ray_query.cpp implements it; nothing else sees Embree.
 #pragma once
 
@@ -12,15 +12,16 @@ namespace plumb {
 enum class Rays : int { exact, native };
 
 // W rays and what they hit, an array a member. Laid out as Embree's RTCRayHit<W>, so that nothing is copied. Directions
-// may have any length: a point of the ray is origin + t direction, t_near < t < t_far.
+// may have any length: a point of the ray is origin + t direction, t_near < t <= t_far. Rays that are not finite meet
+// nothing.
 template <int W>
 struct alignas(W == 16 ? 64 : W == 8 ? 32 : 16) RayPacket {
     float origin_x[W], origin_y[W], origin_z[W];  // m, world
-    float t_near[W];                              // not negative
+    float t_near[W];                              // not negative; a ray whose is meets nothing
     float direction_x[W], direction_y[W], direction_z[W];
     float time[W];
     float t_far[W];          // in: the end; out: of the nearest hit, or as it was
-    std::uint32_t mask[W], id[W], flags[W];
+    std::uint32_t mask[W], id[W], flags[W];       // the query sets the mask
     // Written where something is hit. The point is (1 - u - v) a + u b + v c of the triangle's corners.
     float normal_x[W], normal_y[W], normal_z[W];  // (b - a) x (c - a), of any length
     float u[W], v[W];

@@ -88,6 +88,14 @@ PLUMB_INLINE F phong_lobe(const vec3<F>& a, const vec3<F>& b, F exponent) {
 
 // ---- Everything -----------------------------------------------------------------------------------------------------
 
+// Where w_o lies below the surface, as it may where a shading normal turns away from who looks at it, nothing is
+// reflected; but what is diffuse alone looks the same from everywhere.
+template <class F>
+PLUMB_INLINE mask_t<F> hidden(const LobeShares<F>& share, const vec3<F>& n, const vec3<F>& w_o) {
+    const mask_t<F> below = dot3(n, w_o) < F(0.0f), diffuse = share.diffuse == F(1.0f);
+    return below & !diffuse;
+}
+
 // Both parts of a Scattering share the lobe. Its density is that of sample(), also below the surface, where the value
 // is 0.
 template <class F>
@@ -103,11 +111,10 @@ PLUMB_INLINE Scattering<F> scatter(const Bsdf<F>& bsdf, const vec3<F>& n, const 
         f += bsdf.specular * ((bsdf.exponent + 2.0f) * lobe);
         pdf += share.specular * ((bsdf.exponent + 1.0f) * lobe);
     }
-    const mask_t<F> below = dot3(n, w_o) < zero;
-    return {f * select(below, zero, cosine), pdf};
+    return {f * select(hidden(share, n, w_o), zero, cosine), pdf};
 }
 
-// f N.w_i without the mirror, 1/sr; 0 where w_o or w_i lies below the surface.
+// f N.w_i without the mirror, 1/sr; 0 where w_o or w_i lies below the surface, for w_o see hidden().
 template <class F>
 PLUMB_INLINE vec3<F> evaluate(const Bsdf<F>& bsdf, const vec3<F>& n, const vec3<F>& w_o, const vec3<F>& w_i) {
     return scatter(bsdf, n, w_o, w_i).value;
@@ -139,10 +146,10 @@ PLUMB_INLINE BsdfSample<F> sample(const Bsdf<F>& bsdf, const vec3<F>& n, const v
 
     const Scattering<F> s = scatter(bsdf, n, w_o, direction);
     // On the rim of a lobe, too, rounding may leave no density to divide by.
-    const F cosine_o = dot3(n, w_o), cosine_i = dot3(n, direction);
-    const mask_t<F> lost = (cosine_o < zero) | (cosine_i <= zero) | (s.pdf == zero);
+    const F cosine_i = dot3(n, direction);
+    const mask_t<F> unseen = hidden(share, n, w_o), lost = unseen | (cosine_i <= zero) | (s.pdf == zero);
     const vec3<F> weight = select3<F>(lost, black, s.value / s.pdf);
-    const vec3<F> reflected = select3<F>(cosine_o < zero, black, bsdf.mirror / share.mirror);
+    const vec3<F> reflected = select3<F>(unseen, black, bsdf.mirror / share.mirror);
     return {direction, select3<F>(mirror, reflected, weight), select(mirror, zero, s.pdf), mirror};
 }
 

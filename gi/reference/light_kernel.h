@@ -32,8 +32,8 @@ struct ChosenLight {
 };
 
 // The light whose share of [0, 1) holds u: a binary search for the last entry of the table that is at most u. Its
-// multiples of 2^-24 are what u is made of, so the probability is exact. A share of a few steps only leaves too little of
-// u for anything else: another number, `fresh`, is passed on then.
+// multiples of 2^-24 are what u is made of, so the probability is exact. A share of a few steps only leaves too little
+// of u for anything else: another number, `fresh`, is passed on then.
 template <class F>
 PLUMB_INLINE ChosenLight<F> choose_light(const LightArgs& in, F u, F fresh) {
     using N = number<F>;

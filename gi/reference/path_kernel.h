@@ -3,9 +3,9 @@
 //
 //     L(x, w_o) = M/pi + integral f(w_i, w_o) L(w_i) cos(theta) dw_i                            the rendering equation
 //
-// Light that comes from emitting triangles and the environment is found in two ways: by choosing a point on a light, and
-// by following the path until it meets one. Each is weighted by p^2 / (p^2 + q^2), p its own density and q that of the
-// other (the power heuristic, Veach (9.13)). Lamps are points: only the first way finds them.
+// Light that comes from emitting triangles and the environment is found in two ways: by choosing a point on a light,
+// and by following the path until it meets one. Each is weighted by p^2 / (p^2 + q^2), p its own density and q that of
+// the other (the power heuristic, Veach (9.13)). Lamps are points: only the first way finds them.
 #pragma once
 
 #include "gi/reference/bsdf_kernel.h"
@@ -199,17 +199,11 @@ PLUMB_INLINE vec3<F> light_chosen(const PathArgs& in, const PathState<F>& s, con
     const ChosenLight<F> chosen = choose_light<F>(in.lights, u.x, fresh);
     const LightSample<F> light = sample_light<F>(in.lights, in.surfaces, in.environment, chosen, u.y, v.x);
     const vec3<F> w_o{-s.direction.x, -s.direction.y, -s.direction.z};
-    vec3<F> f;
-    F pdf;
-    if (in.glossy) {
-        f = evaluate<F>(v.bsdf, v.n, w_o, light.direction);
-        pdf = plumb::reference::pdf<F>(v.bsdf, v.n, w_o, light.direction);
-    } else {
-        f = evaluate_diffuse<F>(v.bsdf.diffuse, v.n, light.direction);
-        pdf = pdf_diffuse<F>(v.n, light.direction);
-    }
-    const F weight = select(light.pdf > zero, power_heuristic(light.pdf, pdf), one);
-    const vec3<F> radiance = raster::times3<F>(raster::times3<F>(s.throughput, f), light.radiance * weight);
+    const Scattering<F> out = in.glossy ? scatter<F>(v.bsdf, v.n, w_o, light.direction)
+                                        : Scattering<F>{evaluate_diffuse<F>(v.bsdf.diffuse, v.n, light.direction),
+                                                        pdf_diffuse<F>(v.n, light.direction)};
+    const F weight = select(light.pdf > zero, power_heuristic(light.pdf, out.pdf), one);
+    const vec3<F> radiance = raster::times3<F>(raster::times3<F>(s.throughput, out.value), light.radiance * weight);
     const mask_t<F> asks = at_surface & (dot3(v.face, light.direction) > zero) &
                            !((radiance.x == zero) & (radiance.y == zero) & (radiance.z == zero));
     if (!any(asks)) return {zero, zero, zero};
@@ -220,8 +214,8 @@ PLUMB_INLINE vec3<F> light_chosen(const PathArgs& in, const PathState<F>& s, con
     return where<F>(tracer.visible(origin, towards, t_far, asks), radiance);
 }
 
-// The next sample of the pixel where paths end; the lane's next pixel where its samples do. Pixels of a lane are `width`
-// lanes apart, so that the lanes of a packet stay side by side.
+// The next sample of the pixel where paths end; the lane's next pixel where its samples do. Pixels of a lane are as far
+// apart as there are lanes, so that the lanes of a packet stay side by side.
 template <class F>
 PLUMB_INLINE mask_t<F> next_sample(const PathArgs& in, const mask_t<F>& ended, std::int32_t last_pixel,
                                    PathState<F>& s) {
@@ -304,12 +298,12 @@ PLUMB_INLINE std::uint64_t trace_paths(const PathArgs& in, const RayQuery& query
 
             // Scatters.
             const vec3<F> w_o{-s.direction.x, -s.direction.y, -s.direction.z};
-            const BsdfSample<F> out = in.glossy ? sample<F>(v.bsdf, v.n, w_o, choice.y, u_direction.x, u_direction.y)
+            const BsdfSample<F> next = in.glossy ? sample<F>(v.bsdf, v.n, w_o, choice.y, u_direction.x, u_direction.y)
                                                 : sample_diffuse<F>(v.bsdf.diffuse, v.n, u_direction.x, u_direction.y);
-            s.throughput = raster::times3<F>(s.throughput, out.weight);
-            s.pdf = select(out.mirror, zero, out.pdf);
+            s.throughput = raster::times3<F>(s.throughput, next.weight);
+            s.pdf = select(next.mirror, zero, next.pdf);
             s.origin = v.x + v.face * v.offset;
-            s.direction = out.direction;
+            s.direction = next.direction;
             s.depth = s.depth + I(1);
 
             // Ends paths that cannot count any more, and by Russian roulette those that carry little: what survives

@@ -45,7 +45,7 @@ class RayTracer {
 
   public:
     explicit RayTracer(const RayQuery& query) : query_(query) {
-        for (int k = 0; k < width; ++k) packet_.time[k] = 0, packet_.mask[k] = ~0u, packet_.id[k] = packet_.flags[k] = 0;
+        for (int k = 0; k < width; ++k) packet_.time[k] = 0, packet_.id[k] = packet_.flags[k] = 0;
     }
 
     // The nearest triangle on origin + t direction, 0 < t < t_far.

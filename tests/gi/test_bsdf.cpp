@@ -125,6 +125,10 @@ TEST_CASE("bsdf: there is nothing below the surface", "[reference]") {
         REQUIRE(sample(b, z, up, u_lobe, 0.2f, 0.3f).weight.x > 0);
         REQUIRE(sample(b, z, down, u_lobe, 0.2f, 0.3f).weight == zero);
     }
+    // Diffuse alone: as sample_diffuse() and evaluate_diffuse(), which do not ask where w_o is.
+    const Bsdf<float> chalk{vec3<float>(0.3f), zero, 1, zero};
+    REQUIRE(evaluate(chalk, z, down, up).x == Approx(evaluate_diffuse(chalk.diffuse, z, up).x));
+    REQUIRE(sample(chalk, z, down, 0.5f, 0.2f, 0.3f).weight.x == Approx(0.3f));
 }
 
 TEST_CASE("bsdf: the density integrates to 1 less the mirror's share", "[reference]") {
@@ -242,7 +246,8 @@ TEST_CASE("bsdf: extreme numbers give finite weights of unit directions", "[refe
                         const bool unit = std::abs(glm::length(Vector(s.direction)) - 1) <= 1e-6;
                         const bool weighs = s.weight.x >= 0 && s.weight.x <= 2.001 * (m[0] + m[1] + m[2]);
                         const bool dense = s.pdf >= 0 && s.pdf <= 1.6e5f;
-                        const bool below = glm::dot(n, s.direction) <= 0 || glm::dot(n, w_o) < 0;
+                        const bool unseen = glm::dot(n, w_o) < 0 && m[1] + m[2] > 0;
+                        const bool below = glm::dot(n, s.direction) <= 0 || unseen;
                         const bool mirror = m[2] > 0 && u_lobe < float(m[2]);
                         const bool lost = !below || mirror || s.weight.x == 0;
                         ++samples;
