@@ -33,7 +33,7 @@ struct PathParams {
     float until_error = 0;      // above 0: rounds until the relative standard error of the picture is at most this
     int max_samples = 65536;    // where until_error gives up
     int max_bounces = 0;        // 0: no limit but Russian roulette
-    float roulette = 1;         // throughput below which chance may end a path
+    float roulette = 0.5f;      // throughput below which chance may end a path
     Rays rays = Rays::native;
     Filter filter = Filter::centre;
     float ao_distance = 0;      // m: what is farther does not occlude; 0: no limit

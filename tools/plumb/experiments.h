@@ -1,0 +1,10 @@
+// The experiments behind `plumb experiment`, a file each.
+#pragma once
+
+#include "tools/plumb/cli.h"
+
+namespace plumb::cli {
+
+void add_one_bounce(CLI::App& experiment, Action& action);
+
+}  // namespace plumb::cli
