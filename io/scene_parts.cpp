@@ -131,6 +131,9 @@ void read_environment(TomlReader& reader, const std::string& path, Scene& scene)
             reader.fail("file", e.what());
         }
         environment.radiance = glm::vec3(1);
+        scene.notes.push_back(fmt::format(
+            "the sky \"{}\" is what path tracing sees; rasterised pictures show `radiance` alone behind their surfaces",
+            printable(file)));
         if (environment.map.width != 2 * environment.map.height)
             scene.notes.push_back(fmt::format("the sky \"{}\" has {} x {} texels, not 2 : 1: it is stretched",
                                               printable(file), environment.map.width, environment.map.height));
