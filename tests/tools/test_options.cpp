@@ -89,7 +89,7 @@ TEST_CASE("options: what --set cannot set is named, with its place", "[tools]") 
     CHECK(set("rsm.samples=0") == "--set rsm.samples: samples = 0: expected 1 to 65536");
     CHECK(set("rsm.samples=1.5") == "--set rsm.samples: samples = 1.5: expected 1 to 65536");
     CHECK(set("rsm.radius=nan").find("--set rsm.radius: radius = nan: expected") == 0);
-    CHECK(set("rsm.gather=dics") == "--set rsm.gather: gather = \"dics\": expected one of disc, all");
+    CHECK(set("rsm.gather=dics") == "--set rsm.gather: gather = \"dics\": expected one of disc, all, all_rays");
     CHECK(set("render.size=1").find("--set render.size: expected") == 0);
 }
 
