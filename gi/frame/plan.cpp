@@ -13,7 +13,7 @@ namespace {
 // on a 2.x GHz server core. They order stages by cost; they promise nothing.
 constexpr double ms_pixels = 60, ms_shadow = 8, ms_direct = 6, ms_disc = 4.2, ms_all = 0.55,
                  ms_exact_rays = 100, ms_native_rays = 25, ms_compose = 5, ms_tonemap = 25,
-                 ms_paths = 4000;
+                 ms_paths = 1000;
 
 bool black(const glm::vec3& v) { return !(v.x > 0 || v.y > 0 || v.z > 0); }
 
