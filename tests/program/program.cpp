@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <pty.h>
 #include <signal.h>
+#include <stdlib.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -22,6 +23,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
+std::string cache = PLUMB_BINARY_DIR "/program_tests/cache";
+
 [[noreturn]] void execute(const std::vector<std::string>& arguments) {
     std::vector<char*> argv;
     std::string program = PLUMB_PROGRAM;
@@ -29,6 +32,7 @@ namespace {
     std::vector<std::string> copies = arguments;
     for (std::string& argument : copies) argv.push_back(argument.data());
     argv.push_back(nullptr);
+    setenv("PLUMB_CACHE", cache.c_str(), 1);
     // Who runs the tests in the background may have Ctrl-C ignored.
     signal(SIGINT, SIG_DFL);
     signal(SIGTERM, SIG_DFL);
@@ -60,6 +64,8 @@ struct Streams {
 };
 
 }  // namespace
+
+void set_cache(const std::string& folder) { cache = folder; }
 
 Result run(const std::vector<std::string>& arguments, const std::string& folder) {
     const Streams streams;

@@ -14,6 +14,9 @@ struct Result {
     std::string out, err;
 };
 
+// $PLUMB_CACHE of every run: never the user's own. A test that looks into it sets a fresh one.
+void set_cache(const std::string& folder);
+
 // Neither stream is a terminal. `folder`: the working directory.
 Result run(const std::vector<std::string>& arguments, const std::string& folder = ".");
 

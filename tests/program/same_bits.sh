@@ -1,7 +1,8 @@
 #!/bin/bash
-# Renders the Cornell box, with a point light beside its spot, with every given program, by every instruction set of this
-# machine, by 1, 2 and 3 threads, and once with AVX2 and FMA hidden from the C library: every picture and every input and
-# output of a stage must be the same file. run.json alone may differ: it has times in it, and must name the set that ran.
+# Renders the Cornell box, with a point light beside its spot, and path traces it with exact rays, with every given
+# program, by every instruction set of this machine, by 1, 2 and 3 threads, and once with AVX2 and FMA hidden from the C
+# library: every picture and every input and output of a stage must be the same file. run.json alone may differ: it has
+# times in it, and must name the set that ran.
 # Usage: same_bits.sh [--size N] <folder to work in> <plumb>...
 set -euo pipefail
 size=61
@@ -39,34 +40,36 @@ sums() { (cd "$1" && find . -type f ! -name run.json | LC_ALL=C sort | xargs sha
 reference=
 renders=0
 render() { # render <what is said of it> <command>...: renders and holds the files against those of the first time
-    local what=$1 out=$folder/out
+    local said=$1 out=$folder/out
     shift
     rm -rf "$out"
-    "$@" -o "$out" > "$folder/log" 2>&1 || { echo "same_bits: $what: exit status $?"; cat "$folder/log"; exit 1; }
+    "$@" -o "$out" > "$folder/log" 2>&1 || { echo "same_bits: $said: exit status $?"; cat "$folder/log"; exit 1; }
     sums "$out" > "$folder/sums"
-    grep -q '\.exr$' "$folder/sums" || { echo "same_bits: $what: no EXR was written"; exit 1; }
+    grep -q '\.exr$' "$folder/sums" || { echo "same_bits: $said: no EXR was written"; exit 1; }
     if [ -z "$reference" ]; then
-        reference=$what
+        reference=$said
         cp "$folder/sums" "$folder/reference"
         grep -v /dump/ "$folder/reference"
     elif ! diff "$folder/reference" "$folder/sums" > "$folder/difference"; then
-        echo "same_bits: $what differs from $reference:"
+        echo "same_bits: $said differs from $reference:"
         cat "$folder/difference"
         exit 1
     fi
     renders=$((renders + 1))
 }
 
+# All that can be asked for; what was traced before is not read again.
+what=(--dump --truth --spp 4 --rays exact --no-cache)
 for plumb in "$@"; do
     for set in "${sets[@]}"; do
         for threads in 1 2 3; do
             render "$plumb --isa $set --threads $threads" \
-                "$plumb" render "$scene" --dump --isa "$set" --threads "$threads"
+                "$plumb" render "$scene" "${what[@]}" --isa "$set" --threads "$threads"
             grep -q "\"isa\": *\"$set\"" "$folder/out/run.json" ||
                 { echo "same_bits: run.json does not say that $set ran"; exit 1; }
         done
     done
     render "$plumb with AVX2 and FMA hidden from the C library" \
-        env GLIBC_TUNABLES=glibc.cpu.hwcaps=-AVX2_Usable,-FMA_Usable,-AVX2,-FMA "$plumb" render "$scene" --dump
+        env GLIBC_TUNABLES=glibc.cpu.hwcaps=-AVX2_Usable,-FMA_Usable,-AVX2,-FMA "$plumb" render "$scene" "${what[@]}"
 done
 echo "same_bits: $renders renders by ${sets[*]}, the same $(wc -l < "$folder/reference") files"

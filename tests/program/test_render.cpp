@@ -188,7 +188,9 @@ TEST_CASE("render: leaving stages out changes no bit of the picture", "[program]
         CHECK(compare::compare(io::select_layer(a, layer, "a"), io::select_layer(b, layer, "b")).equal);
     }
     CHECK(std::filesystem::exists(folder + "/all/small.rsm.lamp.exr"));
-    for (const Json& s : Json::parse(read(folder + "/all/run.json"))["stages"]) CHECK(s["needed"] == true);
+    const Json json = Json::parse(read(folder + "/all/run.json"));
+    REQUIRE(json["stages"].size() > 9);
+    for (const Json& s : json["stages"]) CHECK(s["needed"] == true);
 }
 
 TEST_CASE("render: direct alone has no indirect light", "[program]") {
