@@ -31,17 +31,22 @@ using Catch::Matchers::StartsWith;
 TEST_CASE("usage: commands", "[program]") {
     CHECK_THAT(refused({}), Contains("--help"));
     CHECK_THAT(refused({"rendr"}), Equals("unknown command 'rendr'; the nearest known one is 'render'"));
-    for (const char* later : {"validate", "export", "sweep", "stability", "experiment", "bake"})
+    for (const char* later : {"validate", "export", "sweep", "stability", "bake"})
         CHECK_THAT(refused({later, "x"}),
                    Equals(std::string("the command '") + later + "' comes with a later version"));
+    CHECK_THAT(refused({"experiment", "closed-form"}),
+               Equals("unknown experiment 'closed-form'; the nearest known one is 'closed-forms'"));
+    CHECK_THAT(refused({"experiment", "closed-forms", "--thread", "2"}),
+               Equals("closed-forms: unknown option '--thread'; the nearest known one is '--threads'"));
+    CHECK_THAT(refused({"experiment"}), Contains("subcommand"));
     CHECK_THAT(refused({"--verson"}), Equals("unknown option '--verson'; the nearest known one is '--version'"));
 
     const Result help = run({"--help"});
     CHECK(help.exit == 0);
     CHECK(help.err.empty());
-    for (const char* command : {"render", "plan", "compare", "explain", "stages", "make-scene", "Examples:"})
+    for (const char* command : {"render", "plan", "compare", "explain", "stages", "make-scene", "experiment", "Examples:"})
         CHECK_THAT(help.out, Contains(command));
-    for (const char* later : {"validate", "sweep", "stability", "experiment", "bake"})
+    for (const char* later : {"validate", "sweep", "stability", "bake"})
         CHECK_THAT(help.out, !Contains(later));
     const Result version = run({"--version"});
     CHECK(version.exit == 0);
@@ -59,7 +64,8 @@ TEST_CASE("usage: every command takes --json, --threads and --isa", "[program][c
     const std::string picture = folder + "/a/small.exr";
     const std::map<std::string, std::vector<std::string>> uses = {
         {"render", {scene, "-o", folder + "/b"}}, {"plan", {scene}}, {"compare", {picture, picture}},
-        {"explain", {scene, "--pixel", "30,21"}}, {"stages", {}},    {"make-scene", {"cornell", "-o", folder + "/c"}}};
+        {"explain", {scene, "--pixel", "30,21"}}, {"stages", {}},    {"make-scene", {"cornell", "-o", folder + "/c"}},
+        {"experiment", {"closed-forms", "--error", "0.05", "--only", "eighth"}}};
 
     // The commands are those of the help, so that one to come is held to the same.
     std::istringstream help(run({"--help"}).out);
@@ -136,7 +142,7 @@ TEST_CASE("usage: settings, stages, pixels and lights that do not exist", "[prog
         more.insert(more.begin(), {"render", scene, "-o", out});
         return refused(more);
     };
-    CHECK_THAT(render({"--method", "rms"}), Contains("--method") && Contains("direct, rsm"));
+    CHECK_THAT(render({"--method", "rms"}), Contains("--method") && Contains("direct, rsm, reference"));
     CHECK_THAT(render({"--set", "rsm.sample=3"}),
                Equals("--set rsm.sample: unknown key 'sample'; the nearest known one is 'samples'"));
     CHECK_THAT(render({"--set", "rms.samples=3"}), Contains("nearest known one is [rsm]"));
@@ -150,7 +156,21 @@ TEST_CASE("usage: settings, stages, pixels and lights that do not exist", "[prog
                Contains("--set layout.depth: layout \"isr\" is a preset"));
     CHECK_THAT(render({"--set", "render.layout=custom", "--set", "layout.normal=r32f"}),
                StartsWith("--set: [layout] normal = \"r32f\" cannot hold it"));
-    CHECK_THAT(render({"--truth"}), Equals("--truth: the path tracer comes with a later version"));
+    for (const std::vector<std::string>& words :
+         {std::vector<std::string>{"--spp", "4"}, {"--until-error", "0.1"}, {"--rays", "exact"}})
+        CHECK_THAT(render(words), Equals(words[0] + ": nothing is path traced: expected --truth or --method reference"));
+    CHECK_THAT(render({"--truth", "--spp", "0"}), StartsWith("--spp: samples = 0: expected"));
+    CHECK_THAT(render({"--truth", "--spp", "many"}), StartsWith("--spp: samples"));
+    CHECK_THAT(render({"--truth", "--until-error", "0"}), Equals("--until-error 0: expected above 0"));
+    CHECK_THAT(render({"--truth", "--until-error", "-1"}), StartsWith("--until-error: until_error = -1: expected"));
+    CHECK_THAT(render({"--truth", "--until-error", "nan"}), StartsWith("--until-error: until_error = nan: expected"));
+    CHECK_THAT(render({"--truth", "--spp", "4", "--until-error", "0.1"}),
+               Equals("--until-error: --spp is given, too: expected one of them"));
+    CHECK_THAT(render({"--truth", "--rays", "fast"}), StartsWith("--rays: rays = \"fast\": expected one of exact, native"));
+    CHECK_THAT(render({"--truth", "--method", "reference"}), StartsWith("--truth: the method reference is the truth"));
+    CHECK_THAT(render({"--truth", "--set", "reference.mode=indirect"}), StartsWith("--truth: reference.mode: expected"));
+    CHECK_THAT(render({"--set", "reference.sample=3"}),
+               Equals("--set reference.sample: unknown key 'sample'; the nearest known one is 'samples'"));
     CHECK_FALSE(std::filesystem::exists(out));
 
     auto explain = [&](std::vector<std::string> more) {
@@ -163,6 +183,10 @@ TEST_CASE("usage: settings, stages, pixels and lights that do not exist", "[prog
     for (const std::string pass : {"hemicube", "texture_space"})
         CHECK_THAT(explain({"--stage", pass, "--pixel", "0,0"}),
                    Equals("--stage " + pass + ": the stage is not part of a frame: no method runs it"));
+    CHECK_THAT(explain({"--stage", "reference", "--pixel", "0,0"}),
+               Equals("--stage reference: it is a mean over paths; it has no values to list"));
+    CHECK_THAT(explain({"--stage", "direct", "--pixel", "0,0", "--method", "reference"}),
+               Contains("paths are traced instead"));
     CHECK_THAT(explain({"--stage", "direct", "--pixel", "1"}), Contains("expected X,Y"));
     CHECK_THAT(explain({"--stage", "direct", "--pixel", "-1,0"}), Contains("expected X,Y"));
     CHECK_THAT(explain({"--stage", "direct", "--pixel", "61,0"}), Contains("61 x 43"));

@@ -14,7 +14,7 @@ namespace {
 constexpr const char* version = PLUMB_VERSION;
 
 // Commands that scripts may already name.
-const std::vector<std::string> later_commands = {"validate", "export", "sweep", "stability", "experiment", "bake"};
+const std::vector<std::string> later_commands = {"validate", "export", "sweep", "stability", "bake"};
 
 // The name of an argument that looks like an option: "--threads=3" is "--threads".
 std::string option_name(const std::string& argument) { return argument.substr(0, argument.find('=')); }
@@ -35,15 +35,17 @@ void check_command(const CLI::App& program, const std::string& name) {
     std::vector<std::string> known;
     for (const CLI::App* command : program.get_subcommands({})) known.push_back(command->get_name());
     if (std::find(known.begin(), known.end(), name) != known.end()) return;
+    const std::string what = program.get_parent() ? program.get_name() : "command";
     if (std::find(later_commands.begin(), later_commands.end(), name) != later_commands.end())
         throw InputError(fmt::format("the command '{}' comes with a later version", name));
     throw InputError(
-        fmt::format("unknown command '{}'; the nearest known one is '{}'", name, nearest_name(name, known)));
+        fmt::format("unknown {} '{}'; the nearest known one is '{}'", what, name, nearest_name(name, known)));
 }
 
 std::string extras_message(const CLI::App& program) {
     const CLI::App* command = &program;
-    for (const CLI::App* used : program.get_subcommands()) command = used;
+    // Experiments are commands of a command.
+    while (!command->get_subcommands().empty()) command = command->get_subcommands().front();
     const std::vector<std::string> extras = command->remaining();
     if (extras.empty()) return "unexpected arguments";
     const std::string name = option_name(extras.front());
@@ -67,6 +69,10 @@ int fail(int code, std::string message) {
 int parse_and_run(CLI::App& program, Action& action, int argc, char** argv) {
     if (argc < 2) throw InputError("expected a command; plumb --help lists them");
     if (!is_option(argv[1])) check_command(program, argv[1]);
+    if (argc > 2 && !is_option(argv[1]) && !is_option(argv[2])) {
+        const CLI::App* command = program.get_subcommand(argv[1]);
+        if (!command->get_subcommands({}).empty()) check_command(*command, argv[2]);
+    }
     try {
         program.parse(argc, argv);
     } catch (const CLI::ExtrasError&) {
@@ -117,6 +123,7 @@ int run_program(int argc, char** argv) {
     add_compare(program, action);
     add_explain(program, action);
     add_stages(program, action);
+    add_experiment(program, action);
     add_make_scene(program, action);
     try {
         const int code = parse_and_run(program, action, argc, argv);
