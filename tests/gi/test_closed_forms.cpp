@@ -28,22 +28,27 @@ TEST_CASE("closed forms: all agree within 4 standard errors, and these are hones
     double squares = 0;
     int noisy = 0;
     for (const ClosedForm& form : closed_forms()) {
-        const Measured m = measure(form, options);
-        // The bound of 0.2 % is for `plumb experiment`, which runs longer.
-        ClosedForm loose = form;
-        if (form.statistical) loose.bound = 5 * options.error;
-        const Verdict v = judge(loose, m, 4);
-        CAPTURE(form.name, form.expected, m.got, m.standard_error, v.relative, v.sigmas, m.nonfinite);
-        CHECK(v.agrees);
-        CHECK(m.standard_error <= 1.5 * options.error * std::abs(form.expected));
-        if (!is_noisy(form, m)) continue;
-        squares += v.sigmas * v.sigmas;
-        ++noisy;
+        // Cases that take few rays are repeated, for the sake of the statistics.
+        std::uint64_t rays = 0;
+        for (options.seed = 1; options.seed <= 3 && rays < 500000; ++options.seed) {
+            const Measured m = measure(form, options);
+            rays = m.rays;
+            // The bound of 0.2 % is for `plumb experiment`, which runs longer.
+            ClosedForm loose = form;
+            if (form.statistical) loose.bound = 5 * options.error;
+            const Verdict v = judge(loose, m, 4);
+            CAPTURE(form.name, options.seed, form.expected, m.got, m.standard_error, v.relative, v.sigmas, m.nonfinite);
+            CHECK(v.agrees);
+            CHECK(m.standard_error <= 1.5 * options.error * std::abs(form.expected));
+            if (!is_noisy(form, m)) continue;
+            squares += v.sigmas * v.sigmas;
+            ++noisy;
+        }
     }
     // Chi-square: of k squares of normal numbers the mean is 1 with a standard deviation of sqrt(2 / k). A standard
-    // error that is wrong by a third, in either direction, falls out.
+    // error that is too small by a fifth or too large by a third falls out.
     CAPTURE(noisy, squares / noisy);
-    CHECK(noisy > 70);
+    CHECK(noisy > 170);
     CHECK(std::abs(squares / noisy - 1) < 3.3 * std::sqrt(2.0 / noisy));
 }
 
