@@ -80,10 +80,14 @@ void add_form_factors(ClosedFormList& list) {
     for (double d : {1.0, 0.25})
         add_shape(list, fmt::format("endless wall of height 1 at {}", d), "(1 - d / sqrt(d^2 + h^2)) / 2",
                   (1 - d / std::sqrt(d * d + 1)) / 2, [=](Scene& s, const Material& m) { add_wall(s, m, d, 50); });
-    for (const auto& [radius, height, offset] : {std::tuple(0.5, 1.0, 0.0), {0.5, 1.0, 1.0}, {0.5, 0.5, 0.75}})
-        add_shape(list, fmt::format("sphere of radius {} at height {}, {} aside", radius, height, offset),
-                  "R^2 h / (h^2 + s^2)^(3/2)", to_sphere(radius, height, offset), [=](Scene& s, const Material& m) {
-                      add_sphere(s, m, {offset, height, 0}, radius, 5);
+    struct Ball {
+        double radius, height, aside;
+    };
+    for (const Ball& b : {Ball{0.5, 1, 0}, {0.5, 1, 1}, {0.5, 0.5, 0.75}})
+        add_shape(list, fmt::format("sphere of radius {} at height {}, {} aside", b.radius, b.height, b.aside),
+                  "R^2 h / (h^2 + s^2)^(3/2)", to_sphere(b.radius, b.height, b.aside),
+                  [=](Scene& s, const Material& m) {
+                      add_sphere(s, m, {b.aside, b.height, 0}, b.radius, 5);
                   });
 
     // Between two squares: the mean over points of one of them.
