@@ -269,7 +269,7 @@ StageInfo info() {
     PathParams defaults;
     StageInfo s;
     s.name = "reference";
-    s.source = "the rendering equation (Kajiya 1986), by path tracing";
+    s.source = "the rendering equation (Kajiya 1986), by path tracing; no GPU pass, so without a twin";
     s.inputs = raster::surface_ports();
     s.inputs.push_back({"lights", "buffer vec4", "W", "[light][4]: gi/reference/light_kernel.h"});
     s.inputs.push_back({"position", "image rgba32f", "m", "points to ask about; none: the camera's pixels"});

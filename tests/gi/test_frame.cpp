@@ -247,7 +247,7 @@ TEST_CASE("frame: every stage has a twin or says why not, a source, inputs, outp
         CHECK(std::ifstream(twin).good());
         CHECK(std::ifstream(twin.substr(0, twin.rfind('/')) + "/README.md").good());
     }
-    CHECK(without == 1);  // rsm.all_rays
+    CHECK(without == 2);  // rsm.all_rays, reference
 }
 
 TEST_CASE("frame: settings come from the scene file, and errors name the place", "[frame][settings]") {
@@ -261,7 +261,7 @@ TEST_CASE("frame: settings come from the scene file, and errors name the place",
                       "small.toml: line 9: unknown key 'sampels'; the nearest known one is 'samples'");
     scene.settings.clear();
     scene.method = "isr";
-    CHECK_THROWS_WITH(frame::settings_of(scene), "small: [render]: method = \"isr\": expected one of direct, rsm");
+    CHECK_THROWS_WITH(frame::settings_of(scene), "small: [render]: method = \"isr\": expected one of direct, rsm, reference");
 }
 
 TEST_CASE("frame: every stage tells which instruction set its kernels were chosen from", "[frame][bits]") {

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
+#include "core/host_math.h"
 #include "gi/frame/frame.h"
 #include "gi/frame/truth.h"
 #include "tools/plumb/experiments.h"
@@ -121,7 +122,7 @@ std::vector<Row> measure(const OneBounceOptions& given) {
 
 // The power of the map's side with which a difference falls between two rows.
 double slope(const Row& from, const Row& to, double a, double b) {
-    return std::log(b / a) / std::log(double(to.size) / from.size);
+    return host::log(b / a) / host::log(double(to.size) / from.size);
 }
 
 Json one_bounce_json(const std::vector<Row>& rows) {
