@@ -87,8 +87,6 @@ PLUMB_INLINE vec3<F> where(const mask_t<F>& m, const vec3<F>& v) {
 // Dimensions of the sampler: two for the place in the pixel, then three pairs a surface.
 enum Dimension : int { dimension_pixel = 0, dimension_light = 1, dimension_direction = 2, dimension_choice = 3 };
 inline constexpr int dimensions_a_vertex = 3;
-// From this surface on numbers are plainly random: what is left to gain is small.
-inline constexpr int stratified_vertices = 4;
 
 // A sample's first ray; of a given point, the point stands for it, and the ray is not traced.
 template <class F>
@@ -265,18 +263,8 @@ PLUMB_INLINE std::uint64_t trace_paths(const PathArgs& in, const RayQuery& query
         // Numbers for this surface.
         const I dimension = s.depth * I(dimensions_a_vertex);
         const vec3<F> choice = s.sampler.random(dimension + I(dimension_choice));
-        vec2<F> u_light{zero, zero}, u_direction{zero, zero};
-        if (any(active & (s.depth < I(stratified_vertices)))) {
-            u_light = s.sampler.pair(dimension + I(dimension_light));
-            u_direction = s.sampler.pair(dimension + I(dimension_direction));
-        }
-        if (any(s.depth >= I(stratified_vertices))) {
-            const mask_t<F> far = s.depth >= I(stratified_vertices);
-            const vec3<F> a = s.sampler.random(dimension + I(dimension_light)),
-                          b = s.sampler.random(dimension + I(dimension_direction));
-            u_light = {select(far, a.x, u_light.x), select(far, a.y, u_light.y)};
-            u_direction = {select(far, b.x, u_direction.x), select(far, b.y, u_direction.y)};
-        }
+        const vec2<F> u_light = s.sampler.pair(dimension + I(dimension_light));
+        const vec2<F> u_direction = s.sampler.pair(dimension + I(dimension_direction));
 
         // Gathers light.
         mask_t<F> goes_on = at_surface;

@@ -18,7 +18,6 @@ namespace plumb::reference {
 namespace {
 
 constexpr int band = 8;             // rows a task
-constexpr int rounds_of_samples = 16;
 constexpr int samples_of_until = 16;  // a round, where the number of rounds is open
 constexpr int rounds_between_looks = 8;
 constexpr int without_end = 1 << 24;
@@ -31,7 +30,7 @@ Schedule schedule_of(const PathParams& params) {
     if (params.until_error > 0)
         return {samples_of_until, std::max(params.max_samples / samples_of_until, rounds_between_looks)};
     int samples = 1;
-    while (samples * 2 * rounds_of_samples <= params.samples) samples *= 2;
+    while (std::int64_t(samples) * 2 * params.rounds <= params.samples) samples *= 2;
     return {samples, std::max((params.samples + samples - 1) / samples, 2)};
 }
 
@@ -170,6 +169,10 @@ std::vector<Field> fields(PathParams& p) {
          "or the open share of the hemisphere",
          0, 4, {"all", "direct", "one_bounce", "indirect", "ambient_occlusion"}, false},
         {"samples", &p.samples, "", "paths a pixel, rounded up to whole rounds", 1, 1 << 24, {}, false},
+        {"rounds", &p.rounds, "",
+         "independent estimates that the samples are divided into, at least: fewer lie more evenly, but tell less of "
+         "their error",
+         2, 1 << 16, {}, false},
         {"until_error", &p.until_error, "",
          "above 0: goes on until the standard error, relative to the picture's mean, is at most this", 0, 1, {}, false},
         {"max_samples", &p.max_samples, "", "where until_error gives up", 1, 1 << 24, {}, false},

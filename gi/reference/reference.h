@@ -30,6 +30,7 @@ enum class Filter : int { centre, box };
 struct PathParams {
     Mode mode = Mode::all;
     int samples = 256;          // a pixel; rounded up to whole rounds
+    int rounds = 16;            // independent estimates of that number of samples, at least
     float until_error = 0;      // above 0: rounds until the relative standard error of the picture is at most this
     int max_samples = 65536;    // where until_error gives up
     int max_bounces = 0;        // 0: no limit but Russian roulette
