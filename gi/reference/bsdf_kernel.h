@@ -65,8 +65,8 @@ PLUMB_INLINE LobeShares<F> lobe_shares(const Bsdf<F>& bsdf) {
 }
 
 // max(0, a . b)^n of unit vectors. With n = 1e6 the lobe is 1e-3 wide, and there a . b is 1e-6 from 1, of which a float
-// keeps one digit: so 1 - a . b is taken as |a - b|^2 / 2, which keeps three more, and the logarithm of the rest carries
-// what a float cannot hold. Below 2^-100 it is 0: denormal numbers would cost a hundred cycles each.
+// keeps one digit: so 1 - a . b is taken as |a - b|^2 / 2, which keeps three more, and the logarithm of the rest
+// carries what a float cannot hold. Below 2^-100 it is 0: denormal numbers would cost a hundred cycles each.
 template <class F>
 PLUMB_INLINE F phong_lobe(const vec3<F>& a, const vec3<F>& b, F exponent) {
     const vec3<F> d = a - b;

@@ -127,7 +127,8 @@ LightTable light_table(const Scene& scene, const Geometry& geometry, const raste
     bool any = false;
     for (std::size_t m = 0; m < scene.materials.size(); ++m) {
         const int row = int(surfaces.materials[16 * m + 9]);
-        exitance.push_back(glm::dvec3(scene.materials[m].emission) * (row > 0 ? mean_of(surfaces, row) : glm::dvec3(1)));
+        const glm::dvec3 texture = row > 0 ? mean_of(surfaces, row) : glm::dvec3(1);
+        exitance.push_back(glm::dvec3(scene.materials[m].emission) * texture);
         any = any || sum(exitance.back()) > 0;
     }
     b.table.triangle_pdf.assign(any ? geometry.triangles.size() : 1, 0.0f);

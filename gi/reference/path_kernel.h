@@ -212,6 +212,41 @@ PLUMB_INLINE vec3<F> light_chosen(const PathArgs& in, const PathState<F>& s, con
     return where<F>(tracer.visible(origin, towards, t_far, asks), radiance);
 }
 
+// 1 where a cosine-weighted direction is open, 0 where something is near.
+template <class F>
+PLUMB_INLINE F openness(const PathArgs& in, const PathVertex<F>& v, const vec2<F>& u, const mask_t<F>& at_surface,
+                        RayTracer<F>& tracer, index_t<F>& traced) {
+    using I = index_t<F>;
+    const vec3<F> d = to_world<F>(basis_of<F>(v.n), cosine_hemisphere<F>(u.x, u.y));
+    const mask_t<F> asks = at_surface & (dot3(v.face, d) > F(0.0f));
+    traced = traced + select(asks, I(1), I(0));
+    const mask_t<F> open = tracer.visible(vec3<F>(v.x + v.face * v.offset), d, F(in.ao_distance), asks);
+    return select(open, F(1.0f), F(0.0f));
+}
+
+// Sends the path on from its surface. Returns where it goes on: it ends where nothing that it finds could count, and by
+// Russian roulette where it carries little; what survives stands for what did not.
+template <class F>
+PLUMB_INLINE mask_t<F> scatter_path(const PathArgs& in, const PathVertex<F>& v, const vec2<F>& u, const vec3<F>& choice,
+                                    PathState<F>& s) {
+    using I = index_t<F>;
+    const F zero(0.0f), one(1.0f);
+    const vec3<F> w_o{-s.direction.x, -s.direction.y, -s.direction.z};
+    const BsdfSample<F> next = in.glossy ? sample<F>(v.bsdf, v.n, w_o, choice.y, u.x, u.y)
+                                         : sample_diffuse<F>(v.bsdf.diffuse, v.n, u.x, u.y);
+    s.throughput = raster::times3<F>(s.throughput, next.weight);
+    s.pdf = select(next.mirror, zero, next.pdf);
+    s.origin = v.x + v.face * v.offset;
+    s.direction = next.direction;
+    s.depth = s.depth + I(1);
+
+    const F brightest = raster::largest3(s.throughput);
+    const F survival = select(s.depth > I(2), min(brightest * F(in.inverse_roulette), F(1.0f - 0x1p-16f)), one);
+    s.throughput = s.throughput * (one / max(survival, F(1e-37f)));
+    return (dot3(v.face, s.direction) > zero) & (brightest > zero) & (s.depth <= I(in.last_depth)) &
+           (choice.z < survival);
+}
+
 // The next sample of the pixel where paths end; the lane's next pixel where its samples do. Pixels of a lane are as far
 // apart as there are lanes, so that the lanes of a packet stay side by side.
 template <class F>
@@ -257,7 +292,7 @@ PLUMB_INLINE std::uint64_t trace_paths(const PathArgs& in, const RayQuery& query
         mask_t<F> at_surface = hit.found;
         if (in.position) {
             take_given_points<F>(in, given, s, v);
-            at_surface = at_surface | (given & (dot3(v.n, v.n) > zero));
+            at_surface = at_surface | (given & !(dot3(v.n, v.n) == zero));
         }
 
         // Numbers for this surface.
@@ -266,44 +301,23 @@ PLUMB_INLINE std::uint64_t trace_paths(const PathArgs& in, const RayQuery& query
         const vec2<F> u_light = s.sampler.pair(dimension + I(dimension_light));
         const vec2<F> u_direction = s.sampler.pair(dimension + I(dimension_direction));
 
-        // Gathers light.
-        mask_t<F> goes_on = at_surface;
+        // Gathers light, or openness, and goes on.
+        mask_t<F> goes_on = at_surface & !at_surface;
         if (in.openness) {
-            // The share of cosine-weighted directions along which nothing is near; open where no surface is seen.
-            const vec3<F> d = to_world<F>(basis_of<F>(v.n), cosine_hemisphere<F>(u_direction.x, u_direction.y));
-            const mask_t<F> asks = at_surface & (dot3(v.face, d) > zero);
-            rays = rays + select(asks, I(1), I(0));
-            const mask_t<F> open =
-                tracer.visible(vec3<F>(v.x + v.face * v.offset), d, F(in.ao_distance), asks) | (traced & !hit.found);
-            const F o = select(open, one, zero);
-            s.sum = s.sum + vec3<F>{o, o, o};
-            goes_on = at_surface & !at_surface;
+            const F open = openness<F>(in, v, u_direction, at_surface, tracer, rays);
+            const F seen = select(traced & !hit.found, one, open);  // open where no surface is
+            s.sum = s.sum + vec3<F>{seen, seen, seen};
         } else {
             s.sum = s.sum + light_met<F>(in, s, hit, v, traced);
             const mask_t<F> asks = at_surface & counted<F>(in, s.depth);
             if (in.lights.count > 0 && any(asks))
                 s.sum = s.sum + light_chosen<F>(in, s, v, u_light, choice.x, asks, tracer, rays);
-
-            // Scatters.
-            const vec3<F> w_o{-s.direction.x, -s.direction.y, -s.direction.z};
-            const BsdfSample<F> next = in.glossy ? sample<F>(v.bsdf, v.n, w_o, choice.y, u_direction.x, u_direction.y)
-                                                : sample_diffuse<F>(v.bsdf.diffuse, v.n, u_direction.x, u_direction.y);
-            s.throughput = raster::times3<F>(s.throughput, next.weight);
-            s.pdf = select(next.mirror, zero, next.pdf);
-            s.origin = v.x + v.face * v.offset;
-            s.direction = next.direction;
-            s.depth = s.depth + I(1);
-
-            // Ends paths that cannot count any more, and by Russian roulette those that carry little: what survives
-            // stands for what did not.
-            const F brightest = raster::largest3(s.throughput);
-            goes_on = at_surface & (dot3(v.face, s.direction) > zero) & (brightest > zero) &
-                      (s.depth <= I(in.last_depth));
-            const F survival = select(
-                s.depth > I(2), min(brightest * F(in.inverse_roulette), F(1.0f - 0x1p-16f)), one);
-            goes_on = goes_on & (choice.z < survival);
-            s.throughput = s.throughput * (one / max(survival, F(1e-37f)));
+            goes_on = at_surface & scatter_path<F>(in, v, u_direction, choice, s);
         }
+
+        // Adds 0; but what is not finite of a point or a throughput, and would end the path unseen, stays in the
+        // picture.
+        s.sum = s.sum + where<F>(at_surface, (v.x + v.n + s.throughput) * zero);
         active = next_sample<F>(in, active & !goes_on, last, s);
     }
     std::int32_t lanes[N::width];

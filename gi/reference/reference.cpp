@@ -156,8 +156,8 @@ void validate(const PathParams& params, glm::ivec2 size) {
     PathParams copy = params;
     validate_fields("reference", fields(copy));
     if (size.x < 1 || size.y < 1 || size.x > 32768 || std::int64_t(size.x) * size.y >= (std::int64_t(1) << 31) - 64)
-        throw InputError(fmt::format("reference: {} x {} pixels: expected 1 to 32768 a row, and fewer than 2^31", size.x,
-                                     size.y));
+        throw InputError(fmt::format("reference: {} x {} pixels: expected 1 to 32768 a row, and fewer than 2^31 in all",
+                                     size.x, size.y));
 }
 
 }  // namespace
@@ -165,8 +165,8 @@ void validate(const PathParams& params, glm::ivec2 size) {
 std::vector<Field> fields(PathParams& p) {
     return {
         {"mode", as_int(p.mode), "",
-         "light reflected any number of times before it reaches the surface that is seen, never, once, or once and more; "
-         "or the open share of the hemisphere",
+         "light reflected any number of times before it reaches the surface that is seen, never, once, or once and "
+         "more; or the open share of the hemisphere",
          0, 4, {"all", "direct", "one_bounce", "indirect", "ambient_occlusion"}, false},
         {"samples", &p.samples, "", "paths a pixel, rounded up to whole rounds", 1, 1 << 24, {}, false},
         {"rounds", &p.rounds, "",
@@ -184,8 +184,8 @@ std::vector<Field> fields(PathParams& p) {
          1e-6, 1, {}, false},
         {"rays", as_int(p.rays), "", "exact: the same bits everywhere; native: Embree's own test, faster", 0, 1,
          {"exact", "native"}, false},
-        {"filter", as_int(p.filter), "", "camera rays start at the pixel's centre, as samples of the rasterizer, or anywhere",
-         0, 1, {"centre", "box"}, false},
+        {"filter", as_int(p.filter), "",
+         "camera rays start at the pixel's centre, as samples of the rasterizer, or anywhere in it", 0, 1, {"centre", "box"}, false},
         {"ao_distance", &p.ao_distance, "m", "what is farther does not occlude; 0: no limit", 0, unbounded, {}, false},
     };
 }

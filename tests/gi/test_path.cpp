@@ -58,7 +58,8 @@ PointInputs floor_points(int width, int height, Image4& position, Image4& normal
     normal = Image4(width, height, glm::vec4(0, 1, 0, 0));
     for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x)
-            position(x, y) = glm::vec4((x + 0.5f) / float(width) * 1.8f - 0.9f, 0, (y + 0.5f) / float(height) * 1.8f - 0.9f, 0);
+            position(x, y) = glm::vec4(1.8f * (x + 0.5f) / float(width) - 0.9f, 0,
+                                       1.8f * (y + 0.5f) / float(height) - 0.9f, 0);
     return {&position, &normal};
 }
 
@@ -276,6 +277,19 @@ TEST_CASE("path tracer: what is not finite is counted, not hidden", "[reference]
     const auto prepared = prepare(scene, Rays::native);
     const Estimate e = trace_irradiance(with(Mode::direct, 32), *prepared, {&position, &normal}, 1, {});
     CHECK(e.nonfinite > 0);
+
+    // A point that is nowhere, and one whose normal is: not black, but not a number.
+    scene.lights[0].intensity = glm::vec3(1);
+    const auto sane = prepare(scene, Rays::native);
+    position(1, 1).y = std::nanf(""), normal(2, 2).x = std::nanf("");
+    for (Mode mode : {Mode::all, Mode::ambient_occlusion}) {
+        const Estimate lost = trace_irradiance(with(mode, 32), *sane, {&position, &normal}, 1, {});
+        CHECK(std::isnan(lost.mean(1, 1).y));
+        CHECK(std::isfinite(lost.mean(0, 0).x));
+        CHECK(lost.nonfinite > 0);
+    }
+    const Estimate turned = trace_irradiance(with(Mode::all, 32), *sane, {&position, &normal}, 1, {});
+    CHECK(std::isnan(turned.mean(2, 2).x));
 }
 
 TEST_CASE("path tracer: bad input is refused by name", "[reference][errors]") {
@@ -285,8 +299,8 @@ TEST_CASE("path tracer: bad input is refused by name", "[reference][errors]") {
     scene.materials[0].name = "chalk";
     scene.materials[0].reflectance = glm::vec3(0.9f);
     scene.materials[0].mirror = glm::vec3(0.05f, 0.2f, 0);
-    CHECK_THROWS_WITH(prepare(scene, Rays::native), Contains("room.toml") && Contains("chalk") && Contains("channel G") &&
-                                                        Contains("at most 1"));
+    CHECK_THROWS_WITH(prepare(scene, Rays::native), Contains("room.toml") && Contains("chalk") &&
+                                                        Contains("channel G") && Contains("at most 1"));
     scene = everything();
     PathParams p;
     p.samples = 0;

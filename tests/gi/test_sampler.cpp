@@ -72,8 +72,8 @@ TEST_CASE("sampler: rounds, pixels and dimensions are independent", "[reference]
     struct Pair {
         I round_a, dimension_a, axis_a, round_b, dimension_b, axis_b, shift;
     };
-    for (const Pair& c : {Pair{0, 1, 0, 0, 1, 1, 0}, {0, 1, 0, 1, 1, 0, 0}, {0, 1, 0, 0, 2, 0, 0}, {0, 1, 1, 0, 4, 1, 0},
-                          {0, 1, 0, 0, 1, 0, 1}, {2, 5, 1, 3, 5, 1, 0}}) {
+    for (const Pair& c : {Pair{0, 1, 0, 0, 1, 1, 0}, {0, 1, 0, 1, 1, 0, 0}, {0, 1, 0, 0, 2, 0, 0},
+                          {0, 1, 1, 0, 4, 1, 0}, {0, 1, 0, 0, 1, 0, 1}, {2, 5, 1, 3, 5, 1, 0}}) {
         double sum = 0, squares = 0;
         for (int i = 0; i < n; ++i) {
             const double a = number(i, c.round_a, c.dimension_a, c.axis_a);

@@ -84,7 +84,7 @@ Difference compare(const frame::Frame& f, const reference::Estimate& truth, cons
             total += t, d.mean += difference, squares += difference * difference, noise += e * e;
         }
     }
-    if (d.points == 0 || !(total > 0)) throw InputError("one-bounce: no light reaches any of the points that are compared");
+    if (d.points == 0 || !(total > 0)) throw InputError("one-bounce: no light reaches any point that is compared");
     const double n = 3.0 * double(d.points), mean = total / n;
     d.mean = d.mean / n / mean;
     d.rms = std::sqrt(std::max(squares - noise, 0.0) / n) / mean;
@@ -189,15 +189,15 @@ void add_one_bounce(CLI::App& experiment, Action& action) {
         ->check(CLI::Range(16, 1 << 24).description(""))
         ->type_name("N");
     command->add_option("--clear", given->clear_texels,
-                        "a point is clear if what lights it is farther than so many texels of the first map; 6 otherwise")
+                        "a point is clear if what lights it is farther than N texels of the first map; 6 otherwise")
         ->check(CLI::Range(0.0, 1000.0).description(""))
         ->type_name("N");
     add_common(*command, given->common);
     command->footer(
         "Clear points see the map's texels as a quadrature: its error comes from the edges of what is lit and of what\n"
         "hides it, where N texels across cut N of them at random, so it falls as N^-1.5, and as N^-2 where there are\n"
-        "none. Next to a surface that lights them the nearest texels are too coarse: a band of points as wide as a texel\n"
-        "is wrong by as much as its light, and the rms over all points falls as N^-0.5.");
+        "none. Next to a surface that lights them the nearest texels are too coarse: a band of points as wide as a\n"
+        "texel is wrong by as much as its light, and the rms over all points falls as N^-0.5 at least.");
     command->callback([given, &action] { action = [=] { return run_one_bounce(*given); }; });
 }
 
