@@ -32,16 +32,24 @@ glm::dvec3 mean_of(const raster::Surfaces& s, int row) {
 
 struct Builder {
     LightTable table;
-    std::vector<double> power;  // W, summed over the channels
+    std::vector<double> power;        // W, summed over the channels
+    std::vector<std::size_t> source;  // of each light: index into source_power
+    std::vector<double> source_power;
+
+    // Lights that follow belong to a new source: a lamp, an object that emits, the environment.
+    void begin_source() { source_power.push_back(0); }
 
     void add(LightKind kind, const glm::vec3& a, float aw, const glm::vec3& b, float bw, const glm::vec3& c, double p) {
         if (!(p > 0)) return;
+        source.push_back(source_power.size() - 1);
+        source_power.back() += p;
         table.rows.insert(table.rows.end(),
                           {a.x, a.y, a.z, aw, b.x, b.y, b.z, bw, c.x, c.y, c.z, float(int(kind)), 0, 0, 0, 0});
         power.push_back(p);
     }
 
     void add_lamp(const Light& light, double radius) {
+        begin_source();
         const raster::LightArgs l = raster::light_args(light);
         const glm::vec3 axis(l.direction[0], l.direction[1], l.direction[2]);
         const double strength = sum(light.intensity);
@@ -88,13 +96,19 @@ struct Builder {
                                          std::size_t(steps_of_u / 2)));
         table.count = int(n);
         table.cdf.assign(n + 1, 0.0f);
-        double total = 0, so_far = 0;
-        for (const double p : power) total += p;
+        double total = 0, shares = 0, so_far = 0;
+        std::size_t sources = 0;
+        for (const double p : source_power) total += p, sources += p > 0;
         if (!(total < 1e300)) throw InputError("reference: the power of all lights is not finite");
+        // Half by power, half evenly over the sources: the sun is stronger than any lamp, and lights no room of its own.
+        auto share = [&](std::size_t i) {
+            return power[i] / total + power[i] / (source_power[source[i]] * double(sources));
+        };
+        for (std::size_t i = 0; i < n; ++i) shares += share(i);
         double last = 0;
         for (std::size_t i = 0; i < n; ++i) {
-            so_far += power[i];
-            const double wanted = std::floor(so_far / total * steps_of_u + 0.5);
+            so_far += share(i);
+            const double wanted = std::floor(so_far / shares * steps_of_u + 0.5);
             last = std::clamp(wanted, last + 1, steps_of_u - double(n - 1 - i));
             table.cdf[i + 1] = float(last / steps_of_u);
         }
@@ -132,8 +146,11 @@ LightTable light_table(const Scene& scene, const Geometry& geometry, const raste
         any = any || sum(exitance.back()) > 0;
     }
     b.table.triangle_pdf.assign(any ? geometry.triangles.size() : 1, 0.0f);
-    for (std::size_t t = 0; any && t < geometry.triangles.size(); ++t)
+    for (std::size_t t = 0; any && t < geometry.triangles.size(); ++t) {
+        if (t == 0 || geometry.object[t] != geometry.object[t - 1]) b.begin_source();
         b.add_triangle(geometry, t, exitance[std::size_t(geometry.material[t])]);
+    }
+    b.begin_source();
     const double sphere = 4 * host::pi * std::max(radius * radius, 1e-30);
     b.add(LightKind::environment, glm::vec3(0), 0, glm::vec3(0), 0, glm::vec3(0),
           3 * environment.mean_radiance * host::pi * sphere);

@@ -18,7 +18,8 @@ struct LightTable {
     float environment_probability = 0;
 };
 
-// Lights are chosen in proportion to what they send into the scene's bounding sphere: W, summed over the channels.
+// Half of the choices are in proportion to what a light sends into the scene's bounding sphere (W, summed over the
+// channels), half are even over the sources: lamps, objects that emit, the environment.
 LightTable light_table(const Scene& scene, const Geometry& geometry, const raster::Surfaces& surfaces,
                        const EnvironmentTable& environment);
 

@@ -64,7 +64,8 @@ struct PathState {
     vec3<F> origin, direction;
     vec3<F> throughput;
     F pdf;                // of the direction, 1/sr; 0: only this way finds what lies there
-    vec3<F> sum;          // over the samples of the pixel
+    vec3<F> radiance;     // that it found so far
+    vec3<F> sum, carry;   // over the samples of the pixel, and what rounding took from it
 };
 
 template <class F>
@@ -255,11 +256,17 @@ PLUMB_INLINE mask_t<F> next_sample(const PathArgs& in, const mask_t<F>& ended, s
     using N = number<F>;
     using I = index_t<F>;
     const vec3<F> zero{F(0.0f), F(0.0f), F(0.0f)};
+    // Sums with compensation (Kahan 1965): a round may have millions of samples, all alike.
+    const vec3<F> term = where<F>(ended, s.radiance - s.carry), sum = s.sum + term;
+    s.carry = select3<F>(ended, (sum - s.sum) - term, s.carry);
+    s.sum = sum;
+    s.radiance = select3<F>(ended, zero, s.radiance);
     s.sample = s.sample + select(ended, I(1), I(0));
     const mask_t<F> finished = ended & (s.sample >= I(in.samples));
     if (any(finished)) {
         N::store4(in.sum, s.pixel, vec4<F>(s.sum, F(0.0f)), finished);
         s.sum = select3<F>(finished, zero, s.sum);
+        s.carry = select3<F>(finished, zero, s.carry);
         s.sample = select(finished, I(0), s.sample);
         s.pixel = s.pixel + select(finished, I(N::width), I(0));
     }
@@ -278,7 +285,7 @@ PLUMB_INLINE std::uint64_t trace_paths(const PathArgs& in, const RayQuery& query
     RayTracer<F> tracer(query);
     I rays(0);
     PathState<F> s{};
-    s.pixel = N::iota(first), s.sample = I(0), s.sum = {zero, zero, zero};
+    s.pixel = N::iota(first);
     s.origin = s.direction = {zero, zero, one};
     mask_t<F> active = s.pixel < I(last);
     start_sample<F>(in, active, s);
@@ -306,18 +313,18 @@ PLUMB_INLINE std::uint64_t trace_paths(const PathArgs& in, const RayQuery& query
         if (in.openness) {
             const F open = openness<F>(in, v, u_direction, at_surface, tracer, rays);
             const F seen = select(traced & !hit.found, one, open);  // open where no surface is
-            s.sum = s.sum + vec3<F>{seen, seen, seen};
+            s.radiance = vec3<F>{seen, seen, seen};
         } else {
-            s.sum = s.sum + light_met<F>(in, s, hit, v, traced);
+            s.radiance = s.radiance + light_met<F>(in, s, hit, v, traced);
             const mask_t<F> asks = at_surface & counted<F>(in, s.depth);
             if (in.lights.count > 0 && any(asks))
-                s.sum = s.sum + light_chosen<F>(in, s, v, u_light, choice.x, asks, tracer, rays);
+                s.radiance = s.radiance + light_chosen<F>(in, s, v, u_light, choice.x, asks, tracer, rays);
             goes_on = at_surface & scatter_path<F>(in, v, u_direction, choice, s);
         }
 
         // Adds 0; but what is not finite of a point or a throughput, and would end the path unseen, stays in the
         // picture.
-        s.sum = s.sum + where<F>(at_surface, (v.x + v.n + s.throughput) * zero);
+        s.radiance = s.radiance + where<F>(at_surface, (v.x + v.n + s.throughput) * zero);
         active = next_sample<F>(in, active & !goes_on, last, s);
     }
     std::int32_t lanes[N::width];

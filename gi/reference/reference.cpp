@@ -58,6 +58,10 @@ struct Moments {
     // The variance of the mean of a channel.
     double variance(std::size_t i, int c) const { return squares[i][c] / (double(rounds) * (rounds - 1)); }
 
+    bool any_light() const {
+        return std::any_of(mean.begin(), mean.end(), [](const glm::dvec3& m) { return m != glm::dvec3(0); });
+    }
+
     // Root of the mean variance over the mean. In the order of the pixels.
     double relative_error() const {
         double variances = 0, total = 0;
@@ -133,7 +137,8 @@ Estimate run_rounds(const PathParams& params, const PathScene& scene, PathArgs a
         if (params.until_error <= 0 || moments.rounds % rounds_between_looks != 0) continue;
         const double error = moments.relative_error();
         if (first_error == 0) first_error = error;
-        if (error <= params.until_error) break;
+        // A black picture says nothing about what its lights would bring.
+        if (error <= params.until_error && (moments.any_light() || args.lights.count == 0)) break;
     }
 
     // Results.
@@ -170,12 +175,12 @@ std::vector<Field> fields(PathParams& p) {
          0, 4, {"all", "direct", "one_bounce", "indirect", "ambient_occlusion"}, false},
         {"samples", &p.samples, "", "paths a pixel, rounded up to whole rounds", 1, 1 << 24, {}, false},
         {"rounds", &p.rounds, "",
-         "independent estimates that the samples are divided into, at least: fewer lie more evenly, but tell less of "
-         "their error",
+         "independent estimates that the samples are divided into, at least, if there are so many: fewer lie more "
+         "evenly, but tell less of their error",
          2, 1 << 16, {}, false},
         {"until_error", &p.until_error, "",
          "above 0: goes on until the standard error, relative to the picture's mean, is at most this", 0, 1, {}, false},
-        {"max_samples", &p.max_samples, "", "where until_error gives up", 1, 1 << 24, {}, false},
+        {"max_samples", &p.max_samples, "", "where until_error gives up; it looks after every 128", 128, 1 << 24, {}, false},
         {"max_bounces", &p.max_bounces, "", "reflections of a path; 0: no limit but Russian roulette", 0, 1 << 20, {},
          false},
         {"roulette", &p.roulette, "",
@@ -192,6 +197,34 @@ std::vector<Field> fields(PathParams& p) {
 
 namespace {
 
+bool finite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+bool not_negative(const glm::vec3& v) { return v.x >= 0 && v.y >= 0 && v.z >= 0; }
+
+// A light that is no number would not be chosen, and so be hidden; a surface that reflects more than it receives would
+// never end.
+void check(const Scene& scene) {
+    auto refuse = [&](const std::string& what, const std::string& name, const std::string& cause) {
+        throw InputError(fmt::format("{}: {} \"{}\": {}", scene.name, what, name, cause));
+    };
+    for (const Light& l : scene.lights)
+        if (!finite(l.position) || !finite(l.direction) || !finite(l.intensity) || !not_negative(l.intensity))
+            refuse("light", l.name, "position, direction and intensity: expected finite numbers, intensity not negative");
+    for (const Material& m : scene.materials) {
+        for (const glm::vec3& part : {m.reflectance, m.specular, m.mirror, m.emission})
+            if (!finite(part) || !not_negative(part))
+                refuse("material", m.name, "reflectance, specular, mirror and emission: expected finite numbers >= 0");
+        if (!(m.exponent >= 0 && m.exponent <= 1e6f))
+            refuse("material", m.name, fmt::format("exponent = {}: expected 0 to 1e6", m.exponent));
+        for (int c = 0; c < 3; ++c) {
+            const double sum = double(m.reflectance[c]) + m.specular[c] + m.mirror[c];
+            if (!(sum <= 1 + 1e-6))
+                refuse("material", m.name,
+                       fmt::format("reflectance + specular + mirror = {:.6g} in channel {}: expected at most 1", sum,
+                                   "RGB"[c]));
+        }
+    }
+}
+
 // Lanes whose ray meets nothing read triangle 0: where there is none, one without area stands in.
 Scene with_a_triangle(Scene scene) {
     Mesh dot;
@@ -207,18 +240,12 @@ Scene with_a_triangle(Scene scene) {
 
 std::unique_ptr<PathScene> prepare(const Scene& scene, Rays rays) {
     FpEnvironment environment;
+    check(scene);
     Geometry geometry = flatten(scene);
     if (geometry.triangles.empty()) return prepare(with_a_triangle(scene), rays);
     auto s = std::make_unique<PathScene>();
     for (const Material& m : scene.materials) {
-        for (int c = 0; c < 3; ++c) {
-            const double sum = double(m.reflectance[c]) + m.specular[c] + m.mirror[c];
-            if (!(sum <= 1 + 1e-6))
-                throw InputError(fmt::format("{}: material \"{}\": reflectance + specular + mirror = {:.6g} in channel "
-                                             "{}: expected at most 1",
-                                             scene.name, m.name, sum, "RGB"[c]));
-            s->any_glossy = s->any_glossy || m.specular[c] > 0 || m.mirror[c] > 0;
-        }
+        s->any_glossy = s->any_glossy || m.specular != glm::vec3(0) || m.mirror != glm::vec3(0);
         s->reflection.insert(s->reflection.end(), {m.specular.x, m.specular.y, m.specular.z, m.exponent,  //
                                                    m.mirror.x, m.mirror.y, m.mirror.z, 0});
     }

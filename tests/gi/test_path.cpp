@@ -292,6 +292,41 @@ TEST_CASE("path tracer: what is not finite is counted, not hidden", "[reference]
     CHECK(std::isnan(turned.mean(2, 2).x));
 }
 
+TEST_CASE("path tracer: a lamp in a closed room is found beside a sun that is stronger by far", "[reference]") {
+    // The floor of a room of 4 m, lit by 10 W at 2 m above it; outside a ground of 1000 m under the sun.
+    Scene scene;
+    add_cube(scene, grey(0), {-2, 0, -2}, {2, 4, 2});
+    add_rectangle(scene, grey(0), {-500, -1, -500}, {500, -1, 500});
+    scene.lights.push_back(point_lamp({0, 2, 0}, 10));
+    Light sun = point_lamp({0, 1, 0}, 1);
+    sun.type = LightType::directional, sun.intensity = glm::vec3(1000);
+    scene.lights.push_back(sun);
+    Image4 position(8, 8, glm::vec4(0, 0, 0, 0)), normal(8, 8, glm::vec4(0, 1, 0, 0));
+    PathParams p = with(Mode::direct, 64);
+    const auto prepared = prepare(scene, p.rays);
+    const Mean m = mean_of(trace_irradiance(p, *prepared, {&position, &normal}, 1, {}));
+    const double expected = 10 / (4 * host::pi) / 4;
+    CHECK(m.error < 0.03 * expected);
+    CHECK(std::abs(m.value - expected) < 4 * m.error + 1e-6 * expected);
+
+    // Where nothing was found yet, until_error does not stop.
+    scene.lights[0].on = false;
+    p.until_error = 0.1f, p.max_samples = 256;
+    CHECK(trace_irradiance(p, *prepare(scene, p.rays), {&position, &normal}, 1, {}).samples == 256);
+}
+
+TEST_CASE("path tracer: a million equal samples have the mean of one", "[reference]") {
+    // A float sum of so many was 0.5 % off, without a sign of it in the standard error.
+    Scene scene;
+    add_rectangle(scene, grey(0, 0.3f), {-50, -50, -1}, {50, 50, -1});
+    scene.camera.position = {0, 0, 2}, scene.camera.look_at = {0, 0, 0};
+    PathParams p = with(Mode::all, 1 << 20);
+    p.rounds = 2;
+    const Estimate e = frame_of(scene, p, {1, 1});
+    CHECK(e.samples == 1 << 20);
+    CHECK(e.mean(0, 0).x == Approx(0.3f / host::pi).epsilon(2e-7));
+}
+
 TEST_CASE("path tracer: bad input is refused by name", "[reference][errors]") {
     using Catch::Matchers::Contains;
     Scene scene = everything();
@@ -301,6 +336,15 @@ TEST_CASE("path tracer: bad input is refused by name", "[reference][errors]") {
     scene.materials[0].mirror = glm::vec3(0.05f, 0.2f, 0);
     CHECK_THROWS_WITH(prepare(scene, Rays::native), Contains("room.toml") && Contains("chalk") &&
                                                         Contains("channel G") && Contains("at most 1"));
+    scene = everything();
+    scene.materials[1].name = "soot", scene.materials[1].emission.y = std::nanf("");
+    CHECK_THROWS_WITH(prepare(scene, Rays::native), Contains("soot") && Contains("emission"));
+    scene = everything();
+    scene.materials[1].exponent = -3;
+    CHECK_THROWS_WITH(prepare(scene, Rays::native), Contains("exponent = -3"));
+    scene = everything();
+    scene.lights[1].name = "torch", scene.lights[1].intensity.x = std::nanf("");
+    CHECK_THROWS_WITH(prepare(scene, Rays::native), Contains("torch") && Contains("intensity"));
     scene = everything();
     PathParams p;
     p.samples = 0;

@@ -113,8 +113,11 @@ TEST_CASE("lights: a choice has exactly the probability that it is weighted with
         REQUIRE(chosen[std::size_t(i)] > 0);
         REQUIRE(chosen[std::size_t(i)] * 0x1p-24f == probability[std::size_t(i)]);
     }
-    // In proportion to the power: the lamp sends 10 W (three channels: 30), the first rectangle 2 x 3 x 1 W.
-    CHECK(probability[0] / (probability[1] + probability[2]) == Approx(5).epsilon(1e-4));
+    // Half evenly over five sources, half by power: the lamp sends 10 W (three channels: 30), the first rectangle
+    // 2 x 3 x 1 W, the second nothing to speak of, the block 3 x 2 x 3 x 5.94 m2, the sky 3 x 0.2 pi of the sphere.
+    const double even = 0.1, lamp = probability[0] - even, rectangle = probability[1] + probability[2] - even;
+    CHECK(lamp / rectangle == Approx(5).epsilon(1e-4));
+    CHECK(probability[3] + probability[4] == Approx(even).epsilon(1e-4));
     CHECK(table.environment_probability == probability.back());
     // Both triangles of the first rectangle have area 1/2.
     CHECK(table.triangle_pdf[0] == Approx(double(probability[1]) / 0.5));
