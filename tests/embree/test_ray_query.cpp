@@ -429,45 +429,183 @@ TEST_CASE("rays: none of 1.8 million escapes from a closed mesh", "[reference][r
         }
 }
 
-// Two walls of two triangles each, at z = 0 and z = -1, over x and y of 0..1 with (u, v) = (x, y). The first has a
-// texture of two texels, the left one transparent: rays pass at x < 1/2 and hit at x > 1/2.
-TEST_CASE("rays: rays pass where an alpha mask says that there is no surface", "[reference][rays]") {
+namespace {
+
+// A square about the z axis, over x and y of -half..half. A masked one has a texture of two texels, the left one
+// transparent: rays pass at x < 0.
+struct Wall {
+    float z, half = 0.5f;
+    bool masked = false;
+};
+
+// Wall k is the triangles 2k, where y < x, and 2k + 1.
+struct Walls {
+    std::vector<Wall> walls;
     Scene scene;
-    scene.materials.resize(2);
-    scene.materials[1].alpha_cutoff = 0.5f;
-    scene.materials[1].texture = 0;
-    Texture texture;
-    texture.texels = Image<std::uint32_t>(2, 1);
-    texture.texels(0, 0) = 0x00ffffff, texture.texels(1, 0) = 0xffffffff;
-    texture.filter = Filter::nearest;
-    scene.textures.push_back(texture);
-    Geometry g;
-    for (const int wall : {0, 1}) {
-        const auto corner = [&](float x, float y) { return raster::test::at({x, y, -wall}, {0, 0, 1}, x, y); };
-        raster::test::add_triangle(g, corner(0, 0), corner(1, 0), corner(1, 1), 1 - wall);
-        raster::test::add_triangle(g, corner(0, 0), corner(1, 1), corner(0, 1), 1 - wall);
+    Geometry geometry;
+    raster::Surfaces surfaces;
+
+    explicit Walls(std::vector<Wall> list) : walls(std::move(list)) {
+        scene.materials.resize(2);
+        scene.materials[1].alpha_cutoff = 0.5f;
+        scene.materials[1].texture = 0;
+        Texture texture;
+        texture.texels = Image<std::uint32_t>(2, 1);
+        texture.texels(0, 0) = 0x00ffffff, texture.texels(1, 0) = 0xffffffff;
+        texture.filter = Filter::nearest;
+        scene.textures.push_back(texture);
+        for (const Wall& w : walls) {
+            const auto corner = [&](float u, float v) {
+                return raster::test::at({(2 * u - 1) * w.half, (2 * v - 1) * w.half, w.z}, {0, 0, 1}, u, v);
+            };
+            raster::test::add_triangle(geometry, corner(0, 0), corner(1, 0), corner(1, 1), w.masked);
+            raster::test::add_triangle(geometry, corner(0, 0), corner(1, 1), corner(0, 1), w.masked);
+        }
+        surfaces = raster::prepare(scene, geometry);
     }
-    const raster::Surfaces surfaces = raster::prepare(scene, g);
-    REQUIRE(surfaces.any_masked);
+
+    // By definition: of the walls that are there where the ray meets their plane the nearest, of those the first.
+    std::vector<Hit> expected(const std::vector<TestRay>& rays) const {
+        std::vector<Hit> hits;
+        for (const TestRay& r : rays) {
+            Hit best{r.t_far};
+            for (std::size_t k = 0; k < walls.size(); ++k) {
+                const float t = (walls[k].z - r.origin.z) / r.direction.z;
+                const glm::vec3 p = r.origin + t * r.direction;
+                if (std::max(std::abs(p.x), std::abs(p.y)) > walls[k].half || (walls[k].masked && p.x < 0)) continue;
+                if (!(t > r.t_near && t <= r.t_far) || (best.triangle != no_hit && !(t < best.t))) continue;
+                best.t = t, best.triangle = std::uint32_t(2 * k) + !(p.y < p.x);
+            }
+            hits.push_back(best);
+        }
+        return hits;
+    }
+};
+
+// Rays that hit another triangle, or the same at another t.
+int other_hits(const std::vector<Hit>& a, const std::vector<Hit>& b, float tolerance = 0) {
+    int count = a.size() != b.size();
+    for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i)
+        count +=
+            a[i].triangle != b[i].triangle || (a[i].triangle != no_hit && !(std::abs(a[i].t - b[i].t) <= tolerance));
+    return count;
+}
+
+struct Interval {
+    float t_near, t_far;
+};
+
+// From one eye, as a packet's lanes: to 32 x 32 points of the plane z = 0, at t = 1, over the intervals in turn. For
+// walls at z = 0, -1 and -4 points and t are exact in floats, and none lies on an edge, a diagonal or a mask's x = 0.
+std::vector<TestRay> rays_from_one_eye(float z, const std::vector<Interval>& intervals) {
+    const glm::vec3 eye(-0.25f, 0.25f, z);
+    std::vector<TestRay> rays;
+    for (int j = 0; j < 32; ++j)
+        for (int i = 0; i < 32; ++i) {
+            const glm::vec3 to((float(i) + 0.5f) / 32 - 0.5f, (float(j) + 0.25f) / 32 - 0.5f, 0);
+            const Interval& range = intervals[rays.size() % intervals.size()];
+            rays.push_back({eye, to - eye, range.t_near, range.t_far});
+        }
+    return rays;
+}
+
+template <int W>
+void check_from_one_eye(const Walls& world, const RayQuery& query, const std::vector<TestRay>& rays, float tolerance) {
+    INFO("packets of " << W << " from z = " << rays[0].origin.z);
+    const std::vector<Hit> expected = world.expected(rays);
+    CHECK(hit_count(expected) > 50);
+    CHECK(other_hits(nearest<W>(query, rays), expected, tolerance) == 0);
+    CHECK(differences(expected, occluded<W>(query, rays)) == 0);
+}
+// Behind the walls is one so large that the eye is not far from the scene: far rays are traced one by one.
+void check_from_one_eye(std::vector<Wall> walls, Rays kind, const std::vector<Interval>& intervals,
+                        float tolerance = 0) {
+    walls.push_back({-4, 4});
+    const Walls world(walls);
+    for (const char* isa : {"", "isa=sse4.2", "isa=avx2"}) {
+        INFO((kind == Rays::exact ? "exact " : "native ") << isa);
+        const auto query = build_ray_query(world.geometry, world.surfaces, kind, isa);
+        for (const float z : {2.0f, -2.0f}) {
+            const std::vector<TestRay> rays = rays_from_one_eye(z, intervals);
+            check_from_one_eye<1>(world, *query, rays, tolerance);
+            check_from_one_eye<4>(world, *query, rays, tolerance);
+            check_from_one_eye<8>(world, *query, rays, tolerance);
+            check_from_one_eye<16>(world, *query, rays, tolerance);
+        }
+    }
+}
+
+// All of the ray; up to or from a place between the walls; up to or from t = 1, where t_far counts and t_near does not.
+const std::vector<Interval> between_walls{{0, infinity}, {0, 1.25f}, {0.75f, infinity}};
+std::vector<Interval> to_the_bit() {
+    const float below = std::nextafter(1.0f, 0.0f);
+    std::vector<Interval> intervals = between_walls;
+    intervals.insert(intervals.end(), {{0, 1}, {0, below}, {below, infinity}, {1, infinity}});
+    return intervals;
+}
+
+}  // namespace
+
+TEST_CASE("rays: rays pass where an alpha mask says that there is no surface", "[reference][rays]") {
+    const Walls world({{0, 0.5f, true}, {-1}});
+    REQUIRE(world.surfaces.any_masked);
     for (const Rays kind : {Rays::exact, Rays::native}) {
-        const auto query = build_ray_query(g, surfaces, kind);
+        const auto query = build_ray_query(world.geometry, world.surfaces, kind);
         std::vector<TestRay> rays;
         Random random(3);
         for (int i = 0; i < 4000; ++i) {
-            const float x = float(random.between(0.01, 0.99)), y = float(random.between(0.01, 0.99));
+            const float x = float(random.between(-0.49, 0.49)), y = float(random.between(-0.49, 0.49));
             rays.push_back({{x, y, 2}, {0, 0, -1}, 0, 2.5f + float(i % 2)});
         }
-        for (const std::vector<Hit>& hits : {nearest<1>(*query, rays), nearest<8>(*query, rays)}) {
-            int wrong = 0;
-            for (std::size_t i = 0; i < rays.size(); ++i) {
-                const glm::vec3& o = rays[i].origin;
-                const bool passes = o.x < 0.5f, below = o.y < o.x, second = rays[i].t_far == 3.5f;
-                const std::uint32_t expected = !passes ? (below ? 0 : 1) : second ? (below ? 2 : 3) : no_hit;
-                wrong += hits[i].triangle != expected;
-            }
-            CHECK(wrong == 0);
-            CHECK(differences(hits, occluded<1>(*query, rays)) == 0);
-            CHECK(differences(hits, occluded<16>(*query, rays)) == 0);
+        const std::vector<Hit> expected = world.expected(rays);
+        CHECK(other_hits(nearest<1>(*query, rays), expected, 1e-6f) == 0);
+        CHECK(other_hits(nearest<8>(*query, rays), expected, 1e-6f) == 0);
+        CHECK(differences(expected, occluded<1>(*query, rays)) == 0);
+        CHECK(differences(expected, occluded<16>(*query, rays)) == 0);
+    }
+}
+
+// The wall with the mask is the first from z = 2, and the last from z = -2.
+TEST_CASE("rays: packets of one origin pass where an alpha mask says so", "[reference][rays]") {
+    const Wall masked{0, 0.5f, true}, opaque{-1, 4};
+    for (const std::vector<Wall>& walls : {std::vector{masked, opaque}, {opaque, masked}, {masked}}) {
+        check_from_one_eye(walls, Rays::exact, to_the_bit());
+        check_from_one_eye(walls, Rays::native, between_walls, 1e-6f);
+    }
+}
+
+// Walls that lie in each other, from small to large, from large to small, and of one size: Embree comes to them in one
+// order or another.
+TEST_CASE("rays: of equal hits by packets of one origin the lowest index counts", "[reference][rays]") {
+    std::vector<Wall> growing, equal(16, {0});
+    for (int k = 1; k <= 16; ++k) growing.push_back({0, float(k) / 32});
+    const std::vector<Wall> shrinking(growing.rbegin(), growing.rend());
+    for (std::vector<Wall> walls : {growing, shrinking, equal})
+        for (const bool masks : {false, true}) {
+            INFO("of " << walls[0].half << " to " << walls[15].half << (masks ? ", three of four masked" : ""));
+            for (std::size_t k = 0; k < walls.size(); ++k) walls[k].masked = masks && k % 4 != 3;
+            check_from_one_eye(walls, Rays::exact, to_the_bit());
+        }
+}
+
+TEST_CASE("rays: packets of one origin hit the first of all triangles, one by one", "[reference][rays]") {
+    for (const float extent : {1e-4f, 1.0f, 37.0f}) {
+        INFO("extent " << extent);
+        const World world(soup(500, extent, 3));
+        const auto query = world.query(Rays::exact);
+        Random random(29);
+        for (int eye = 0; eye < 8; ++eye) {
+            std::vector<TestRay> rays = rays_at(world.geometry, extent, 1, 1024, std::uint64_t(eye));
+            const glm::vec3 origin = random.vector(-1, 1) * extent;
+            for (TestRay& r : rays) r = {origin, r.origin + r.direction - origin, r.t_near, r.t_far};
+            const std::vector<Hit> expected = by_hand(world.geometry, rays);
+            CHECK(hit_count(expected) > 200);
+            CHECK(differences(nearest<4>(*query, rays), expected) == 0);
+            CHECK(differences(nearest<8>(*query, rays), expected) == 0);
+            CHECK(differences(nearest<16>(*query, rays), expected) == 0);
+            CHECK(differences(expected, occluded<4>(*query, rays)) == 0);
+            CHECK(differences(expected, occluded<8>(*query, rays)) == 0);
+            CHECK(differences(expected, occluded<16>(*query, rays)) == 0);
         }
     }
 }
