@@ -85,6 +85,41 @@ TEST_CASE("sampler: rounds, pixels and dimensions are independent", "[reference]
     }
 }
 
+TEST_CASE("sampler: the two coordinates have scrambles of their own", "[reference][sampler]") {
+    // One and the same sample over the pixels of a row falls evenly into 8 x 8 boxes: chi-square of 63 degrees of
+    // freedom, whose standard deviation is sqrt(2 x 63) = 11.2.
+    const int n = 8192;
+    for (I sample : {0, 1, 5, 12})
+        for (I dimension : {0, 1, 6}) {
+            int count[64] = {};
+            for (int pixel = 0; pixel < n; ++pixel) {
+                const vec2<float> p = Sampler<float>::start(pixel, 2, 1, 4, sample).pair(dimension);
+                ++count[int(p.x * 8) * 8 + int(p.y * 8)];
+            }
+            double chi_square = 0;
+            for (const int c : count) chi_square += (c - n / 64.0) * (c - n / 64.0) / (n / 64.0);
+            CAPTURE(sample, dimension, chi_square);
+            CHECK(chi_square < 63 + 4 * 11.2);
+            CHECK(chi_square > 63 - 4 * 11.2);
+        }
+}
+
+TEST_CASE("lights: what a choice leaves of u is passed on where it is enough", "[reference][lights]") {
+    // Shares of 2^-9, 1/2, 2^-7 and the rest. A share below 2^-8 leaves fewer than 2^16 steps: a fresh number then.
+    const float cdf[] = {0, 0x1p-9f, 0.5f + 0x1p-9f, 0.5f + 0x1p-7f + 0x1p-9f, 1};
+    LightArgs args{};
+    args.count = 4, args.steps = 2, args.cdf = cdf;
+    for (int k = 0; k < 1 << 24; k += 97) {
+        const float u = float(k) * 0x1p-24f, fresh = 0.3125f;
+        const ChosenLight<float> c = choose_light<float>(args, u, fresh);
+        const float first = cdf[c.light], probability = cdf[c.light + 1] - first;
+        REQUIRE(first <= u);
+        REQUIRE(u < cdf[c.light + 1]);
+        REQUIRE(c.probability == probability);
+        REQUIRE(c.rest == (probability < 0x1p-8f ? fresh : (u - first) / probability));
+    }
+}
+
 TEST_CASE("lights: a choice has exactly the probability that it is weighted with", "[reference][lights]") {
     // Twelve triangles of unequal areas, a lamp and the sky, counted over all 2^24 numbers that u can be.
     Scene scene;
