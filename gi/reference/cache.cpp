@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "core/content_hash.h"
+#include "gi/reference/ray_query.h"
 
 namespace plumb::reference {
 
@@ -55,16 +56,15 @@ void add_scene(const Scene& scene, const Geometry& geometry, Hasher& h) {
     h.hash = content_hash(scene.environment.map, h.hash);
 }
 
-Hasher begin(const char* what, const PathParams& given, const Scene& scene, const Geometry& geometry,
-             std::uint32_t seed, Isa isa) {
+Hasher begin(const PathParams& given, const Scene& scene, const Geometry& geometry, std::uint32_t seed, Isa isa) {
     Hasher h;
-    h.add(std::string(what));
-    h.add(path_tracer_version, seed);
+    h.add(seed);
     PathParams params = given;
     for (const Field& f : fields(params)) h.add(f.name + " = " + value_text(f));
     if (given.rays == Rays::native) {
         h.add(isa);
         h.add(processor());
+        h.add(embree_version());
     }
     add_scene(scene, geometry, h);
     return h;
@@ -74,7 +74,7 @@ Hasher begin(const char* what, const PathParams& given, const Scene& scene, cons
 
 std::uint64_t cache_key(const PathParams& params, const Scene& scene, const Geometry& geometry, std::uint32_t seed,
                         Isa isa) {
-    Hasher h = begin("radiance", params, scene, geometry, seed, isa);
+    Hasher h = begin(params, scene, geometry, seed, isa);
     const Camera& c = scene.camera;
     h.add(c.position, c.look_at, c.up, c.fov_y_deg, c.near, c.far, scene.frame_size);
     return h.hash;
@@ -82,7 +82,7 @@ std::uint64_t cache_key(const PathParams& params, const Scene& scene, const Geom
 
 std::uint64_t cache_key(const PathParams& params, const Scene& scene, const Geometry& geometry,
                         const PointInputs& points, std::uint32_t seed, Isa isa) {
-    Hasher h = begin("irradiance", params, scene, geometry, seed, isa);
+    Hasher h = begin(params, scene, geometry, seed, isa);
     h.hash = content_hash(*points.position, h.hash);
     h.hash = content_hash(*points.normal, h.hash);
     return h.hash;

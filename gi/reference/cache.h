@@ -8,13 +8,10 @@
 
 namespace plumb::reference {
 
-// Raise it with every change of the path tracer that changes a bit of what it returns: sampling, lights, reflection,
-// the order of a sum, the triangle test. What was kept before is then traced again.
-inline constexpr std::uint32_t path_tracer_version = 1;
-
 // Of trace(): parameters, seed, camera, frame and all of the scene that a ray can meet. The names of things, the
 // convention and the settings of other stages are no part of it. Exact rays give the same bits everywhere; of native
-// ones the instruction set and the processor count as well. `geometry`: flatten(scene).
+// ones the instruction set, the processor and Embree's version count as well. Which program traced is no part of it
+// either: a store that outlives one adds that. `geometry`: flatten(scene).
 std::uint64_t cache_key(const PathParams& params, const Scene& scene, const Geometry& geometry, std::uint32_t seed,
                         Isa isa);
 // Of trace_irradiance(): the points in place of the camera.

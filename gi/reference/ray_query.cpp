@@ -66,6 +66,13 @@ std::unique_ptr<RayQuery> build_ray_query(const Geometry& geometry, const raster
     }
 }
 
+std::string embree_version() {
+    const EmbreeDevice device = retain_device("");
+    auto number = [&](RTCDeviceProperty property) { return std::to_string(rtcGetDeviceProperty(device.get(), property)); };
+    return number(RTC_DEVICE_PROPERTY_VERSION_MAJOR) + "." + number(RTC_DEVICE_PROPERTY_VERSION_MINOR) + "." +
+           number(RTC_DEVICE_PROPERTY_VERSION_PATCH);
+}
+
 std::unique_ptr<RayQuery> build_ray_query(const Geometry& geometry, const raster::Surfaces& surfaces, Rays rays) {
     return build_ray_query(geometry, surfaces, rays, "");
 }
