@@ -115,6 +115,7 @@ Frame execute(const Scene& scene, const Settings& settings, const Plan& plan, co
     for (const PlannedStage& stage : plan.stages) {
         StageRun run{stage.label, stage.needed, stage.reason};
         if (!stage.needed) {
+            if (stage.name == "reference") f.traced.push_back(tracer.dark(stage.layer));
             f.stages.push_back(run);
             continue;
         }

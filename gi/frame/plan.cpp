@@ -97,13 +97,13 @@ struct Planner {
 
     // A layer that is path traced. Until the error is small enough, nobody knows how many samples that takes: what is
     // expected is the number that is given all the same.
-    void add_traced(const char* layer, double pixels, const std::string& why) {
+    void add_traced(const char* layer, double pixels, const std::string& why, const std::string& why_not = "") {
         const reference::PathParams& p = settings.reference;
         std::string reason = why;
         if (p.until_error > 0)
             reason += fmt::format("; until its error is {} of its mean, at most {} samples", p.until_error,
                                   p.max_samples);
-        add("reference", -1, pixels * double(p.samples), "paths", ms_paths, reason, "");
+        add("reference", -1, pixels * double(p.samples), "paths", ms_paths, reason, why_not);
         PlannedStage& s = plan.stages.back();
         s.layer = layer;
         s.samples = p.until_error > 0 ? 0 : p.samples;
@@ -132,9 +132,11 @@ Plan plan(const Scene& scene, const Settings& settings) {
     planner.add("gbuffer", -1, triangles + pixels, "triangles + pixels", ms_pixels,
                 (by_paths.empty() ? "every later stage reads it" : "its layers") + without, nothing);
     double total_texels = 0;
+    std::string no_lamp = empty ? nothing : "no light shines on the scene";
     for (int l = 0; l < int(scene.lights.size()); ++l) {
         const Light& light = scene.lights[l];
         std::string dark = empty ? nothing : why_dark(light, low, high);
+        if (dark.empty()) no_lamp = "";
         if (dark.empty()) dark = by_paths;
         const int maps = raster::map_count(light);
         const double texels = double(maps) * light.rsm_size * light.rsm_size;
@@ -153,9 +155,10 @@ Plan plan(const Scene& scene, const Settings& settings) {
     planner.add("tonemap", -1, pixels, "pixels", ms_tonemap, "the picture", "");
     if (settings.truth) {
         planner.add_traced("truth", pixels, "the truth of color");
-        planner.add_traced("truth.direct", pixels, "the truth of direct: lamps alone");
+        planner.add_traced("truth.direct", pixels, "the truth of direct: lamps alone", no_lamp);
         if (settings.method == Method::rsm)
-            planner.add_traced("truth.indirect", pixels, "the truth of indirect: one bounce of the lamps' light");
+            planner.add_traced("truth.indirect", pixels, "the truth of indirect: one bounce of the lamps' light",
+                               no_lamp.empty() ? no_bounce : no_lamp);
     }
     return std::move(planner.plan);
 }

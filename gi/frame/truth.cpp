@@ -46,15 +46,26 @@ const reference::PathScene& Tracer::paths(View& view) const {
     return *view.paths;
 }
 
-Traced Tracer::trace(const std::string& layer, const raster::GBuffer& gbuffer, const RunOptions& options) {
+Traced Tracer::begin(const std::string& layer) const {
     Traced traced;
     traced.layer = layer;
     traced.params = settings_.reference;
-    const bool own = own_transport(layer);
-    if (own) {
+    if (own_transport(layer)) {
         traced.params.mode = layer == "truth.direct" ? reference::Mode::direct : reference::Mode::one_bounce;
         traced.without = without_;
     }
+    return traced;
+}
+
+Traced Tracer::dark(const std::string& layer) const {
+    Traced traced = begin(layer);
+    traced.estimate.mean = traced.estimate.error = Image4(scene_.frame_size.x, scene_.frame_size.y);
+    return traced;
+}
+
+Traced Tracer::trace(const std::string& layer, const raster::GBuffer& gbuffer, const RunOptions& options) {
+    Traced traced = begin(layer);
+    const bool own = own_transport(layer);
     // Without anything to leave out, both views are of the same scene.
     View& view = own && !without_.empty() ? own_ : whole_;
     const reference::PointInputs points{&gbuffer.position, &gbuffer.normal};

@@ -36,12 +36,15 @@ class Tracer {
     // G-buffer's points of lamps_only(scene), without a bounce and by exactly one: emission, the environment, specular
     // and mirror parts send no light there, as they send none in the method.
     Traced trace(const std::string& layer, const raster::GBuffer& gbuffer, const RunOptions& options);
+    // The layer where the plan knows that no light is in it: 0, without a sample and without an error.
+    Traced dark(const std::string& layer) const;
 
   private:
     struct View {
         const Scene* scene = nullptr;
         std::unique_ptr<reference::PathScene> paths;
     };
+    Traced begin(const std::string& layer) const;
     const reference::PathScene& paths(View& view) const;
 
     const Scene& scene_;
