@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 
@@ -67,6 +68,9 @@ void set_field(Field& f, const FieldValue& v, const std::string& place) {
             fail(f, place, text(v));
         **p = int(*number);
     } else if (auto p = std::get_if<float*>(&f.value)) {
+        if (number && within(*number, f) && !std::isfinite(float(*number)))
+            throw InputError(fmt::format("{}: {} = {}: expected {}, and no more than a float holds, {:.3g}", place, f.name,
+                                         text(v), range_text(f), std::numeric_limits<float>::max()));
         if (!number || !within(*number, f) || !within(float(*number), f)) fail(f, place, text(v));
         **p = float(*number);
     } else if (auto p = std::get_if<bool*>(&f.value)) {
