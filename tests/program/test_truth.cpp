@@ -134,6 +134,26 @@ TEST_CASE("truth: stands beside the method's layers, with its error and how far 
     CHECK(mean(layer(out, "truth")) > mean(layer(out, "")));
 }
 
+TEST_CASE("truth: a picture that knows its own error is held against the truth with it", "[program][contract]") {
+    const std::string folder = fresh_folder("truth_own_error"), scene = small_scene(folder), out = folder + "/out";
+    render(scene, out, {"--truth", "--spp", "256", "--no-cache", "--set", "rsm.gather=all_rays", "--set",
+                        "rsm.max_rays=1"});
+    const Json truth = run_json(out)["truth"];
+    const auto own = layer(out, "indirect.error"), albedo = layer(out, "albedo");
+    // Of color it is albedo / pi times that of indirect.
+    for (const bool color : {false, true}) {
+        const std::string of = color ? "truth" : "truth.indirect";
+        const auto error = layer(out, of + ".error");
+        double variances = 0;
+        for (std::size_t i = 0; i < own.size(); ++i) {
+            const double e = color ? double(own[i]) * albedo[i] / 3.14159265358979 : own[i];
+            variances += double(error[i]) * error[i] + e * e;
+        }
+        const Json& json = color ? truth : truth["own_transport"]["indirect"];
+        CHECK(json["noise"].get<double>() == Approx(std::sqrt(variances / double(own.size()))).epsilon(1e-6));
+    }
+}
+
 TEST_CASE("truth: of the method direct there is no indirect one", "[program][contract]") {
     const std::string folder = fresh_folder("truth_direct"), scene = small_scene(folder), out = folder + "/out";
     render(scene, out, {"--truth", "--method", "direct", "--spp", "4", "--no-cache"});

@@ -1,6 +1,8 @@
 // Kept references: what their key depends on, how many are kept, and where.
 #include <stdlib.h>
+#include <sys/resource.h>
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <functional>
@@ -9,6 +11,8 @@
 #include <set>
 
 #include "core/content_hash.h"
+#include "gi/reference/ray_query.h"
+#include "io/file.h"
 #include "tools/plumb/reference_files.h"
 #include "tools/plumb/truth.h"
 
@@ -72,14 +76,6 @@ TEST_CASE("cache key: changes with everything that a bit can depend on", "[tools
     using Change = std::function<void(Request&)>;
     const std::vector<Change> changes = {
         [](Request& r) { r.seed = 2; },
-        [](Request& r) { r.params.mode = reference::Mode::direct; },
-        [](Request& r) { r.params.samples = 255; },
-        [](Request& r) { r.params.until_error = 0.01f; },
-        [](Request& r) { r.params.max_samples = 4096; },
-        [](Request& r) { r.params.max_bounces = 3; },
-        [](Request& r) { r.params.rays = Rays::exact; },
-        [](Request& r) { r.params.filter = reference::Filter::box; },
-        [](Request& r) { r.params.ao_distance = 2; },
         [](Request& r) { r.isa = Isa::avx2; },  // of native rays
         [](Request& r) { r.scene.frame_size.x = 512; },
         [](Request& r) { r.scene.camera.position.x += 1e-9; },
@@ -104,6 +100,7 @@ TEST_CASE("cache key: changes with everything that a bit can depend on", "[tools
         [](Request& r) { r.scene.materials[0].emission.z = 1; },
         [](Request& r) { r.scene.materials[0].texture = 0; },
         [](Request& r) { r.scene.materials[0].emission_texture = 0; },
+        [](Request& r) { r.scene.materials[0].normal_texture = -1; },
         [](Request& r) { r.scene.materials[0].normal_scale = 2; },
         [](Request& r) { r.scene.materials[0].alpha = 0.5f; },
         [](Request& r) { r.scene.materials[0].alpha_cutoff = 0.5f; },
@@ -133,6 +130,17 @@ TEST_CASE("cache key: changes with everything that a bit can depend on", "[tools
         Request request;
         changes[i](request);
         CAPTURE(i);
+        CHECK(keys.insert(request.key()).second);
+    }
+
+    // Every parameter there is.
+    reference::PathParams defaults;
+    for (std::size_t i = 0; i < reference::fields(defaults).size(); ++i) {
+        Request request;
+        const Field field = reference::fields(request.params)[i];
+        CAPTURE(field.name);
+        if (const auto p = std::get_if<int*>(&field.value)) **p += **p > 0 && !field.choices.empty() ? -1 : 1;
+        if (const auto p = std::get_if<float*>(&field.value)) **p += 0.25f;
         CHECK(keys.insert(request.key()).second);
     }
 
@@ -170,6 +178,20 @@ TEST_CASE("cache key: does not change with names, conventions and other stages",
     CHECK(exact.key() == wide.key());
 }
 
+TEST_CASE("cache key: knows the version of Embree that runs", "[tools][cache]") {
+    const std::string version = reference::embree_version();
+    CHECK(version.substr(0, 2) == "3.");
+    CHECK(std::count(version.begin(), version.end(), '.') == 2);
+}
+
+TEST_CASE("kept references: are named after their key and the program's bytes", "[tools][cache]") {
+    const std::string folder = fresh_folder("named");
+    ReferenceFiles(folder).keep(7, kept_of({1, 1}, 1));
+    const std::vector<unsigned char> program = io::read_bytes("/proc/self/exe");
+    const std::uint64_t key = 7, own = content_hash(&key, sizeof key, content_hash(program.data(), program.size()));
+    CHECK(fs::directory_iterator(folder)->path().filename() == hash_text(own) + ".reference");
+}
+
 TEST_CASE("kept references: come back to the bit, for their key and size alone", "[tools][cache]") {
     ReferenceFiles files(fresh_folder("kept"));
     CHECK_FALSE(files.find(1, {3, 2}));
@@ -192,6 +214,42 @@ TEST_CASE("kept references: come back to the bit, for their key and size alone",
     CHECK_FALSE(files.find(1, {2, 3}));
     CHECK(files.notes().size() == 1);
 }
+
+TEST_CASE("kept references: a file larger than its picture is not read", "[tools][cache]") {
+    const std::string folder = fresh_folder("large");
+    ReferenceFiles files(folder);
+    files.keep(1, kept_of({3, 2}, 1));
+    const fs::path path = fs::directory_iterator(folder)->path();
+    fs::resize_file(path, std::uintmax_t(100) << 20);  // a sparse one: it takes no room
+    CHECK_FALSE(files.find(1, {3, 2}));
+    // 2 pictures of 3 x 2 x 16 bytes, and 64 KiB for all else.
+    CHECK(files.notes() == std::vector<std::string>{path.string() +
+                                                    ": 104857600 bytes: expected at most 65728; traced anew"});
+    files.keep(1, kept_of({3, 2}, 1));
+    CHECK(files.find(1, {3, 2}));
+}
+
+// The sanitizer ends the program where memory runs out.
+#ifndef __SANITIZE_ADDRESS__
+TEST_CASE("kept references: where memory runs out they are not there", "[tools][cache]") {
+    const std::string folder = fresh_folder("memory");
+    ReferenceFiles files(folder);
+    const glm::ivec2 size(4096, 4096);
+    files.keep(1, kept_of({3, 2}, 1));
+    fs::resize_file(fs::directory_iterator(folder)->path(), std::uintmax_t(1) << 29);
+    REQUIRE(files.find(1, {3, 2}) == std::nullopt);
+    rlimit before{};
+    REQUIRE(getrlimit(RLIMIT_DATA, &before) == 0);
+    rlimit low = before;
+    low.rlim_cur = 1 << 27;
+    REQUIRE(setrlimit(RLIMIT_DATA, &low) == 0);
+    const auto found = files.find(1, size);
+    REQUIRE(setrlimit(RLIMIT_DATA, &before) == 0);
+    CHECK_FALSE(found);
+    REQUIRE(files.notes().size() == 2);
+    CHECK(files.notes()[1].find(": out of memory; traced anew") != std::string::npos);
+}
+#endif
 
 TEST_CASE("kept references: those used last stay, the others go", "[tools][cache]") {
     const std::string folder = fresh_folder("bound");
@@ -261,7 +319,7 @@ TEST_CASE("truth: noise, bias and the share above the noise", "[tools]") {
     Image4 layer = truth.mean;
     layer(0, 0).x += 0.29f;  // within 3 standard errors
     layer(1, 0).y -= 0.31f;  // beyond
-    const TruthComparison c = compare_with_truth(layer, truth, 1);
+    const TruthComparison c = compare_with_truth(layer, {}, truth, 1);
     CHECK(c.noise == Approx(0.1));
     CHECK(c.bias == Approx((0.29 - 0.31) / 12).epsilon(1e-5));
     CHECK(c.share_above_noise == 0.25);
@@ -270,18 +328,59 @@ TEST_CASE("truth: noise, bias and the share above the noise", "[tools]") {
     CHECK_FALSE(c.below_noise);
 
     layer(1, 0).y = 1;
-    CHECK(compare_with_truth(layer, truth, 1).below_noise);
-    CHECK(compare_with_truth(layer, truth, 1).share_above_noise == 0);
+    CHECK(compare_with_truth(layer, {}, truth, 1).below_noise);
+    CHECK(compare_with_truth(layer, {}, truth, 1).share_above_noise == 0);
 
     // Float rounds where the truth has no noise; what is not finite is never below it.
     truth.error = Image4(4, 1);
     layer = truth.mean;
     layer(2, 0).z = 1.000001f;
-    CHECK(compare_with_truth(layer, truth, 1).share_above_noise == 0);
+    CHECK(compare_with_truth(layer, {}, truth, 1).share_above_noise == 0);
+    layer(2, 0).z = 1.0001f;
+    CHECK(compare_with_truth(layer, {}, truth, 1).share_above_noise == 0.25);
+    layer(2, 0).z = 1;
     truth.mean(3, 0).x = std::numeric_limits<float>::quiet_NaN();
-    const TruthComparison nan = compare_with_truth(layer, truth, 1);
+    const TruthComparison nan = compare_with_truth(layer, {}, truth, 1);
     CHECK(nan.share_above_noise == 0.25);
     CHECK_FALSE(nan.below_noise);
+}
+
+TEST_CASE("truth: a picture's own standard error counts as the truth's does", "[tools]") {
+    reference::Estimate truth;
+    truth.mean = Image4(2, 1, glm::vec4(1, 1, 1, 0));
+    truth.error = Image4(2, 1, glm::vec4(0.03f, 0.03f, 0.03f, 0));
+    const Image4 own(2, 1, glm::vec4(0.04f, 0.04f, 0.04f, 0));
+    Image4 layer = truth.mean;
+    layer(0, 0).x += 0.149f;  // 3 sqrt(0.03^2 + 0.04^2) = 0.15
+    layer(1, 0).y -= 0.151f;
+    const TruthComparison c = compare_with_truth(layer, own, truth, 1);
+    CHECK(c.noise == Approx(0.05));
+    CHECK(c.share_above_noise == 0.5);
+    CHECK_FALSE(c.below_noise);  // RMSE sqrt((0.149^2 + 0.151^2) / 6) = 0.0866
+    layer(0, 0).x = 1.1f;
+    layer(1, 0).y = 1;
+    CHECK(compare_with_truth(layer, own, truth, 1).below_noise);  // 0.1 / sqrt(6) = 0.0408
+    CHECK_FALSE(compare_with_truth(layer, {}, truth, 1).below_noise);
+}
+
+TEST_CASE("truth: color's own error is that of indirect, times albedo / pi", "[tools]") {
+    frame::Frame frame;
+    CHECK(color_error(frame).empty());
+    frame.indirect_error = Image4(1, 1, glm::vec4(1, 2, 4, 0));
+    frame.gbuffer.albedo = Image4(1, 1, glm::vec4(0.5f, 0.25f, 1, 0));
+    const glm::vec4 error = color_error(frame)(0, 0);
+    CHECK(error.x == Approx(0.1591549));  // 0.5 / pi
+    CHECK(error.y == Approx(0.1591549));
+    CHECK(error.z == Approx(1.2732395));  // 4 / pi
+}
+
+TEST_CASE("truth: a standard error that is no number is undefined", "[tools]") {
+    frame::Frame frame;
+    frame.traced.resize(1);
+    frame.traced[0].layer = "color";
+    frame.traced[0].estimate.samples = 16;
+    frame.traced[0].estimate.relative_error = -std::numeric_limits<double>::quiet_NaN();
+    CHECK(truth_text(frame, {}, 1).find("standard error undefined of the mean") != std::string::npos);
 }
 
 TEST_CASE("truth: values that are not finite are a warning", "[tools]") {

@@ -1,8 +1,11 @@
 #include "tools/plumb/reference_files.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <new>
 
 #include "core/content_hash.h"
 #include "core/error.h"
@@ -16,6 +19,11 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* extension = ".reference";
+constexpr std::uint64_t max_header = 1 << 16;  // of a bundle, its counts and its checksum; it has some hundred bytes
+
+std::uint64_t picture_bytes(glm::ivec2 size) {
+    return 2 * sizeof(glm::vec4) * std::uint64_t(size.x) * std::uint64_t(size.y);
+}
 
 // Words of 64 bits as the bundle's words of 32, low half first.
 void add_words(Bundle& bundle, const char* name, const std::vector<std::uint64_t>& values) {
@@ -62,6 +70,11 @@ reference::Kept kept_of(const Bundle& bundle, std::uint64_t key, glm::ivec2 size
     return kept;
 }
 
+// What failed, in words.
+std::string cause_of(const std::exception& e) {
+    return dynamic_cast<const std::bad_alloc*>(&e) ? "out of memory" : e.what();
+}
+
 std::string environment(const char* name) {
     const char* value = std::getenv(name);
     return value ? value : "";
@@ -98,11 +111,15 @@ std::optional<reference::Kept> ReferenceFiles::find(std::uint64_t key, glm::ivec
         path = path_of(own);
         std::error_code error;
         if (!fs::exists(path, error)) return std::nullopt;
+        // One that cannot be right is not even read.
+        const std::uint64_t bytes = fs::file_size(path, error);
+        const std::uint64_t most = std::min(picture_bytes(size), max_bytes_) + max_header;
+        if (!error && bytes > most) throw InputError(fmt::format("{} bytes: expected at most {}", bytes, most));
         reference::Kept kept = kept_of(io::read_bundle(path), own, size);
         fs::last_write_time(path, fs::file_time_type::clock::now(), error);
         return kept;
-    } catch (const InputError& e) {
-        const std::string cause = e.what();
+    } catch (const std::exception& e) {
+        const std::string cause = cause_of(e);
         notes_.push_back((cause.find(path) == 0 ? cause : path + ": " + cause) + "; traced anew");
         return std::nullopt;
     }
@@ -111,12 +128,12 @@ std::optional<reference::Kept> ReferenceFiles::find(std::uint64_t key, glm::ivec
 void ReferenceFiles::keep(std::uint64_t key, const reference::Kept& kept) {
     try {
         const std::uint64_t own = own_key(key);
-        if (2 * sizeof(glm::vec4) * kept.estimate.mean.size() > max_bytes_) return;
+        if (picture_bytes({kept.estimate.mean.width, kept.estimate.mean.height}) > max_bytes_) return;
         io::make_folder(folder_);
         io::write_bundle(path_of(own), bundle_of(own, kept));
         remove_oldest();
-    } catch (const InputError& e) {
-        notes_.push_back(std::string(e.what()) + "; the reference is not kept");
+    } catch (const std::exception& e) {
+        notes_.push_back(cause_of(e) + "; the reference is not kept");
     }
 }
 
@@ -127,18 +144,21 @@ void ReferenceFiles::remove_oldest() const {
         std::uint64_t bytes;
     };
     std::vector<File> files;
-    std::error_code error;
     const fs::file_time_type yesterday = fs::file_time_type::clock::now() - std::chrono::hours(24);
-    for (const fs::directory_entry& entry : fs::directory_iterator(folder_, error)) {
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder_)) {
         const std::string name = entry.path().filename().string();
-        const File file{entry.last_write_time(error), entry.path(), entry.file_size(error)};
+        // Another run may have removed it since.
+        std::error_code no_time, no_size;
+        const File file{entry.last_write_time(no_time), entry.path(), entry.file_size(no_size)};
+        if (no_time || no_size) continue;
         if (entry.path().extension() == extension) files.push_back(file);
         // What a run that was killed has left while it wrote.
         const bool part = name.find(std::string(extension) + ".") != std::string::npos && name.front() == '.';
-        if (part && file.used < yesterday) fs::remove(file.path, error);
+        if (part && file.used < yesterday) fs::remove(file.path, no_time);
     }
     std::sort(files.begin(), files.end(), [](const File& a, const File& b) { return a.used > b.used; });
     std::uint64_t bytes = 0;
+    std::error_code error;
     for (const File& file : files) {
         bytes += file.bytes;
         if (bytes > max_bytes_) fs::remove(file.path, error);

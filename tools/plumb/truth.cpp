@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 #include "tools/plumb/table.h"
 
@@ -61,14 +62,19 @@ void add_comparison(const TruthComparison& c, Json& json) {
 struct Pair {
     const char* name;
     const Image4* layer;
+    Image4 own_error;
     const frame::Traced* traced;
+
+    TruthComparison compare(int threads) const {
+        return compare_with_truth(*layer, own_error, traced->estimate, threads);
+    }
 };
 std::vector<Pair> pairs(const frame::Frame& frame) {
-    std::vector<Pair> all;
-    for (const Pair& pair : {Pair{"color", &frame.radiance, frame::find_traced(frame, "truth")},
-                             Pair{"direct", &frame.direct, frame::find_traced(frame, "truth.direct")},
-                             Pair{"indirect", &frame.indirect, frame::find_traced(frame, "truth.indirect")}})
-        if (pair.traced) all.push_back(pair);
+    std::vector<Pair> all = {
+        {"color", &frame.radiance, color_error(frame), frame::find_traced(frame, "truth")},
+        {"direct", &frame.direct, {}, frame::find_traced(frame, "truth.direct")},
+        {"indirect", &frame.indirect, frame.indirect_error, frame::find_traced(frame, "truth.indirect")}};
+    std::erase_if(all, [](const Pair& pair) { return !pair.traced; });
     return all;
 }
 
@@ -76,9 +82,11 @@ std::string seconds_text(double ms) { return fmt::format("{:.3g} s", ms * 1e-3);
 
 std::string traced_text(const frame::Traced& t) {
     const reference::Estimate& e = t.estimate;
-    std::string text = fmt::format("{}: {}, {} samples in {} rounds, {} rays, standard error {:.3g} % of the mean; ",
-                                   t.layer, mode_name(t.params), e.samples, e.rounds, kind_name(t.params),
-                                   100 * e.relative_error);
+    if (e.samples == 0) return t.layer + ": 0: no light is in it, nothing was traced\n";
+    std::string text = fmt::format("{}: {}, {} samples in {} rounds, {} rays, standard error {} of the mean; ", t.layer,
+                                   mode_name(t.params), e.samples, e.rounds, kind_name(t.params),
+                                   std::isfinite(e.relative_error) ? fmt::format("{:.3g} %", 100 * e.relative_error)
+                                                                   : "undefined");
     text += t.cached ? fmt::format("kept from before, when it took {}", seconds_text(t.ms))
                      : fmt::format("{:.3g} million rays in {}, {:.3g} million a second", double(e.rays) * 1e-6,
                                    seconds_text(t.ms), rays_per_second(t) * 1e-6);
@@ -96,12 +104,13 @@ std::vector<std::string> comparison_row(const Pair& pair, const TruthComparison&
             number(c.noise),
             number(c.bias),
             fmt::format("{:.4g} %", 100 * c.share_above_noise),
-            c.below_noise ? "the difference is below the truth's noise" : ""};
+            c.below_noise ? "the difference is below the noise" : ""};
 }
 
 }  // namespace
 
-TruthComparison compare_with_truth(const Image4& layer, const reference::Estimate& truth, int threads) {
+TruthComparison compare_with_truth(const Image4& layer, const Image4& own_error, const reference::Estimate& truth,
+                                   int threads) {
     TruthComparison c;
     compare::Options options;
     options.perceptual = false;
@@ -113,10 +122,12 @@ TruthComparison compare_with_truth(const Image4& layer, const reference::Estimat
     for (std::size_t i = 0; i < truth.mean.size(); ++i) {
         bool within = true;
         for (int k = 0; k < 3; ++k) {
-            const double t = truth.mean.texels[i][k], error = truth.error.texels[i][k], d = layer.texels[i][k] - t;
-            squares += error * error;
+            const double t = truth.mean.texels[i][k], d = layer.texels[i][k] - t;
+            const double drawn = truth.error.texels[i][k], own = own_error.empty() ? 0 : own_error.texels[i][k];
+            const double variance = drawn * drawn + own * own;
+            squares += variance;
             differences += d;
-            within = within && std::abs(d) <= 3 * error + 1e-5 * std::abs(t);
+            within = within && std::abs(d) <= 3 * std::sqrt(variance) + 1e-5 * std::abs(t);
         }
         if (!within) ++above;
     }
@@ -128,12 +139,19 @@ TruthComparison compare_with_truth(const Image4& layer, const reference::Estimat
     return c;
 }
 
+Image4 color_error(const frame::Frame& frame) {
+    Image4 error = frame.indirect_error;
+    for (std::size_t i = 0; i < error.size(); ++i)
+        error.texels[i] *= frame.gbuffer.albedo.texels[i] / std::numbers::pi_v<float>;
+    return error;
+}
+
 Json truth_json(const frame::Frame& frame, const std::vector<std::string>& notes, int threads) {
     const frame::Traced* picture = frame::find_traced(frame, "color");
     if (!picture) picture = frame::find_traced(frame, "truth");
     Json json = estimate_json(*picture), own = Json::object();
     for (const Pair& pair : pairs(frame)) {
-        const TruthComparison c = compare_with_truth(*pair.layer, pair.traced->estimate, threads);
+        const TruthComparison c = pair.compare(threads);
         if (pair.traced == picture) {
             add_comparison(c, json);
             continue;
@@ -151,7 +169,7 @@ std::string truth_text(const frame::Frame& frame, const std::vector<std::string>
     for (const frame::Traced& t : frame.traced) text += traced_text(t);
     std::vector<std::vector<std::string>> rows;
     for (const Pair& pair : pairs(frame))
-        rows.push_back(comparison_row(pair, compare_with_truth(*pair.layer, pair.traced->estimate, threads)));
+        rows.push_back(comparison_row(pair, pair.compare(threads)));
     if (!rows.empty()) {
         text += "\n" + format_table({{"against its truth"},
                                      {"mean error", Align::right},

@@ -10,6 +10,8 @@
 
 namespace plumb::cli {
 
+// The standard error of a difference is that of the truth and the layer's own, the root of the sum of their squares:
+// they were drawn independently.
 struct TruthComparison {
     compare::Report report;        // of the layer against the truth; without the metrics of perception
     double noise = 0;              // root of the mean of the squared standard errors: the RMSE of an unbiased layer
@@ -18,7 +20,12 @@ struct TruthComparison {
                                    // rounding of float) away from the truth; what is not finite is
     bool below_noise = false;      // RMSE <= noise: more samples are needed to see a difference
 };
-TruthComparison compare_with_truth(const Image4& layer, const reference::Estimate& truth, int threads);
+// own_error: of the layer, by channel; empty where it has none.
+TruthComparison compare_with_truth(const Image4& layer, const Image4& own_error, const reference::Estimate& truth,
+                                   int threads);
+
+// The standard error of color: of rsm.all_rays with a subset of the texels, times albedo / pi; else empty.
+Image4 color_error(const frame::Frame& frame);
 
 // For run.json: "truth", of a frame with traced layers. On top what was traced for the picture and, where it stands
 // beside the method's, how far color is from it; in own_transport the same for the layers direct and indirect.
