@@ -112,6 +112,31 @@ TEST_CASE("usage: options and arguments", "[program]") {
     CHECK_THAT(refused({"make-scene", "cornell", "--triangles", "9"}), Contains("no adjustable count"));
 }
 
+TEST_CASE("usage: experiments", "[program]") {
+    const std::string folder = fresh_folder("bad_experiments"), scene = small_scene(folder, "[16, 12]");
+    for (const char* error : {"nan", "-nan", "0", "0.009", "10.1", "inf", "few", ""})
+        CHECK_THAT(refused({"experiment", "closed-forms", "--only", "eighth", "--error", error}),
+                   Equals("--error: " + std::string(error) + ": expected 0.01 to 10"));
+    auto one_bounce = [&](std::vector<std::string> more) {
+        more.insert(more.begin(), {"experiment", "one-bounce", scene, "--width", "8", "--paths", "16"});
+        return refused(more);
+    };
+    for (const char* texels : {"nan", "-1", "1001", "far"})
+        CHECK_THAT(one_bounce({"--clear", texels}), Equals("--clear: " + std::string(texels) + ": expected 0 to 1000"));
+    for (const char* sizes : {"32", "32,32", "32,16", "16,32,32"})
+        CHECK_THAT(one_bounce({"--sizes", sizes}), Equals("--sizes: expected at least two, each larger than the one before"));
+    // Every point of the box is nearer to what lights it than 1000 texels of a small map; in the dark nothing is lit.
+    CHECK_THAT(one_bounce({"--sizes", "8,16", "--clear", "1000"}),
+               Equals("--clear 1000: no point is so far from what lights it"));
+    write(scene, read(scene).substr(0, read(scene).find("[[light]]")));
+    CHECK_THAT(one_bounce({"--sizes", "8,16"}), Equals("one-bounce: no light reaches any point that is compared"));
+
+    const Result help = run({"experiment", "--help"});
+    CHECK(help.exit == 0);
+    CHECK_THAT(help.out, Contains("Experiments:") && Contains("plumb experiment closed-forms") &&
+                             Contains("plumb experiment one-bounce") && !Contains("make-scene"));
+}
+
 TEST_CASE("usage: scenes that cannot be read", "[program]") {
     const std::string folder = fresh_folder("bad_scenes");
     const std::string missing = folder + "/missing.toml", text = folder + "/text.toml", empty = folder + "/empty.toml";
@@ -166,6 +191,8 @@ TEST_CASE("usage: settings, stages, pixels and lights that do not exist", "[prog
     CHECK_THAT(render({"--truth", "--until-error", "nan"}), StartsWith("--until-error: until_error = nan: expected"));
     CHECK_THAT(render({"--truth", "--spp", "4", "--until-error", "0.1"}),
                Equals("--until-error: --spp is given, too: expected one of them"));
+    for (const char* option : {"--spp", "--until-error", "--rays", "--method"})
+        CHECK_THAT(render({"--truth", option, ""}), Equals(std::string(option) + ": expected a value"));
     CHECK_THAT(render({"--truth", "--rays", "fast"}), StartsWith("--rays: rays = \"fast\": expected one of exact, native"));
     CHECK_THAT(render({"--truth", "--method", "reference"}), StartsWith("--truth: the method reference is the truth"));
     CHECK_THAT(render({"--truth", "--set", "reference.mode=indirect"}), StartsWith("--truth: reference.mode: expected"));

@@ -14,7 +14,7 @@ namespace plumb::cli {
 
 enum ExitCode : int { success = 0, disagreement = 1, bad_input = 2, internal_error = 3, interrupted = 130 };
 
-// Options that every command has; none changes a bit of a result.
+// Options that every command has; none changes a bit of a result, but the instruction set the last ones of native rays.
 struct Common {
     int threads = 0;  // 0: all processors
     std::string isa = "auto";
@@ -23,6 +23,11 @@ struct Common {
     RunOptions run_options() const;
 };
 void add_common(CLI::App& command, Common& common);
+
+// A number from `min` to `max`; CLI::Range takes "nan" for one.
+CLI::Validator number_within(double min, double max);
+// Anything but "".
+CLI::Validator some_word();
 
 // What to do once the whole command line has been read.
 using Action = std::function<int()>;

@@ -158,12 +158,17 @@ int run_closed_forms(const ClosedFormsOptions& given) {
 void add_experiment(CLI::App& program, Action& action) {
     CLI::App* command = program.add_subcommand("experiment", "repeat what is known: closed-forms, one-bounce");
     command->require_subcommand(1);
+    command->footer(
+        "Experiments:\n"
+        "  plumb experiment closed-forms --rays exact\n"
+        "  plumb experiment one-bounce SCENE --sizes 64,128,256\n"
+        "plumb experiment NAME --help tells more.");
 
     auto given = std::make_shared<ClosedFormsOptions>();
     CLI::App* forms = command->add_subcommand(
         "closed-forms", "hold path tracer, ambient occlusion and rsm.all against light whose amount is known");
     forms->add_option("--error", given->error_percent, "standard error to reach, in percent; 0.06 otherwise")
-        ->check(CLI::Range(0.01, 10.0).description(""))
+        ->check(number_within(0.01, 10))
         ->type_name("E");
     forms->add_option("--seed", given->seed, "of all random numbers; 1 otherwise")->type_name("N");
     forms->add_option("--rays", given->rays, "native, or exact: the same bits everywhere")

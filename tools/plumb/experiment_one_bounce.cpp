@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -28,6 +29,7 @@ struct OneBounceOptions {
     int width = 96;
     int paths = 4096;
     double clear_texels = 6;
+    bool shading_normals = false;
 };
 
 // Differences over some of the points, relative to the truth's mean over them.
@@ -42,6 +44,16 @@ struct Row {
     int size = 0;
     Difference all, clear;
 };
+
+// The same scene with the normals of its triangles alone. A texel shines about its shading normal with the flux that it
+// caught; a path weighs what it catches by the shading normal, and what it sends by the triangle's. With bent normals the
+// two are different models, however fine the map.
+Scene flat_shaded(Scene scene) {
+    for (Mesh& mesh : scene.meshes)
+        for (Vertex& v : mesh.vertices) v.normal = glm::vec3(0);
+    for (Material& m : scene.materials) m.normal_texture = -1;
+    return scene;
+}
 
 // Points whose nearest texel that lights them is farther away than `texels` of its sides: there the sum over the map is
 // a quadrature of something smooth, but for edges.
@@ -72,6 +84,7 @@ std::vector<bool> clear_points(const frame::Frame& f, double texels) {
     return clear;
 }
 
+// Over the chosen points, or all.
 Difference compare(const frame::Frame& f, const reference::Estimate& truth, const std::vector<bool>* chosen) {
     Difference d;
     double total = 0, squares = 0, noise = 0;
@@ -84,7 +97,7 @@ Difference compare(const frame::Frame& f, const reference::Estimate& truth, cons
             total += t, d.mean += difference, squares += difference * difference, noise += e * e;
         }
     }
-    if (d.points == 0 || !(total > 0)) throw InputError("one-bounce: no light reaches any point that is compared");
+    if (!(total > 0)) throw InputError("one-bounce: no light reaches any point that is compared");
     const double n = 3.0 * double(d.points), mean = total / n;
     d.mean = d.mean / n / mean;
     d.rms = std::sqrt(std::max(squares - noise, 0.0) / n) / mean;
@@ -95,6 +108,7 @@ Difference compare(const frame::Frame& f, const reference::Estimate& truth, cons
 std::vector<Row> measure(const OneBounceOptions& given) {
     const RunOptions options = given.common.run_options();
     Scene scene = frame::lamps_only(load(given.scene));
+    if (!given.shading_normals) scene = flat_shaded(std::move(scene));
     scene.frame_size = {given.width, std::max(1, given.width * scene.frame_size.y / scene.frame_size.x)};
     frame::Settings settings = settings_of(scene, given.scene);
     settings.method = frame::Method::rsm;
@@ -115,7 +129,10 @@ std::vector<Row> measure(const OneBounceOptions& given) {
             truth = tracer.trace("truth.indirect", f.gbuffer, options).estimate;
             clear = clear_points(f, given.clear_texels);
         }
-        rows.push_back({size, compare(f, truth, nullptr), compare(f, truth, &clear)});
+        const Difference all = compare(f, truth, nullptr);
+        if (std::find(clear.begin(), clear.end(), true) == clear.end())
+            throw InputError(fmt::format("--clear {}: no point is so far from what lights it", given.clear_texels));
+        rows.push_back({size, all, compare(f, truth, &clear)});
     }
     return rows;
 }
@@ -165,7 +182,9 @@ std::string one_bounce_text(const std::vector<Row>& rows) {
 }
 
 int run_one_bounce(const OneBounceOptions& given) {
-    if (given.sizes.size() < 2) throw InputError("--sizes: expected at least two");
+    const std::vector<int>& sizes = given.sizes;
+    if (sizes.size() < 2 || std::adjacent_find(sizes.begin(), sizes.end(), std::greater_equal<>()) != sizes.end())
+        throw InputError("--sizes: expected at least two, each larger than the one before");
     const std::vector<Row> rows = measure(given);
     std::fputs((given.common.json ? json_text(one_bounce_json(rows)) : one_bounce_text(rows)).c_str(), stdout);
     return success;
@@ -190,8 +209,10 @@ void add_one_bounce(CLI::App& experiment, Action& action) {
         ->type_name("N");
     command->add_option("--clear", given->clear_texels,
                         "a point is clear if what lights it is farther than N texels of the first map; 6 otherwise")
-        ->check(CLI::Range(0.0, 1000.0).description(""))
+        ->check(number_within(0, 1000))
         ->type_name("N");
+    command->add_flag("--shading-normals", given->shading_normals,
+                      "keep bent normals, which mean different things to maps and paths; flat otherwise");
     add_common(*command, given->common);
     command->footer(
         "Clear points see the map's texels as a quadrature: its error comes from the edges of what is lit and of what\n"

@@ -95,27 +95,31 @@ RunOptions Common::run_options() const {
     return options;
 }
 
+CLI::Validator number_within(double min, double max) {
+    return {[=](std::string& text) {
+                double number = 0;
+                const bool inside = CLI::detail::lexical_cast(text, number) && number >= min && number <= max;
+                return inside ? std::string() : fmt::format("{}: expected {} to {}", text, min, max);
+            },
+            ""};
+}
+
+CLI::Validator some_word() {
+    return {[](std::string& text) { return text.empty() ? std::string("expected a value") : std::string(); }, ""};
+}
+
 void add_common(CLI::App& command, Common& common) {
     command.add_flag("--json", common.json, "print one JSON value to standard output and nothing else");
     command.add_option("--threads", common.threads, "threads that compute, 1 to 1024; all processors otherwise")
         ->check(CLI::Range(1, 1024).description(""))
         ->type_name("N");
-    command.add_option("--isa", common.isa, "auto, scalar, sse, avx2 or avx512: never changes a bit of the result")
+    command.add_option("--isa", common.isa, "auto, scalar, sse, avx2 or avx512: changes no bit but the last ones of native rays")
         ->type_name("ISA");
 }
 
 int run_program(int argc, char** argv) {
     CLI::App program{"The CPU ground truth for GPU global illumination", "plumb"};
     program.set_version_flag("--version", fmt::format("plumb {}", version));
-    program.footer(
-        "Examples:\n"
-        "  plumb make-scene cornell -o out/cornell\n"
-        "  plumb plan out/cornell/cornell.toml\n"
-        "  plumb render out/cornell/cornell.toml -o out/cornell --set rsm.samples=150\n"
-        "  plumb explain out/cornell/cornell.toml --stage rsm.disc --pixel 512,700\n"
-        "  plumb compare out/cornell/cornell.exr mine.exr --max-error 1e-4 -o difference.png\n"
-        "plumb COMMAND --help tells more. Exit codes: 0 success, 1 disagreement, 2 bad usage or input, 3 internal "
-        "error.");
     program.require_subcommand(0, 1);
     Action action;
     add_render(program, action);
@@ -125,6 +129,16 @@ int run_program(int argc, char** argv) {
     add_stages(program, action);
     add_experiment(program, action);
     add_make_scene(program, action);
+    // After the commands, which would take it for theirs.
+    program.footer(
+        "Examples:\n"
+        "  plumb make-scene cornell -o out/cornell\n"
+        "  plumb plan out/cornell/cornell.toml\n"
+        "  plumb render out/cornell/cornell.toml -o out/cornell --set rsm.samples=150\n"
+        "  plumb explain out/cornell/cornell.toml --stage rsm.disc --pixel 512,700\n"
+        "  plumb compare out/cornell/cornell.exr mine.exr --max-error 1e-4 -o difference.png\n"
+        "plumb COMMAND --help tells more. Exit codes: 0 success, 1 disagreement, 2 bad usage or input, 3 internal "
+        "error.");
     try {
         const int code = parse_and_run(program, action, argc, argv);
         if (std::fflush(stdout) != 0 || std::ferror(stdout)) return fail(bad_input, "cannot write to standard output");

@@ -6,7 +6,9 @@ namespace plumb::cli {
 
 void add_scene_options(CLI::App& command, SceneOptions& options) {
     command.add_option("scene", options.file, "the scene: .toml, or a bare .obj, .gltf or .glb")->required()->type_name("SCENE");
-    command.add_option("--method", options.method, "direct, rsm or reference; the scene file's otherwise")->type_name("M");
+    command.add_option("--method", options.method, "direct, rsm or reference; the scene file's otherwise")
+        ->check(some_word())
+        ->type_name("M");
     command.add_option("--set", options.sets, "table.key=value in place of the scene file's; may be repeated")
         ->allow_extra_args(false)
         ->type_name("T.K=V");
@@ -15,11 +17,13 @@ void add_scene_options(CLI::App& command, SceneOptions& options) {
 
 void add_truth_options(CLI::App& command, SceneOptions& options) {
     command.add_flag("--truth", options.truth, "also path trace the scene, and say how far the picture is from it");
-    command.add_option("--spp", options.samples, "paths a pixel: reference.samples")->type_name("N");
+    command.add_option("--spp", options.samples, "paths a pixel: reference.samples")->check(some_word())->type_name("N");
     command.add_option("--until-error", options.until_error,
                        "in place of --spp: until the standard error is this part of the mean, 0.01 say")
+        ->check(some_word())
         ->type_name("E");
     command.add_option("--rays", options.rays, "native (faster) or exact (the same bits everywhere): reference.rays")
+        ->check(some_word())
         ->type_name("R");
 }
 
