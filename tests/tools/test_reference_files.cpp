@@ -101,6 +101,11 @@ TEST_CASE("cache key: changes with everything that a bit can depend on", "[tools
         [](Request& r) { r.scene.materials[0].texture = 0; },
         [](Request& r) { r.scene.materials[0].emission_texture = 0; },
         [](Request& r) { r.scene.materials[0].normal_texture = -1; },
+        [](Request& r) { r.scene.textures.push_back(r.scene.textures[0]); },
+        [](Request& r) {
+            r.scene.textures.push_back(r.scene.textures[0]);
+            r.scene.materials[0].normal_texture = 1;
+        },
         [](Request& r) { r.scene.materials[0].normal_scale = 2; },
         [](Request& r) { r.scene.materials[0].alpha = 0.5f; },
         [](Request& r) { r.scene.materials[0].alpha_cutoff = 0.5f; },
