@@ -68,7 +68,7 @@ std::unique_ptr<RayQuery> build_ray_query(const Geometry& geometry, const raster
 
 std::string embree_version() {
     const EmbreeDevice device = retain_device("");
-    auto number = [&](RTCDeviceProperty property) { return std::to_string(rtcGetDeviceProperty(device.get(), property)); };
+    auto number = [&](RTCDeviceProperty which) { return std::to_string(rtcGetDeviceProperty(device.get(), which)); };
     return number(RTC_DEVICE_PROPERTY_VERSION_MAJOR) + "." + number(RTC_DEVICE_PROPERTY_VERSION_MINOR) + "." +
            number(RTC_DEVICE_PROPERTY_VERSION_PATCH);
 }

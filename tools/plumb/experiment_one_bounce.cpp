@@ -45,9 +45,9 @@ struct Row {
     Difference all, clear;
 };
 
-// The same scene with the normals of its triangles alone. A texel shines about its shading normal with the flux that it
-// caught; a path weighs what it catches by the shading normal, and what it sends by the triangle's. With bent normals the
-// two are different models, however fine the map.
+// The same scene with the normals of its triangles alone. A texel shines about its shading normal with the flux that
+// it caught; a path weighs what it catches by the shading normal, and what it sends by the triangle's. With bent normals
+// the two are different models, however fine the map.
 Scene flat_shaded(Scene scene) {
     for (Mesh& mesh : scene.meshes)
         for (Vertex& v : mesh.vertices) v.normal = glm::vec3(0);
@@ -55,8 +55,8 @@ Scene flat_shaded(Scene scene) {
     return scene;
 }
 
-// Points whose nearest texel that lights them is farther away than `texels` of its sides: there the sum over the map is
-// a quadrature of something smooth, but for edges.
+// Points whose nearest texel that lights them, of the finest maps, is farther away than `texels` of its sides: there the
+// sum over the map is a quadrature of something smooth, but for edges.
 std::vector<bool> clear_points(const frame::Frame& f, double texels) {
     struct Emitter {
         glm::vec3 x, n;
@@ -117,23 +117,23 @@ std::vector<Row> measure(const OneBounceOptions& given) {
     settings.rsm.rays = settings.reference.rays;
     settings.reference.samples = given.paths;
 
-    reference::Estimate truth;
-    std::vector<bool> clear;
-    std::vector<Row> rows;
-    for (const int size : given.sizes) {
+    // The finest maps know best what is lit.
+    auto render = [&](int size) {
         for (Light& light : scene.lights) light.rsm_size = size;
-        const frame::Frame f = frame::execute(scene, settings, frame::plan(scene, settings), options);
-        if (truth.mean.empty()) {
-            const Geometry geometry = flatten(scene);
-            frame::Tracer tracer(scene, settings, geometry, nullptr);
-            truth = tracer.trace("truth.indirect", f.gbuffer, options).estimate;
-            clear = clear_points(f, given.clear_texels);
-        }
-        const Difference all = compare(f, truth, nullptr);
-        if (std::find(clear.begin(), clear.end(), true) == clear.end())
-            throw InputError(fmt::format("--clear {}: no point is so far from what lights it", given.clear_texels));
-        rows.push_back({size, all, compare(f, truth, &clear)});
-    }
+        return frame::execute(scene, settings, frame::plan(scene, settings), options);
+    };
+    const int coarsest = given.sizes.front(), finest = given.sizes.back();
+    std::vector<frame::Frame> frames;
+    for (const int size : given.sizes) frames.push_back(render(size));
+    const Geometry geometry = flatten(scene);
+    frame::Tracer tracer(scene, settings, geometry, nullptr);
+    const reference::Estimate truth = tracer.trace("truth.indirect", frames.back().gbuffer, options).estimate;
+    const std::vector<bool> clear = clear_points(frames.back(), given.clear_texels * finest / coarsest);
+    if (std::find(clear.begin(), clear.end(), true) == clear.end())
+        throw InputError(fmt::format("--clear {}: no point is so far from what lights it", given.clear_texels));
+    std::vector<Row> rows;
+    for (std::size_t i = 0; i < frames.size(); ++i)
+        rows.push_back({given.sizes[i], compare(frames[i], truth, nullptr), compare(frames[i], truth, &clear)});
     return rows;
 }
 

@@ -113,7 +113,8 @@ void add_common(CLI::App& command, Common& common) {
     command.add_option("--threads", common.threads, "threads that compute, 1 to 1024; all processors otherwise")
         ->check(CLI::Range(1, 1024).description(""))
         ->type_name("N");
-    command.add_option("--isa", common.isa, "auto, scalar, sse, avx2 or avx512: changes no bit but the last ones of native rays")
+    command.add_option("--isa", common.isa,
+                       "auto, scalar, sse, avx2 or avx512: changes no bit but the last ones of native rays")
         ->type_name("ISA");
 }
 

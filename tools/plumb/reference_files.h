@@ -13,9 +13,9 @@ namespace plumb::cli {
 std::string cache_folder();
 
 // A file is a bundle with a checksum (io/bundle_file.h) that holds its key again. One that is broken or belongs to
-// another key is never believed, one larger than its picture not even read: it counts as not there, is written anew, and
-// notes() says so. Whatever fails is a note. The key includes the
-// bytes of the program itself, so that no build believes what another has traced.
+// another key is never believed, one larger than its picture not even read: it counts as not there, is written anew,
+// and notes() says so. Whatever fails is a note. The key includes the bytes of the program itself, so that no build
+// believes what another has traced.
 class ReferenceFiles : public reference::Store {
   public:
     // Of all files at most `max_bytes` are kept, those that were used last.

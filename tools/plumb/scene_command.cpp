@@ -17,7 +17,9 @@ void add_scene_options(CLI::App& command, SceneOptions& options) {
 
 void add_truth_options(CLI::App& command, SceneOptions& options) {
     command.add_flag("--truth", options.truth, "also path trace the scene, and say how far the picture is from it");
-    command.add_option("--spp", options.samples, "paths a pixel: reference.samples")->check(some_word())->type_name("N");
+    command.add_option("--spp", options.samples, "paths a pixel: reference.samples")
+        ->check(some_word())
+        ->type_name("N");
     command.add_option("--until-error", options.until_error,
                        "in place of --spp: until the standard error is this part of the mean, 0.01 say")
         ->check(some_word())
