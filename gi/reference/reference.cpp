@@ -148,7 +148,8 @@ Estimate run_rounds(const PathParams& params, const PathScene& scene, PathArgs a
             const double mean = moments.mean[i][c], variance = moments.variance(i, c);
             e.mean.texels[i][c] = float(mean);
             e.error.texels[i][c] = float(std::sqrt(variance));
-            if (!std::isfinite(mean) || !std::isfinite(variance)) ++e.nonfinite;
+            // As they are stored: what a double holds may be too large for a float.
+            if (!std::isfinite(e.mean.texels[i][c]) || !std::isfinite(e.error.texels[i][c])) ++e.nonfinite;
         }
     e.rounds = moments.rounds;
     e.samples = moments.rounds * schedule.samples;
