@@ -150,7 +150,9 @@ PLUMB_INLINE void take_given_points(const PathArgs& in, const mask_t<F>& first, 
     using N = number<F>;
     const F one(1.0f), zero(0.0f);
     const vec3<F> black{zero, zero, zero};
-    const vec3<F> x = xyz<F>(N::fetch4(in.position, s.pixel)), n = xyz<F>(N::fetch4(in.normal, s.pixel));
+    // Lanes that have no pixel left read another's.
+    const index_t<F> pixel = select(first, s.pixel, index_t<F>(in.first_row * in.width));
+    const vec3<F> x = xyz<F>(N::fetch4(in.position, pixel)), n = xyz<F>(N::fetch4(in.normal, pixel));
     v.x = select3<F>(first, x, v.x);
     v.n = select3<F>(first, n, v.n);
     v.face = select3<F>(first, n, v.face);
