@@ -100,7 +100,7 @@ struct Builder {
         std::size_t sources = 0;
         for (const double p : source_power) total += p, sources += p > 0;
         if (!(total < 1e300)) throw InputError("reference: the power of all lights is not finite");
-        // Half by power, half evenly over the sources: the sun is stronger than any lamp, and lights no room of its own.
+        // Half by power, half evenly over the sources: the sun is stronger than any lamp, but may not reach the room.
         auto share = [&](std::size_t i) {
             return power[i] / total + power[i] / (source_power[source[i]] * double(sources));
         };

@@ -11,7 +11,7 @@
 #include "gi/reference/bsdf_kernel.h"
 #include "gi/reference/light_kernel.h"
 #include "gi/reference/sampler_kernel.h"
-#include "gi/reference/trace_rays.h"
+#include "gi/trace_rays.h"
 
 namespace plumb::reference {
 
@@ -51,11 +51,10 @@ struct PathVertex {
     vec3<F> face;       // unit, geometric; both on the side that the path comes from
     F offset;           // m, off the surface
     vec3<F> emission;   // radiance, W/(m2 sr)
-    index_t<F> triangle;
     Bsdf<F> bsdf;
 };
 
-// How a path goes on from its first surface.
+// One sample's path on its way, and the pixel's sum.
 template <class F>
 struct PathState {
     index_t<F> pixel, sample;
@@ -85,7 +84,7 @@ PLUMB_INLINE vec3<F> where(const mask_t<F>& m, const vec3<F>& v) {
     return select3<F>(m, v, vec3<F>{F(0.0f), F(0.0f), F(0.0f)});
 }
 
-// Dimensions of the sampler: two for the place in the pixel, then three pairs a surface.
+// Dimensions of the sampler: a pair for the place in the pixel, then three a surface.
 enum Dimension : int { dimension_pixel = 0, dimension_light = 1, dimension_direction = 2, dimension_choice = 3 };
 inline constexpr int dimensions_a_vertex = 3;
 
@@ -133,7 +132,6 @@ PLUMB_INLINE PathVertex<F> vertex_of(const PathArgs& in, const RayHit<F>& hit, c
     v.face = s.face * scale;
     v.offset = ray_offset(s.extent);
     v.emission = s.emission * F(float(1 / 3.14159265358979323846));
-    v.triangle = hit.triangle;
     v.bsdf.diffuse = s.albedo;
     if (in.glossy) {
         const I row = N::fetch(in.surfaces.material, hit.triangle) * I(2);
@@ -194,8 +192,7 @@ PLUMB_INLINE vec3<F> light_met(const PathArgs& in, const PathState<F>& s, const 
 // Light from a point on one of the lights.
 template <class F>
 PLUMB_INLINE vec3<F> light_chosen(const PathArgs& in, const PathState<F>& s, const PathVertex<F>& v, const vec2<F>& u,
-                                  F fresh, const mask_t<F>& at_surface, RayTracer<F>& tracer, index_t<F>& traced) {
-    using I = index_t<F>;
+                                  F fresh, const mask_t<F>& at_surface, RayTracer<F>& tracer) {
     const F zero(0.0f), one(1.0f);
     const ChosenLight<F> chosen = choose_light<F>(in.lights, u.x, fresh);
     const LightSample<F> light = sample_light<F>(in.lights, in.surfaces, in.environment, chosen, u.y, v.x);
@@ -211,19 +208,16 @@ PLUMB_INLINE vec3<F> light_chosen(const PathArgs& in, const PathState<F>& s, con
     const vec3<F> origin = v.x + v.face * v.offset;
     const vec3<F> towards = select3<F>(light.infinite, light.direction, raster::minus3(light.target, origin));
     const F t_far = select(light.infinite, F(__builtin_inff()), one);
-    traced = traced + select(asks, I(1), I(0));
-    return where<F>(tracer.visible(origin, towards, t_far, asks), radiance);
+    return where<F>(tracer.visible(origin, towards, zero, t_far, asks), radiance);
 }
 
 // 1 where a cosine-weighted direction is open, 0 where something is near.
 template <class F>
 PLUMB_INLINE F openness(const PathArgs& in, const PathVertex<F>& v, const vec2<F>& u, const mask_t<F>& at_surface,
-                        RayTracer<F>& tracer, index_t<F>& traced) {
-    using I = index_t<F>;
+                        RayTracer<F>& tracer) {
     const vec3<F> d = to_world<F>(basis_of<F>(v.n), cosine_hemisphere<F>(u.x, u.y));
     const mask_t<F> asks = at_surface & (dot3(v.face, d) > F(0.0f));
-    traced = traced + select(asks, I(1), I(0));
-    const mask_t<F> open = tracer.visible(vec3<F>(v.x + v.face * v.offset), d, F(in.ao_distance), asks);
+    const mask_t<F> open = tracer.visible(vec3<F>(v.x + v.face * v.offset), d, F(0.0f), F(in.ao_distance), asks);
     return select(open, F(1.0f), F(0.0f));
 }
 
@@ -285,7 +279,6 @@ PLUMB_INLINE std::uint64_t trace_paths(const PathArgs& in, const RayQuery& query
     using I = index_t<F>;
     const F zero(0.0f), one(1.0f);
     RayTracer<F> tracer(query);
-    I rays(0);
     PathState<F> s{};
     s.pixel = N::iota(first);
     s.origin = s.direction = {zero, zero, one};
@@ -296,7 +289,6 @@ PLUMB_INLINE std::uint64_t trace_paths(const PathArgs& in, const RayQuery& query
         const mask_t<F> given = in.position ? mask_t<F>(active & (s.depth == I(0))) : mask_t<F>(active & !active);
         const mask_t<F> traced = active & !given;
         const RayHit<F> hit = tracer.nearest(s.origin, s.direction, traced);
-        rays = rays + select(traced, I(1), I(0));
         PathVertex<F> v = vertex_of<F>(in, hit, s.direction);
         mask_t<F> at_surface = hit.found;
         if (in.position) {
@@ -313,14 +305,14 @@ PLUMB_INLINE std::uint64_t trace_paths(const PathArgs& in, const RayQuery& query
         // Gathers light, or openness, and goes on.
         mask_t<F> goes_on = at_surface & !at_surface;
         if (in.openness) {
-            const F open = openness<F>(in, v, u_direction, at_surface, tracer, rays);
+            const F open = openness<F>(in, v, u_direction, at_surface, tracer);
             const F seen = select(traced & !hit.found, one, open);  // open where no surface is
             s.radiance = vec3<F>{seen, seen, seen};
         } else {
             s.radiance = s.radiance + light_met<F>(in, s, hit, v, traced);
             const mask_t<F> asks = at_surface & counted<F>(in, s.depth);
             if (in.lights.count > 0 && any(asks))
-                s.radiance = s.radiance + light_chosen<F>(in, s, v, u_light, choice.x, asks, tracer, rays);
+                s.radiance = s.radiance + light_chosen<F>(in, s, v, u_light, choice.x, asks, tracer);
             goes_on = at_surface & scatter_path<F>(in, v, u_direction, choice, s);
         }
 
@@ -329,11 +321,7 @@ PLUMB_INLINE std::uint64_t trace_paths(const PathArgs& in, const RayQuery& query
         s.radiance = s.radiance + where<F>(at_surface, (v.x + v.n + s.throughput) * zero);
         active = next_sample<F>(in, active & !goes_on, last, s);
     }
-    std::int32_t lanes[N::width];
-    copy_lanes(lanes, rays);
-    std::uint64_t total = 0;
-    for (const std::int32_t n : lanes) total += std::uint32_t(n);
-    return total;
+    return tracer.traced();
 }
 
 }  // namespace plumb::reference

@@ -181,7 +181,8 @@ std::vector<Field> fields(PathParams& p) {
          2, 1 << 16, {}, false},
         {"until_error", &p.until_error, "",
          "above 0: goes on until the standard error, relative to the picture's mean, is at most this", 0, 1, {}, false},
-        {"max_samples", &p.max_samples, "", "where until_error gives up; it looks after every 128", 128, 1 << 24, {}, false},
+        {"max_samples", &p.max_samples, "", "where until_error gives up; it looks after every 128", 128, 1 << 24, {},
+         false},
         {"max_bounces", &p.max_bounces, "", "reflections of a path; 0: no limit but Russian roulette", 0, 1 << 20, {},
          false},
         {"roulette", &p.roulette, "",
@@ -191,7 +192,8 @@ std::vector<Field> fields(PathParams& p) {
         {"rays", as_int(p.rays), "", "exact: the same bits everywhere; native: Embree's own test, faster", 0, 1,
          {"exact", "native"}, false},
         {"filter", as_int(p.filter), "",
-         "camera rays start at the pixel's centre, as samples of the rasterizer, or anywhere in it", 0, 1, {"centre", "box"}, false},
+         "camera rays start at the pixel's centre, as samples of the rasterizer, or anywhere in it", 0, 1,
+         {"centre", "box"}, false},
         {"ao_distance", &p.ao_distance, "m", "what is farther does not occlude; 0: no limit", 0, unbounded, {}, false},
     };
 }
@@ -209,7 +211,7 @@ void check(const Scene& scene) {
     };
     for (const Light& l : scene.lights)
         if (!finite(l.position) || !finite(l.direction) || !finite(l.intensity) || !not_negative(l.intensity))
-            refuse("light", l.name, "position, direction and intensity: expected finite numbers, intensity not negative");
+            refuse("light", l.name, "position, direction, intensity: expected finite numbers, intensity not negative");
     for (const Material& m : scene.materials) {
         for (const glm::vec3& part : {m.reflectance, m.specular, m.mirror, m.emission})
             if (!finite(part) || !not_negative(part))

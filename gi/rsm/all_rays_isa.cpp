@@ -31,7 +31,7 @@ std::uint64_t all_rays_rows<Isa::PLUMB_ISA>(const AllRaysView& in, const RayQuer
                 N::store4(in.standard_error, pixel, vec4<F>(e.standard_error, F(0.0f)), inside);
             }
         }
-    return rays.traced;
+    return rays.tracer.traced();
 }
 
 }  // namespace plumb::rsm
