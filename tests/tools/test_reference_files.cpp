@@ -385,7 +385,8 @@ TEST_CASE("truth: a standard error that is no number is undefined", "[tools]") {
     frame.traced[0].layer = "color";
     frame.traced[0].estimate.samples = 16;
     frame.traced[0].estimate.relative_error = -std::numeric_limits<double>::quiet_NaN();
-    CHECK(truth_text(frame, {}, 1).find("standard error undefined of the mean") != std::string::npos);
+    const std::string text = truth_text(frame, compare_layers(frame, 1), {});
+    CHECK(text.find("standard error undefined of the mean") != std::string::npos);
 }
 
 TEST_CASE("truth: values that are not finite are a warning", "[tools]") {

@@ -52,8 +52,8 @@ int render(const RenderOptions& given) {
     const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 
     // Write.
-    const int threads = given.common.threads;
-    const Json truth = frame.traced.empty() ? Json(nullptr) : truth_json(frame, kept.notes(), threads);
+    const std::vector<TruthRow> rows = compare_layers(frame, given.common.threads);
+    const Json truth = frame.traced.empty() ? Json(nullptr) : truth_json(frame, rows, kept.notes());
     const RunReport report{scene, settings, options, frame.stages, ms, peak_bytes(), truth};
     const std::string json = json_text(run_json(report));
     write_pictures(scene, plan, frame, outputs);
@@ -68,7 +68,7 @@ int render(const RenderOptions& given) {
         return success;
     }
     std::string text = run_text(report) + "\n";
-    if (!frame.traced.empty()) text += truth_text(frame, kept.notes(), threads) + "\n";
+    if (!frame.traced.empty()) text += truth_text(frame, rows, kept.notes()) + "\n";
     std::size_t dumped = 0;
     for (const std::string& file : outputs.files()) {
         if (file.find("/dump/") == std::string::npos && file.rfind("dump/", 0) != 0)

@@ -58,26 +58,6 @@ void add_comparison(const TruthComparison& c, Json& json) {
     json["below_noise"] = c.below_noise;
 }
 
-// A layer and the traced one that it approximates.
-struct Pair {
-    const char* name;
-    const Image4* layer;
-    Image4 own_error;
-    const frame::Traced* traced;
-
-    TruthComparison compare(int threads) const {
-        return compare_with_truth(*layer, own_error, traced->estimate, threads);
-    }
-};
-std::vector<Pair> pairs(const frame::Frame& frame) {
-    std::vector<Pair> all = {
-        {"color", &frame.radiance, color_error(frame), frame::find_traced(frame, "truth")},
-        {"direct", &frame.direct, {}, frame::find_traced(frame, "truth.direct")},
-        {"indirect", &frame.indirect, frame.indirect_error, frame::find_traced(frame, "truth.indirect")}};
-    std::erase_if(all, [](const Pair& pair) { return !pair.traced; });
-    return all;
-}
-
 std::string seconds_text(double ms) { return fmt::format("{:.3g} s", ms * 1e-3); }
 
 std::string traced_text(const frame::Traced& t) {
@@ -94,11 +74,12 @@ std::string traced_text(const frame::Traced& t) {
     return text + "\n";
 }
 
-std::vector<std::string> comparison_row(const Pair& pair, const TruthComparison& c) {
+std::vector<std::string> comparison_row(const TruthRow& row) {
+    const TruthComparison& c = row.comparison;
     auto number = [](std::optional<double> v) {
         return v && std::isfinite(*v) ? fmt::format("{:.4g}", *v) : std::string("undefined");
     };
-    return {pair.name,
+    return {row.name,
             number(c.report.mean_error),
             number(c.report.rmse),
             number(c.noise),
@@ -146,30 +127,37 @@ Image4 color_error(const frame::Frame& frame) {
     return error;
 }
 
-Json truth_json(const frame::Frame& frame, const std::vector<std::string>& notes, int threads) {
+std::vector<TruthRow> compare_layers(const frame::Frame& frame, int threads) {
+    std::vector<TruthRow> rows;
+    auto compare = [&](const char* name, const char* truth, const Image4& layer, const Image4& own_error) {
+        const frame::Traced* traced = frame::find_traced(frame, truth);
+        if (traced) rows.push_back({name, traced, compare_with_truth(layer, own_error, traced->estimate, threads)});
+    };
+    compare("color", "truth", frame.radiance, color_error(frame));
+    compare("direct", "truth.direct", frame.direct, {});
+    compare("indirect", "truth.indirect", frame.indirect, frame.indirect_error);
+    return rows;
+}
+
+Json truth_json(const frame::Frame& frame, const std::vector<TruthRow>& rows, const std::vector<std::string>& notes) {
     const frame::Traced* picture = frame::find_traced(frame, "color");
     if (!picture) picture = frame::find_traced(frame, "truth");
     Json json = estimate_json(*picture), own = Json::object();
-    for (const Pair& pair : pairs(frame)) {
-        const TruthComparison c = pair.compare(threads);
-        if (pair.traced == picture) {
-            add_comparison(c, json);
-            continue;
-        }
-        own[pair.name] = estimate_json(*pair.traced);
-        add_comparison(c, own[pair.name]);
+    for (const TruthRow& row : rows) {
+        if (row.traced != picture) own[row.name] = estimate_json(*row.traced);
+        add_comparison(row.comparison, row.traced == picture ? json : own[row.name]);
     }
     if (!own.empty()) json["own_transport"] = own;
     json["notes"] = notes;
     return json;
 }
 
-std::string truth_text(const frame::Frame& frame, const std::vector<std::string>& notes, int threads) {
+std::string truth_text(const frame::Frame& frame, const std::vector<TruthRow>& rows,
+                       const std::vector<std::string>& notes) {
     std::string text;
     for (const frame::Traced& t : frame.traced) text += traced_text(t);
-    std::vector<std::vector<std::string>> rows;
-    for (const Pair& pair : pairs(frame))
-        rows.push_back(comparison_row(pair, pair.compare(threads)));
+    std::vector<std::vector<std::string>> cells;
+    for (const TruthRow& row : rows) cells.push_back(comparison_row(row));
     if (!rows.empty()) {
         text += "\n" + format_table({{"against its truth"},
                                      {"mean error", Align::right},
@@ -178,7 +166,7 @@ std::string truth_text(const frame::Frame& frame, const std::vector<std::string>
                                      {"bias", Align::right},
                                      {"above 3 noise", Align::right},
                                      {""}},
-                                    rows);
+                                    cells);
     }
     for (const std::string& note : notes) text += "note: " + note + "\n";
     return text;

@@ -27,12 +27,21 @@ TruthComparison compare_with_truth(const Image4& layer, const Image4& own_error,
 // The standard error of color: of rsm.all_rays with a subset of the texels, times albedo / pi; else empty.
 Image4 color_error(const frame::Frame& frame);
 
+// A layer beside the traced one that it approximates.
+struct TruthRow {
+    std::string name;  // "color", "direct", "indirect"
+    const frame::Traced* traced;
+    TruthComparison comparison;
+};
+std::vector<TruthRow> compare_layers(const frame::Frame& frame, int threads);
+
 // For run.json: "truth", of a frame with traced layers. On top what was traced for the picture and, where it stands
 // beside the method's, how far color is from it; in own_transport the same for the layers direct and indirect.
-Json truth_json(const frame::Frame& frame, const std::vector<std::string>& notes, int threads);
+Json truth_json(const frame::Frame& frame, const std::vector<TruthRow>& rows, const std::vector<std::string>& notes);
 
 // The same for people; empty where nothing was traced.
-std::string truth_text(const frame::Frame& frame, const std::vector<std::string>& notes, int threads);
+std::string truth_text(const frame::Frame& frame, const std::vector<TruthRow>& rows,
+                       const std::vector<std::string>& notes);
 
 // One line for each layer with values that are not finite.
 std::vector<std::string> truth_warnings(const frame::Frame& frame);
