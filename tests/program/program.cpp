@@ -183,4 +183,10 @@ void write_exr(const std::string& path, const compare::Picture& picture) {
                   {{"color", picture.channels, picture.data.data(), int(picture.channels.size())}});
 }
 
+Words keys(const Json& object) {
+    Words names;
+    for (const auto& item : object.items()) names.push_back(item.key());
+    return names;
+}
+
 }  // namespace plumb::program

@@ -9,6 +9,12 @@
 
 namespace plumb::program {
 
+using Json = nlohmann::ordered_json;
+using Words = std::vector<std::string>;
+
+// The names of its members, in order.
+Words keys(const Json& object);
+
 struct Result {
     int exit = -1;  // 128 + signal if a signal ended it
     std::string out, err;

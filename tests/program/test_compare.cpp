@@ -11,8 +11,6 @@
 using namespace plumb;
 using namespace plumb::program;
 using Catch::Matchers::Contains;
-using Json = nlohmann::ordered_json;
-using Words = std::vector<std::string>;
 
 namespace {
 

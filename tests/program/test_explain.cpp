@@ -8,16 +8,8 @@
 using namespace plumb;
 using namespace plumb::program;
 using Catch::Matchers::Contains;
-using Json = nlohmann::ordered_json;
-using Words = std::vector<std::string>;
 
 namespace {
-
-Words keys(const Json& object) {
-    Words names;
-    for (const auto& item : object.items()) names.push_back(item.key());
-    return names;
-}
 
 // The values of that name, in order.
 std::vector<Json> named(const Json& explanation, const std::string& name) {

@@ -13,16 +13,8 @@
 using namespace plumb;
 using namespace plumb::program;
 using Catch::Matchers::Contains;
-using Json = nlohmann::ordered_json;
-using Words = std::vector<std::string>;
 
 namespace {
-
-Words keys(const Json& object) {
-    Words names;
-    for (const auto& item : object.items()) names.push_back(item.key());
-    return names;
-}
 
 Result render(const std::string& scene, const std::string& out, Words more) {
     more.insert(more.begin(), {"render", scene, "-o", out});
