@@ -1,0 +1,67 @@
+// Verdicts: whether what a device wrote is what the stage should have written, pixel by pixel.
+//
+//     equal          the same bits
+//     within_bound   another rounding, no farther away than the device's operations may err; on our branch or another
+//                    legal one whose outcome could be computed
+//     ambiguous      a comparison or a choice of texel fell inside the bound, and its outcomes cannot be told apart
+//     wrong          none of these; NaN on either side
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "core/binding.h"
+#include "core/image.h"
+
+namespace plumb::parity {
+
+enum class Verdict : std::uint8_t { equal, within_bound, ambiguous, wrong };
+inline constexpr int verdicts = 4;
+const char* verdict_name(Verdict verdict);
+
+// One output as the device wrote it.
+struct Dumped {
+    std::string output;           // its name
+    Array array;                  // [height][width][channels] f32 or i32, decoded
+    Format stored = Format::rgba32f;  // what the device rounded it to
+    unsigned channels = 15;       // bit c: component c was dumped
+};
+
+struct WorstPixel {
+    glm::ivec2 pixel{0};
+    Verdict verdict = Verdict::equal;
+    std::string output;
+    int channel = 0;
+    double expected = 0, got = 0;
+    double bound = 0;   // |got - expected| may be as large as this
+    double excess = 0;  // |got - expected| / bound
+};
+
+struct StageVerdict {
+    std::string stage, label, id;
+    Verdict verdict = Verdict::equal;  // the worst of all pixels; ambiguous alone does not fail
+    bool passed = false;               // nothing is wrong, and ambiguous is at most the limit
+    std::string reason;                // one sentence, where it did not pass
+    std::array<std::int64_t, verdicts> count{};
+    std::int64_t pixels = 0;           // that were judged
+    std::vector<WorstPixel> worst;     // the worst of each verdict first; at most JudgeOptions::worst
+    Image<std::uint8_t> map;           // [height][width]: Verdict; 255: not judged
+    double ms = 0;
+};
+
+struct JudgeOptions {
+    DeviceProfile profile;
+    double max_ambiguous = 0.005;  // share of pixels
+    int worst = 8;
+    RunOptions run;
+    std::vector<std::int32_t> choices;  // [height][width][n]: discrete choices that the device dumped, or empty
+    int choices_a_pixel = 0;
+};
+
+// Throws InputError for outputs of another size or unknown names; missing ones are not judged, but at least one must be
+// there.
+StageVerdict judge(const StageBinding& binding, const StageData& data, const std::vector<Dumped>& dumped,
+                   const JudgeOptions& options);
+
+}  // namespace plumb::parity
