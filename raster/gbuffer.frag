@@ -1,6 +1,7 @@
 #version 450
 // Twin of gbuffer_kernel.h: one pixel of the G-buffer (ISR 4.2, VRSM 4.2).
 #extension GL_GOOGLE_include_directive : require
+#include "core/tap.glsl"
 #include "raster/surface.glsl"
 
 layout(std140, binding = 0) uniform GBufferUniforms {
@@ -21,8 +22,11 @@ layout(location = 3) out vec4 emission;  // W/m2
 layout(location = 4) out ivec2 id;       // object, triangle
 
 void main() {
+    TAP_BEGIN(ivec2(gl_FragCoord.xy), triangle);
+    TAP(object, objects[triangle]);
+    TAP(z, gl_FragCoord.z);
     Surface s = surface(triangle, barycentrics, Viewer(u.viewer, u.forward, u.pixel_area));
-    float depth = linear_depth(u.eye, u.forward, s.position);
+    float depth = linear_depth(u.eye, u.forward, s.position);  TAP(depth, depth);
     position = vec4(s.position, depth);
     normal = vec4(s.normal, 1.0);
     albedo = vec4(s.albedo, 0.0);

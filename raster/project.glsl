@@ -1,4 +1,5 @@
 // Twin of project_kernel.h.
+#include "core/tap.glsl"
 
 struct Projection {
     vec4 to_texel_x;
@@ -17,6 +18,9 @@ ivec2 project(Projection map, vec3 x) {
     precise float row_w = map.to_texel_w.x * x.x + map.to_texel_w.y * x.y + map.to_texel_w.z * x.z + map.to_texel_w.w;
     precise float w = max(map.least_w, row_w);
     precise vec2 texel = vec2(min(max(row_x / w, map.low), map.high), min(max(row_y / w, map.low), map.high));
+    TAP(projection, texel);
+    CHOICE(int(floor(texel.x)));
+    CHOICE(int(floor(texel.y)));
     return ivec2(floor(texel));
 }
 

@@ -89,12 +89,17 @@ vec3 mapped_normal(MaterialRow m, int v0, int v1, int v2, vec2 uv, float uv_area
     precise vec4 dt2 = t2 - t0;
     vec3 tangent = interpolate3(t0.xyz, dt1.xyz, dt2.xyz, l);
     float side = interpolate(t0.w, dt1.w, dt2.w, l);
+    TAP(tangent, tangent);
+    TAP(bitangent_side, side);
 
+    TAP_OFF;
     vec3 texel = sample_texture(m.normal, uv, uv_area, levels, true);
+    TAP_ON;
     precise float x = (2.0 * texel.x - 1.0) * m.normal_scale;
     precise float y = (2.0 * texel.y - 1.0) * m.normal_scale;
     precise float z = 2.0 * texel.z - 1.0;
     precise float w = y * side;
+    TAP(tangent_normal, vec3(x, y, z));
     vec3 across = cross3(n, tangent);
     precise vec3 mapped = vec3((x * tangent.x + w * across.x) + z * n.x, (x * tangent.y + w * across.y) + z * n.y,
                                (x * tangent.z + w * across.z) + z * n.z);
@@ -127,13 +132,17 @@ bool passes_alpha(int triangle, vec2 l) {
     int v2 = triangles[triangle * 3 + 2] * 2;
     vec2 uv = interpolate_uv(vec2(vertices[v0].w, vertices[v0 + 1].w), vec2(vertices[v1].w, vertices[v1 + 1].w),
                              vec2(vertices[v2].w, vertices[v2 + 1].w), l);
+    TAP_OFF;
     TexelQuad q = fetch_quad(m.base, uv);
+    TAP_ON;
     precise float alpha = m.reflectance_alpha.w * filter_channel(q, 0, 3);
     float cutoff = m.emission_cutoff.w;
     return !(cutoff > 0.0) || alpha >= cutoff;
 }
 
 Surface surface(int triangle, vec2 l, Viewer viewer) {
+    TAP(triangle, triangle);
+    TAP(barycentrics, l);
     int v0 = triangles[triangle * 3];
     int v1 = triangles[triangle * 3 + 1];
     int v2 = triangles[triangle * 3 + 2];
@@ -143,12 +152,13 @@ Surface surface(int triangle, vec2 l, Viewer viewer) {
     vec4 n0 = vertices[v0 * 2 + 1];
     vec4 n1 = vertices[v1 * 2 + 1];
     vec4 n2 = vertices[v2 * 2 + 1];
-    MaterialRow m = fetch_material(triangle_material[triangle]);
+    int material = triangle_material[triangle];                                TAP(material, material);
+    MaterialRow m = fetch_material(material);
 
     Surface s;
     precise vec3 e1 = p1.xyz - p0.xyz;
     precise vec3 e2 = p2.xyz - p0.xyz;
-    s.position = interpolate3(p0.xyz, e1, e2, l);
+    s.position = interpolate3(p0.xyz, e1, e2, l);                              TAP(position, s.position);
 
     precise vec3 to_viewer = viewer.place.xyz - viewer.place.w * p0.xyz;
     precise vec3 dn1 = n1.xyz - n0.xyz;
@@ -164,10 +174,12 @@ Surface surface(int triangle, vec2 l, Viewer viewer) {
     bool levels = viewer.pixel_area > 0.0;
     if ((m.base | m.emission | m.normal) > 0) {
         uv = interpolate_uv(vec2(p0.w, n0.w), vec2(p1.w, n1.w), vec2(p2.w, n2.w), l);
+        TAP(uv, uv);
         if (levels) {
             precise vec2 uv1 = vec2(p1.w - p0.w, n1.w - n0.w);
             precise vec2 uv2 = vec2(p2.w - p0.w, n2.w - n0.w);
             uv_area = pixel_uv_area(viewer, uv1, uv2, e1, e2, to_viewer, s.position);
+            TAP(uv_area, uv_area);
         }
     }
     if (m.normal > 0) {
@@ -175,12 +187,20 @@ Surface surface(int triangle, vec2 l, Viewer viewer) {
         n = mapped_normal(m, v0, v1, v2, uv, uv_area, levels, l, unit);
     }
     precise vec3 seen = normalised(n) * side;
-    s.normal = seen;
+    s.normal = seen;                                                           TAP(normal, s.normal);
 
-    s.albedo = m.reflectance_alpha.xyz;
-    if (m.base > 0) s.albedo = times3(s.albedo, sample_texture(m.base, uv, uv_area, levels, false));
+    s.albedo = m.reflectance_alpha.xyz;                                        TAP(reflectance, s.albedo);
+    if (m.base > 0) {
+        vec3 colour = sample_texture(m.base, uv, uv_area, levels, false);      TAP(texture, colour);
+        s.albedo = times3(s.albedo, colour);
+    }
+    TAP(albedo, s.albedo);
+
     s.emission = m.emission_cutoff.xyz;
+    TAP_OFF;
     if (m.emission > 0) s.emission = times3(s.emission, sample_texture(m.emission, uv, uv_area, levels, false));
+    TAP_ON;
+    TAP(emission, s.emission);
     return s;
 }
 

@@ -1,4 +1,5 @@
 // Twin of texture_kernel.h: the same functions, in the same order.
+#include "core/tap.glsl"
 
 layout(std430, binding = 6) readonly buffer Textures { ivec4 textures[]; };  // first texel, width, height, flags
 layout(std430, binding = 7) readonly buffer Texels { int texels[]; };        // RGBA8
@@ -60,6 +61,8 @@ TexelQuad fetch_quad(int row, vec2 uv) {
     int lower = first + wrap_index(j + 1, height, wrap_v) * width;
     precise float along_u = x - left;
     precise float along_v = y - top;
+    TAP(texel, ivec2(i, j));
+    TAP(texel_weight, vec2(along_u, along_v));
     return TexelQuad(texels[upper + x0], texels[upper + x1], texels[lower + x0], texels[lower + x1], along_u, along_v,
                      (flags & flag_srgb) << 7);
 }
@@ -101,11 +104,15 @@ vec3 sample_texture(int row, vec2 uv, float uv_area, bool levels, bool plain) {
     if (levels) {
         precise float covered = uv_area * (float(textures[row].y) * float(textures[row].z));
         d = detail(covered, textures[row].w >> levels_shift);
+        TAP(level, d.level);
+        TAP(level_blend, d.blend);
     }
     TexelQuad q = fetch_quad(row + d.level, uv);
     vec3 c = filter_rgb(q, plain ? 0 : q.curve);
     if (!(d.blend > 0.0)) return c;
+    TAP_OFF;
     TexelQuad r = fetch_quad(row + d.level + 1, uv);
+    TAP_ON;
     vec3 e = filter_rgb(r, plain ? 0 : r.curve);
     precise vec3 colour = c + d.blend * (e - c);
     return colour;

@@ -1,5 +1,8 @@
 #version 450
 // Twin of compose_kernel.h: what leaves a diffuse surface towards the viewer.
+#extension GL_GOOGLE_include_directive : require
+#include "core/tap.glsl"
+
 layout(local_size_x = 8, local_size_y = 8) in;
 
 layout(std140, binding = 0) uniform ComposeUniforms {
@@ -18,17 +21,19 @@ layout(binding = 6, rgba32f) uniform writeonly image2D radiance_image;
 
 vec3 compose(ivec2 pixel) {
     bool covered = texelFetch(normal_image, pixel, 0).w > 0.0;
-    vec3 rho = texelFetch(albedo_image, pixel, 0).xyz;
-    vec3 exitance = texelFetch(emission_image, pixel, 0).xyz;
-    vec3 direct = texelFetch(direct_image, pixel, 0).xyz;
-    vec3 indirect = texelFetch(indirect_image, pixel, 0).xyz;
+    vec3 rho = texelFetch(albedo_image, pixel, 0).xyz;          TAP(albedo, rho);
+    vec3 exitance = texelFetch(emission_image, pixel, 0).xyz;   TAP(emission, exitance);
+    vec3 direct = texelFetch(direct_image, pixel, 0).xyz;       TAP(direct, direct);
+    vec3 indirect = texelFetch(indirect_image, pixel, 0).xyz;   TAP(indirect, indirect);
 
     precise vec3 radiance = (rho * (direct + indirect) + exitance) * u.inv_pi;
-    return covered ? radiance : u.environment.xyz;
+    radiance = covered ? radiance : u.environment.xyz;          TAP(radiance, radiance);
+    return radiance;
 }
 
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     if (pixel.x >= u.width || pixel.y >= u.height) return;
+    TAP_BEGIN(pixel, 0);
     imageStore(radiance_image, pixel, vec4(compose(pixel), 0.0));
 }

@@ -2,6 +2,7 @@
 // Twin of tonemap_kernel.h: radiance to the values of a display.
 #extension GL_GOOGLE_include_directive : require
 #include "core/detmath.glsl"
+#include "core/tap.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
@@ -38,14 +39,18 @@ float srgb_encode(float value) {
 }
 
 vec3 tonemap(ivec2 pixel) {
-    vec3 radiance = texelFetch(radiance_image, pixel, 0).xyz;
+    vec3 radiance = texelFetch(radiance_image, pixel, 0).xyz;   TAP(radiance, radiance);
     precise vec3 x = u.exposure * radiance;
     vec3 mapped = vec3(tone_curve(u.op, x.x), tone_curve(u.op, x.y), tone_curve(u.op, x.z));
-    return vec3(srgb_encode(mapped.x), srgb_encode(mapped.y), srgb_encode(mapped.z));
+    TAP(mapped, mapped);
+    vec3 display = vec3(srgb_encode(mapped.x), srgb_encode(mapped.y), srgb_encode(mapped.z));
+    TAP(display, display);
+    return display;
 }
 
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     if (pixel.x >= u.width || pixel.y >= u.height) return;
+    TAP_BEGIN(pixel, 0);
     imageStore(display_image, pixel, vec4(tonemap(pixel), 1.0));
 }

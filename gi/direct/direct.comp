@@ -1,6 +1,7 @@
 #version 450
 // Twin of direct_kernel.h: direct irradiance from point-like and directional lights.
 #extension GL_GOOGLE_include_directive : require
+#include "core/tap.glsl"
 #include "raster/light.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
@@ -17,36 +18,45 @@ layout(binding = 4) uniform sampler2DArray visibility_image;  // a layer a light
 layout(binding = 5, rgba32f) uniform writeonly image2D irradiance_image;
 
 vec3 direct(ivec2 pixel) {
-    vec3 x = texelFetch(position_image, pixel, 0).xyz;
-    vec3 n = texelFetch(normal_image, pixel, 0).xyz;
+    vec3 x = texelFetch(position_image, pixel, 0).xyz;          TAP(x, x);
+    vec3 n = texelFetch(normal_image, pixel, 0).xyz;            TAP(n, n);
 
     precise vec3 irradiance = vec3(0.0);
     for (int k = 0; k < u.lights; ++k) {
+        TAP_SAMPLE(k);
         LightArgs light = lights[k];
         vec3 axis = light.direction;
         precise vec3 e;
         if (light.directional > 0.0) {
             precise float cos_theta = max(0.0, -(n.x * axis.x + n.y * axis.y + n.z * axis.z));
+            TAP(cos_theta, cos_theta);
             e = light.intensity * cos_theta;
         } else {
             precise vec3 v = light.position - x;
             precise float d2 = v.x * v.x + v.y * v.y + v.z * v.z;
             precise float inverse = 1.0 / sqrt(max(d2, 1e-37));
-            precise vec3 w = v * inverse;
+            precise vec3 w = v * inverse;                       TAP(w, w);
             precise float cos_theta = max(0.0, n.x * w.x + n.y * w.y + n.z * w.z);
+            TAP(cos_theta, cos_theta);
             precise float cos_axis = -(w.x * axis.x + w.y * axis.y + w.z * axis.z);
             precise vec3 intensity = light_intensity(light, cos_axis);
+            TAP(intensity, intensity);
             precise float factor = cos_theta * inverse * inverse;
             e = intensity * factor;
         }
-        e = e * texelFetch(visibility_image, ivec3(pixel, k), 0).x;
+        float visibility = texelFetch(visibility_image, ivec3(pixel, k), 0).x;
+        TAP(visibility, visibility);
+        e = e * visibility;                                     TAP(E, e);
         irradiance += e;
     }
+    TAP_SAMPLE(-1);
+    TAP(irradiance, irradiance);
     return irradiance;
 }
 
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     if (pixel.x >= u.width || pixel.y >= u.height) return;
+    TAP_BEGIN(pixel, 0);
     imageStore(irradiance_image, pixel, vec4(direct(pixel), 0.0));
 }

@@ -18,11 +18,11 @@ layout(binding = 8, rgba32f) uniform writeonly image2D irradiance_image;
 
 // The disc gather (Dachsbacher and Stamminger 2005; LRA 4.3.3).
 vec3 gather_disc(ivec2 pixel) {
-    vec3 x = texelFetch(position_image, pixel, 0).xyz;
-    vec3 n = texelFetch(normal_image, pixel, 0).xyz;
-    ivec2 centre = project(u.map, x);
+    vec3 x = texelFetch(position_image, pixel, 0).xyz;          TAP(x, x);
+    vec3 n = texelFetch(normal_image, pixel, 0).xyz;            TAP(n, n);
+    ivec2 centre = project(u.map, x);                           TAP(centre, centre);
     uint hash = pixel_hash(uint(pixel.x), uint(pixel.y), 0u, u.seed).x;
-    int rotation = int(hash >> 16) & (u.rotations - 1);
+    int rotation = int(hash >> 16) & (u.rotations - 1);         TAP(rotation, rotation);
 
     // Where no sample can meet the map there is nothing to sum.
     ivec2 shifted = centre + u.reach;
@@ -30,28 +30,33 @@ vec3 gather_disc(ivec2 pixel) {
     bool near = shifted.x >= 0 && shifted.x < range && shifted.y >= 0 && shifted.y < range;
     precise vec3 sum = vec3(0.0);
     for (int k = 0; near && k < u.samples; ++k) {
+        TAP_SAMPLE(k);
         int offset = offsets[rotation + k * u.rotations];
         ivec2 texel = centre + ivec2((offset << 16) >> 16, offset >> 16);
+        TAP(texel, texel);
 
         // A sample outside the map contributes nothing, and the divisor stays.
         bool inside = texel.x >= 0 && texel.x < u.map.size && texel.y >= 0 && texel.y < u.map.size;
+        TAP(inside, inside);
         ivec2 fetched = inside ? texel : ivec2(0);
-        vec3 x_p = texelFetch(rsm_position, fetched, 0).xyz;
-        vec3 n_p = texelFetch(rsm_normal, fetched, 0).xyz;
-        vec3 flux = texelFetch(rsm_flux, fetched, 0).xyz;
-        float weight = inside ? weights[k] : 0.0;
+        vec3 x_p = texelFetch(rsm_position, fetched, 0).xyz;    TAP(x_p, x_p);
+        vec3 n_p = texelFetch(rsm_normal, fetched, 0).xyz;      TAP(n_p, n_p);
+        vec3 flux = texelFetch(rsm_flux, fetched, 0).xyz;       TAP(flux, flux);
+        float weight = inside ? weights[k] : 0.0;                       TAP(weight, weight);
 
         precise float g = form(x, n, x_p, n_p, u.least_distance2) * weight;
         sum.x += flux.x * g;
         sum.y += flux.y * g;
-        sum.z += flux.z * g;
+        sum.z += flux.z * g;                                    TAP(sum, sum);
     }
-    precise vec3 irradiance = sum * u.scale;
+    TAP_SAMPLE(-1);
+    precise vec3 irradiance = sum * u.scale;                   TAP(irradiance, irradiance);
     return irradiance;
 }
 
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     if (pixel.x >= u.width || pixel.y >= u.height) return;
+    TAP_BEGIN(pixel, 0);
     imageStore(irradiance_image, pixel, vec4(gather_disc(pixel), 0.0));
 }
