@@ -3,6 +3,10 @@
 find_program(GLSLANG glslangValidator)
 find_program(SPIRV_VAL spirv-val)
 
+# The files that any twin may include.
+file(GLOB_RECURSE PLUMB_TWIN_INCLUDES CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/core/*.glsl
+  ${PROJECT_SOURCE_DIR}/raster/*.glsl ${PROJECT_SOURCE_DIR}/gi/*.glsl)
+
 # plumb_compile_twins(<target> <file>...): SPIR-V of each file, under <build>/twins, as part of the target ALL.
 function(plumb_compile_twins target)
   if(NOT PLUMB_COMPILE_TWINS OR NOT ARGN)
@@ -12,8 +16,6 @@ function(plumb_compile_twins target)
     message(WARNING "glslangValidator or spirv-val not found: the GLSL twins are not compiled")
     return()
   endif()
-  file(GLOB_RECURSE includes CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/core/*.glsl ${PROJECT_SOURCE_DIR}/raster/*.glsl
-    ${PROJECT_SOURCE_DIR}/gi/*.glsl)
   foreach(file IN LISTS ARGN)
     file(RELATIVE_PATH name ${PROJECT_SOURCE_DIR} ${file})
     string(REPLACE "/" "." name ${name})
@@ -22,8 +24,59 @@ function(plumb_compile_twins target)
       COMMAND ${CMAKE_COMMAND} -E make_directory ${CMAKE_BINARY_DIR}/twins
       COMMAND ${GLSLANG} -V --quiet --target-env vulkan1.1 -I${PROJECT_SOURCE_DIR} -o ${spirv} ${file}
       COMMAND ${SPIRV_VAL} --target-env vulkan1.1 ${spirv}
-      DEPENDS ${file} ${includes} VERBATIM)
+      DEPENDS ${file} ${PLUMB_TWIN_INCLUDES} VERBATIM)
     list(APPEND outputs ${spirv})
   endforeach()
   add_custom_target(${target} ALL DEPENDS ${outputs})
+endfunction()
+
+# The same twin with its taps: preprocessed with TAP() left as it is, its sites numbered (tools/twins/number_taps.cpp),
+# and compiled. <build>/twins/tapped/<name>: the numbered text; .spv; .names: a site's name a line.
+function(plumb_tap_twin file name)
+  set(tapped ${CMAKE_BINARY_DIR}/twins/tapped/${name})
+  add_custom_command(OUTPUT ${tapped}.spv ${tapped}.names
+    COMMAND ${CMAKE_COMMAND} -E make_directory ${CMAKE_BINARY_DIR}/twins/tapped
+    COMMAND ${GLSLANG} -E -DPLUMB_TAPS -I${PROJECT_SOURCE_DIR} ${file} > ${tapped}.preprocessed
+    COMMAND plumb_number_taps ${tapped}.preprocessed ${tapped} ${tapped}.names
+    COMMAND ${GLSLANG} -V --quiet --target-env vulkan1.1 -o ${tapped}.spv ${tapped}
+    COMMAND ${SPIRV_VAL} --target-env vulkan1.1 ${tapped}.spv
+    DEPENDS ${file} ${PLUMB_TWIN_INCLUDES} plumb_number_taps VERBATIM)
+endfunction()
+
+# plumb_embed_twins(<target>): every twin of raster and gi, plain and tapped, as a source of the target: what
+# tools/vulkan/twins.h finds. Without a compiler for them the table is empty.
+function(plumb_embed_twins target)
+  set(source ${CMAKE_BINARY_DIR}/twins/embedded_twins.cpp)
+  if(NOT PLUMB_COMPILE_TWINS OR NOT GLSLANG OR NOT SPIRV_VAL)
+    set(source ${CMAKE_BINARY_DIR}/twins/no_twins.cpp)
+    file(WRITE ${source} "#include \"tools/vulkan/embedded_twins.h\"\n\n"
+      "std::span<const plumb::vulkan::EmbeddedTwin> plumb::vulkan::embedded_twins() { return {}; }\n")
+    target_sources(${target} PRIVATE ${source})
+    return()
+  endif()
+
+  add_executable(plumb_number_taps ${PROJECT_SOURCE_DIR}/tools/twins/number_taps.cpp)
+  add_executable(plumb_embed_spirv ${PROJECT_SOURCE_DIR}/tools/twins/embed_twins.cpp)
+  foreach(program plumb_number_taps plumb_embed_spirv)
+    target_link_libraries(${program} PRIVATE plumb_warnings)
+  endforeach()
+  foreach(folder raster gi)
+    foreach(stage comp vert frag)
+      file(GLOB_RECURSE found CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${folder}/*.${stage})
+      list(APPEND twins ${found})
+    endforeach()
+  endforeach()
+  foreach(file IN LISTS twins)
+    file(RELATIVE_PATH path ${PROJECT_SOURCE_DIR} ${file})
+    string(REPLACE "/" "." name ${path})
+    set(spirv ${CMAKE_BINARY_DIR}/twins/${name}.spv)
+    set(tapped ${CMAKE_BINARY_DIR}/twins/tapped/${name})
+    plumb_tap_twin(${file} ${name})
+    list(APPEND arguments ${path} ${spirv} ${tapped}.spv ${tapped}.names)
+    list(APPEND compiled ${spirv} ${tapped}.spv ${tapped}.names)
+  endforeach()
+  add_custom_command(OUTPUT ${source} COMMAND plumb_embed_spirv ${source} ${arguments}
+    DEPENDS ${compiled} plumb_embed_spirv VERBATIM)
+  target_sources(${target} PRIVATE ${source})
+  add_dependencies(${target} plumb_raster_twins plumb_gi_twins)
 endfunction()
