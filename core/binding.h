@@ -6,6 +6,7 @@
 //     BoundStage     both together: what our kernel makes of it, and which other results are legal
 #pragma once
 
+#include <cstring>
 #include <glm/glm.hpp>
 #include <memory>
 #include <span>
@@ -37,7 +38,7 @@ struct Slot {
     DType dtype = DType::f32;  // f32, i32 or u32
     int channels = 4;          // components of a texel or an element: 1, 2 or 4
     bool frame = true;         // of the size of the outputs; else of a size of its own (maps, buffers)
-    std::string unit, meaning;
+    std::string unit = "", meaning = "";
 };
 
 // A member of the uniform block; members of a struct are written with a dot: "map.to_texel_x".
@@ -112,6 +113,19 @@ void check_slots(const StageBinding& binding, const StageData& data);
 std::vector<double> uniform_value(const StageBinding& binding, const StageData& data, const std::string& member);
 void set_uniform(const StageBinding& binding, StageData& data, const std::string& member, std::span<const double> value,
                  const std::string& place);
+
+// The bytes of a uniform block, and the block as the kernel's struct.
+template <class Uniforms>
+std::vector<unsigned char> uniform_block(const Uniforms& u) {
+    const auto* p = reinterpret_cast<const unsigned char*>(&u);
+    return {p, p + sizeof u};
+}
+template <class Uniforms>
+Uniforms uniforms_of(const StageData& data) {
+    Uniforms u;
+    std::memcpy(&u, data.uniforms.data(), sizeof u);
+    return u;
+}
 
 // Typed views of an input.
 const float* floats(const StageData& data, const std::string& input);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 
 #include "core/camera.h"
 #include "core/error.h"
@@ -145,6 +146,17 @@ Projection projection_args(const View& view, int size, bool clamped) {
     map.high = clamped ? float(size) - 0.5f : 1048576.0f;
     map.size = size;
     return map;
+}
+
+std::vector<UniformMember> projection_members(const std::string& name, int offset) {
+    using P = Projection;
+    return {{name + ".to_texel_x", "vec4", offset + int(offsetof(P, to_texel_x))},
+            {name + ".to_texel_y", "vec4", offset + int(offsetof(P, to_texel_y))},
+            {name + ".to_texel_w", "vec4", offset + int(offsetof(P, to_texel_w))},
+            {name + ".least_w", "float", offset + int(offsetof(P, least_w))},
+            {name + ".low", "float", offset + int(offsetof(P, low))},
+            {name + ".high", "float", offset + int(offsetof(P, high))},
+            {name + ".size", "int", offset + int(offsetof(P, size))}};
 }
 
 LightArgs light_args(const Light& light) {

@@ -6,6 +6,7 @@
 #include "core/formats.h"
 #include "core/fp_environment.h"
 #include "raster/light_view.h"
+#include "raster/pass_args.h"
 #include "raster/resolve_tiles.h"
 #include "raster/rsm_rows.h"
 #include "raster/visibility.h"
@@ -24,17 +25,6 @@ void validate(const Light& light) {
 // The map's half side, at depth 1 m or in metres: what the projection divides by.
 double half_width(const View& view) { return 1 / view.view_to_clip[0][0]; }
 
-RsmArgs args_of(const Geometry& geometry, const Surfaces& surfaces, const Light& light, const View& view) {
-    RsmArgs a{};
-    a.surfaces = surface_args(geometry, surfaces, view, glm::ivec2(light.rsm_size));
-    for (int c = 0; c < 3; ++c) a.eye[c] = float(view.eye[c]), a.forward[c] = float(view.forward[c]);
-    a.light = light_args(light);
-    a.texel_scale = float(2 * half_width(view) / light.rsm_size);
-    a.half_width = float(half_width(view));
-    a.size = light.rsm_size;
-    return a;
-}
-
 RsmStore store_of(const Layout& layout) {
     return {layout.rsm_position, layout.rsm_normal, layout.rsm_flux, layout.rsm_depth};
 }
@@ -52,6 +42,17 @@ void fit(int size, bool half, Rsm& out) {
 
 }  // namespace
 
+RsmArgs rsm_args(const Geometry& geometry, const Surfaces& surfaces, const Light& light, const View& view) {
+    RsmArgs a{};
+    a.surfaces = surface_args(geometry, surfaces, view, glm::ivec2(light.rsm_size));
+    for (int c = 0; c < 3; ++c) a.eye[c] = float(view.eye[c]), a.forward[c] = float(view.forward[c]);
+    a.light = light_args(light);
+    a.texel_scale = float(2 * half_width(view) / light.rsm_size);
+    a.half_width = float(half_width(view));
+    a.size = light.rsm_size;
+    return a;
+}
+
 void draw_rsm(const Geometry& geometry, const Surfaces& surfaces, const Light& light, const View& light_view,
               const Layout& layout, const RunOptions& options, Rsm& out, Workspace* workspace) {
     validate(light);
@@ -61,7 +62,7 @@ void draw_rsm(const Geometry& geometry, const Surfaces& surfaces, const Light& l
     out.view = light_view;
     out.type = light.type;
     out.texel_scale = 2 * half_width(light_view) / size;
-    RsmArgs args = args_of(geometry, surfaces, light, light_view);
+    RsmArgs args = rsm_args(geometry, surfaces, light, light_view);
     const RsmImages images{&out.position.data()->x, &out.normal.data()->x, &out.flux.data()->x};
     args.position = images.position, args.normal = images.normal, args.flux = images.flux;
     const RsmStore store = store_of(layout);
@@ -101,7 +102,7 @@ std::vector<TapValue> explain_rsm(const Geometry& geometry, const Surfaces& surf
     }
     recorder("object", geometry.object[std::size_t(triangle)], "index, of the triangle");
     recorder("z", visible.depth(texel.x, texel.y), "of the depth buffer, 0 to 1; not the linear depth");
-    RsmTexel<float> t = rsm<float>(args_of(geometry, surfaces, light, light_view), texel.x, texel.y, triangle,
+    RsmTexel<float> t = rsm<float>(rsm_args(geometry, surfaces, light, light_view), texel.x, texel.y, triangle,
                                    visible.barycentrics(texel.x, texel.y), recorder);
 
     // What the targets make of it.

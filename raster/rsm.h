@@ -30,6 +30,9 @@ struct Rsm {
     double texel_scale = 0;     // side of a texel: spot: at depth 1 m, m/m; directional: m
 };
 
+// A map that nothing was drawn into yet, as draw_rsm() leaves one of an empty scene, without its records.
+Rsm unseen_rsm(const Light& light, const View& light_view);
+
 // light.rsm_size texels a side, through a view of light_views(), raster/light_view.h: a point light takes six calls.
 // Images are rounded as the layout says. Memory of `out` that has the right size is written in place. Throws InputError
 // for what the layout cannot hold (check_rsm() of raster/layout.h).

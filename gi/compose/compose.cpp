@@ -6,6 +6,7 @@
 #include "core/fp_environment.h"
 #include "core/host_math.h"
 #include "core/parallel.h"
+#include "gi/compose/bindings.h"
 #include "gi/compose/compose_rows.h"
 
 namespace plumb::compose {
@@ -16,8 +17,7 @@ constexpr int band = 16;
 
 ComposeInputsView view_of(const ComposeInputs& in) {
     ComposeInputsView v{};
-    v.u = {{in.environment.x, in.environment.y, in.environment.z, 0}, float(1 / host::pi), in.normal->width,
-           in.normal->height, 0};
+    v.u = uniforms(in);
     v.normal = &in.normal->data()->x;
     v.albedo = &in.albedo->data()->x;
     v.emission = &in.emission->data()->x;
@@ -27,10 +27,19 @@ ComposeInputsView view_of(const ComposeInputs& in) {
 }
 
 TonemapInputsView view_of(const TonemapParams& params, const Image4& radiance) {
-    return {{int(params.op), params.exposure, radiance.width, radiance.height}, &radiance.data()->x, nullptr};
+    return {uniforms(params, radiance), &radiance.data()->x, nullptr};
 }
 
 }  // namespace
+
+ComposeUniforms uniforms(const ComposeInputs& in) {
+    return {{in.environment.x, in.environment.y, in.environment.z, 0}, float(1 / host::pi), in.normal->width,
+            in.normal->height, 0};
+}
+
+TonemapUniforms uniforms(const TonemapParams& params, const Image4& radiance) {
+    return {int(params.op), params.exposure, radiance.width, radiance.height};
+}
 
 void validate(const ComposeInputs& in) {
     const std::pair<const char*, const Image4*> images[] = {{"normal", in.normal},

@@ -7,6 +7,7 @@
 #include "core/error.h"
 #include "core/fp_environment.h"
 #include "core/parallel.h"
+#include "gi/direct/bindings.h"
 #include "gi/direct/direct_rows.h"
 #include "raster/light_view.h"
 
@@ -32,29 +33,13 @@ void validate(const ShadowParams& params, const ShadowInputs& in) {
                                      raster::light_faces));
 }
 
-// The kernel's view of one of the light's maps. A map alone serves every point; of six, each serves its face's.
+// The kernel's view of one of the light's maps.
 ShadowInputsView view_of(const ShadowParams& params, const ShadowInputs& in, int face) {
     ShadowInputsView v{};
-    ShadowUniforms& u = v.u;
-    const raster::Rsm& rsm = in.rsms[std::size_t(face)];
-    u.face = in.rsms.size() == 1 ? -1 : face;
-    u.map = raster::projection_args(rsm.view, rsm.size, u.face >= 0);
-    for (int c = 0; c < 3; ++c) u.eye[c] = float(rsm.view.eye[c]), u.forward[c] = float(rsm.view.forward[c]);
-    u.kernel = params.mode == ShadowMode::hard ? 1 : params.kernel;
-    u.samples = float(u.kernel * u.kernel);
-    u.published = params.variant == ShadowVariant::published ? 1 : 0;
-    u.footprint_scale = rsm.view.orthographic ? 0 : float(rsm.texel_scale);
-    u.footprint_base = rsm.view.orthographic ? float(rsm.texel_scale) : 0;
-    u.bias = params.bias;
-    // The farthest texel centre of the kernel lies kernel/2 + 1/2 texels away along a side, of one texel 1/2.
-    u.slope_bias = params.slope_bias * float(2 * (u.kernel / 2) + 1);
-    u.max_slope = params.max_slope;
-    u.perspective = rsm.view.orthographic ? 0 : 1;
-    u.width = in.position->width;
-    u.height = in.position->height;
+    v.u = shadow_uniforms(params, in, face);
     v.position = &in.position->data()->x;
     v.normal = &in.normal->data()->x;
-    v.map_position = &rsm.position.data()->x;
+    v.map_position = &in.rsms[std::size_t(face)].position.data()->x;
     return v;
 }
 
@@ -83,6 +68,28 @@ std::vector<raster::LightArgs> args_of(const DirectInputs& in) {
 }
 
 }  // namespace
+
+// A map alone serves every point; of six, each serves its face's.
+ShadowUniforms shadow_uniforms(const ShadowParams& params, const ShadowInputs& in, int face) {
+    ShadowUniforms u{};
+    const raster::Rsm& rsm = in.rsms[std::size_t(face)];
+    u.face = in.rsms.size() == 1 ? -1 : face;
+    u.map = raster::projection_args(rsm.view, rsm.size, u.face >= 0);
+    for (int c = 0; c < 3; ++c) u.eye[c] = float(rsm.view.eye[c]), u.forward[c] = float(rsm.view.forward[c]);
+    u.kernel = params.mode == ShadowMode::hard ? 1 : params.kernel;
+    u.samples = float(u.kernel * u.kernel);
+    u.published = params.variant == ShadowVariant::published ? 1 : 0;
+    u.footprint_scale = rsm.view.orthographic ? 0 : float(rsm.texel_scale);
+    u.footprint_base = rsm.view.orthographic ? float(rsm.texel_scale) : 0;
+    u.bias = params.bias;
+    // The farthest texel centre of the kernel lies kernel/2 + 1/2 texels away along a side, of one texel 1/2.
+    u.slope_bias = params.slope_bias * float(2 * (u.kernel / 2) + 1);
+    u.max_slope = params.max_slope;
+    u.perspective = rsm.view.orthographic ? 0 : 1;
+    u.width = in.position->width;
+    u.height = in.position->height;
+    return u;
+}
 
 std::vector<Field> fields(ShadowParams& p) {
     return {

@@ -11,6 +11,7 @@
 #include "core/fp_environment.h"
 #include "core/parallel.h"
 #include "gi/rsm/all_rays.h"
+#include "gi/rsm/bindings.h"
 #include "gi/rsm/gather_rows.h"
 #include "raster/light_view.h"
 
@@ -79,21 +80,15 @@ float irradiance_scale(const GatherParams& params) {
     return params.variant == Variant::published ? 1.0f : float(1 / host::pi);
 }
 
-namespace {
-
-// The largest |dx| or |dy| of the pattern, texels.
-int reach_of(const Pattern& pattern) {
+int reach_of(std::span<const std::int32_t> offsets) {
     int reach = 0;
-    for (const std::int32_t offset : pattern.offsets)
+    for (const std::int32_t offset : offsets)
         reach = std::max({reach, std::abs(std::int32_t(std::int16_t(offset))), std::abs(offset >> 16)});
     return reach;
 }
 
-// Fills the kernel's view of the inputs.
-template <class Component>
-GatherInputsView<Component> view_of(const GatherParams& params, const GatherInputs& in, const Component* records) {
-    GatherInputsView<Component> v{};
-    GatherUniforms& u = v.u;
+GatherUniforms gather_uniforms(const GatherParams& params, const GatherInputs& in) {
+    GatherUniforms u{};
     u.map = raster::projection_args(in.rsm->view, in.rsm->size, params.projection == Projection::clamped);
     u.least_distance2 = least_distance2(params);
     u.scale = irradiance_scale(params);
@@ -102,12 +97,21 @@ GatherInputsView<Component> view_of(const GatherParams& params, const GatherInpu
     u.width = in.position->width;
     u.height = in.position->height;
     u.seed = in.seed;
+    if (in.pattern) u.reach = reach_of(in.pattern->offsets);
+    return u;
+}
+
+namespace {
+
+// Fills the kernel's view of the inputs.
+template <class Component>
+GatherInputsView<Component> view_of(const GatherParams& params, const GatherInputs& in, const Component* records) {
+    GatherInputsView<Component> v{};
+    v.u = gather_uniforms(params, in);
     v.position = &in.position->data()->x;
     v.normal = &in.normal->data()->x;
     v.records = records;
-    if (!in.pattern) return v;
-    u.reach = reach_of(*in.pattern);
-    v.offsets = in.pattern->offsets.data(), v.weights = in.pattern->weights.data();
+    if (in.pattern) v.offsets = in.pattern->offsets.data(), v.weights = in.pattern->weights.data();
     return v;
 }
 

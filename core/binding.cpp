@@ -1,0 +1,126 @@
+#include "core/binding.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "core/error.h"
+#include "core/fields.h"
+
+namespace plumb {
+
+namespace {
+
+constexpr int largest_side = 32767;
+
+[[noreturn]] void refuse(const StageData& data, const std::string& cause) {
+    throw InputError((data.label.empty() ? data.stage : data.label) + ": " + cause);
+}
+
+int components(const std::string& type) { return type.starts_with("vec") ? type[3] - '0' : 1; }
+
+const UniformMember& find_member(const StageBinding& binding, const std::string& name, const std::string& place) {
+    std::vector<std::string> names;
+    for (const UniformMember& m : binding.uniforms) {
+        if (m.name == name) return m;
+        names.push_back(m.name);
+    }
+    throw InputError(fmt::format("{}: {} has no uniform \"{}\"; the nearest known one is \"{}\"", place,
+                                 binding.info.name, name, nearest_name(name, names)));
+}
+
+// What a shape must be, for messages: "[1080, 1920, 4]".
+Shape expected_shape(const Slot& slot, const StageData& data) {
+    const std::int64_t w = slot.frame ? data.size.x : any_extent, h = slot.frame ? data.size.y : any_extent;
+    if (slot.kind == SlotKind::buffer) return {any_extent, slot.channels};
+    if (slot.kind == SlotKind::image_array) return {any_extent, h, w};
+    if (slot.channels == 1) return {h, w};
+    return {h, w, slot.channels};
+}
+
+void check_shape(const Slot& slot, const StageData& data, const Array& array) {
+    if (array.dtype != slot.dtype)
+        refuse(data, fmt::format("input \"{}\" holds {}: expected {}", slot.name, dtype_name(array.dtype),
+                                 dtype_name(slot.dtype)));
+    // Buffers may have any shape of whole elements: [samples][rotations] is one of int32.
+    if (slot.kind == SlotKind::buffer) {
+        const std::size_t n = element_count(slot.name, array.shape);
+        if (n == 0 || n % std::size_t(slot.channels) != 0)
+            refuse(data, fmt::format("input \"{}\" has {} numbers: expected elements of {}", slot.name, n, slot.channels));
+        return;
+    }
+    const Shape expected = expected_shape(slot, data);
+    bool fits = array.shape.size() == expected.size();
+    for (std::size_t i = 0; fits && i < expected.size(); ++i)
+        fits = (expected[i] == any_extent || expected[i] == array.shape[i]) && array.shape[i] >= 1 &&
+               array.shape[i] <= largest_side;
+    if (!fits)
+        refuse(data, fmt::format("input \"{}\" is {}: expected {}", slot.name, shape_text(array.shape),
+                                 shape_text(expected)));
+}
+
+}  // namespace
+
+void check_slots(const StageBinding& binding, const StageData& data) {
+    if (data.size.x < 1 || data.size.y < 1 || data.size.x > largest_side || data.size.y > largest_side)
+        refuse(data, fmt::format("size {} x {}: expected 1 to {}", data.size.x, data.size.y, largest_side));
+    if (data.uniforms.size() != binding.uniform_bytes)
+        refuse(data, fmt::format("the uniform block has {} bytes: expected {}", data.uniforms.size(),
+                                 binding.uniform_bytes));
+    for (const Slot& slot : binding.inputs) {
+        const Array* array = find(data.inputs, slot.name);
+        if (!array) refuse(data, fmt::format("input \"{}\" is missing", slot.name));
+        check_shape(slot, data, *array);
+    }
+}
+
+std::vector<double> uniform_value(const StageBinding& binding, const StageData& data, const std::string& member) {
+    const UniformMember& m = find_member(binding, member, binding.info.name);
+    std::vector<double> value;
+    for (int c = 0; c < components(m.type); ++c) {
+        const unsigned char* p = data.uniforms.data() + m.offset + 4 * c;
+        std::uint32_t bits;
+        std::memcpy(&bits, p, 4);
+        float f;
+        std::memcpy(&f, p, 4);
+        value.push_back(m.type == "int" ? double(std::int32_t(bits)) : m.type == "uint" ? double(bits) : double(f));
+    }
+    return value;
+}
+
+void set_uniform(const StageBinding& binding, StageData& data, const std::string& member, std::span<const double> value,
+                 const std::string& place) {
+    const UniformMember& m = find_member(binding, member, place);
+    if (int(value.size()) != components(m.type))
+        throw InputError(fmt::format("{}: {} takes {} number{}, {} given", place, member, components(m.type),
+                                     components(m.type) == 1 ? "" : "s", value.size()));
+    for (std::size_t c = 0; c < value.size(); ++c) {
+        const double v = value[c], low = m.type == "int" ? -0x1p31 : 0, high = m.type == "int" ? 0x1p31 : 0x1p32;
+        const bool whole = m.type == "int" || m.type == "uint";
+        if (whole && !(v == std::floor(v) && v >= low && v < high))
+            throw InputError(fmt::format("{}: {} = {}: expected a whole number of 32 bits", place, member, v));
+        const std::uint32_t bits = m.type == "int" ? std::uint32_t(std::int32_t(v)) : whole ? std::uint32_t(v) : 0;
+        const float f = float(v);
+        if (!whole && !std::isfinite(f))
+            throw InputError(fmt::format("{}: {} = {}: expected a finite number", place, member, v));
+        std::memcpy(data.uniforms.data() + m.offset + 4 * int(c), whole ? (const void*)&bits : (const void*)&f, 4);
+    }
+}
+
+const float* floats(const StageData& data, const std::string& input) {
+    return reinterpret_cast<const float*>(at(data.inputs, input).bytes.data());
+}
+const std::int32_t* ints(const StageData& data, const std::string& input) {
+    return reinterpret_cast<const std::int32_t*>(at(data.inputs, input).bytes.data());
+}
+
+Bundle make_outputs(const StageBinding& binding, const StageData& data) {
+    Bundle outputs;
+    for (const Slot& slot : binding.outputs) {
+        Array& array = add(outputs, slot.name, slot.dtype, expected_shape(slot, data));
+        if (slot.dtype == DType::i32) std::fill(array.bytes.begin(), array.bytes.end(), 0xff);
+    }
+    return outputs;
+}
+
+}  // namespace plumb

@@ -1,0 +1,67 @@
+// A BoundStage made of a kernel that computes one pixel: what every compute stage is.
+//
+// Kernel is a small struct made from StageData that offers
+//
+//     static constexpr int components                                   of its one output
+//     std::array<F, components> pixel<F>(int x, int y, Tap& tap) const  F: float, double, Bounded
+//     void rows<isa>(float* out, int first, int last) const             the same for rows, in packets
+//     bool writes(glm::ivec2 pixel) const
+#pragma once
+
+#include <array>
+
+#include "core/binding.h"
+#include "core/bounded.h"
+#include "core/fp_environment.h"
+#if __has_include("core/outcomes.h")
+#include "core/outcomes.h"
+#endif
+#include "core/parallel.h"
+
+namespace plumb {
+
+// More branches than these are not looked at one by one.
+inline constexpr int most_outcomes = 32;
+
+template <class Kernel>
+class BoundKernel final : public BoundStage {
+  public:
+    BoundKernel(const StageBinding& binding, const StageData& data) : binding_(binding), data_(data), kernel_(data) {}
+
+    void run(const RunOptions& options, const DeviceProfile&, Bundle& outputs) const override {
+        outputs = make_outputs(binding_, data_);
+        float* out = reinterpret_cast<float*>(outputs.arrays[0].bytes.data());
+        dispatch(options.isa, [&](auto isa) {
+            parallel_bands(data_.size.y, 4, options,
+                           [&](int first, int last) { kernel_.template rows<isa()>(out, first, last); });
+        });
+    }
+
+    bool writes(glm::ivec2 pixel) const override { return kernel_.writes(pixel); }
+
+    void outcomes(glm::ivec2 pixel, const DeviceProfile& profile, std::span<const float>,
+                  std::span<const std::int32_t> choices, std::vector<Outcome>& out) const override {
+#if __has_include("core/outcomes.h")
+        const PrecisionScope precision(profile.precision);
+        auto values = [&] {
+            NoTap tap;
+            return kernel_.template pixel<Bounded>(pixel.x, pixel.y, tap);
+        };
+        enumerate_outcomes(values, most_outcomes, choices, out);
+#endif
+    }
+
+    std::vector<TapValue> explain(glm::ivec2 pixel) const override {
+        FpEnvironment environment;
+        Recorder recorder;
+        kernel_.template pixel<float>(pixel.x, pixel.y, recorder);
+        return recorder.values;
+    }
+
+  private:
+    const StageBinding& binding_;
+    const StageData& data_;
+    Kernel kernel_;
+};
+
+}  // namespace plumb

@@ -1,0 +1,193 @@
+#include "gi/direct/bindings.h"
+
+#include <fmt/format.h>
+
+#include <cstddef>
+
+#include "core/bound_kernel.h"
+#include "core/error.h"
+#include "gi/direct/direct_rows.h"
+#include "raster/light_view.h"
+
+namespace plumb::direct {
+
+namespace {
+
+struct ShadowOf {
+    static constexpr int components = 1;
+    ShadowInputsView view{};
+
+    explicit ShadowOf(const StageData& d) {
+        ShadowUniforms& u = view.u;
+        u = uniforms_of<ShadowUniforms>(d);
+        u.width = d.size.x, u.height = d.size.y;
+        const Shape& map = at(d.inputs, "map_position").shape;
+        if (map[0] != u.map.size || map[1] != u.map.size)
+            throw InputError(fmt::format("{}: input \"map_position\" is {}: expected map.size = {} a side", d.label,
+                                         shape_text(map), u.map.size));
+        if (u.kernel < 1 || u.kernel > 64)
+            throw InputError(fmt::format("{}: kernel = {}: expected 1 to 64", d.label, u.kernel));
+        view.position = floats(d, "position"), view.normal = floats(d, "normal");
+        view.map_position = floats(d, "map_position");
+    }
+    template <class F, class Tap>
+    std::array<F, components> pixel(int x, int y, Tap& tap) const {
+        return {shadow<F>(view, x, y, tap)};
+    }
+    template <Isa isa>
+    void rows(float* out, int first, int last) const {
+        ShadowInputsView v = view;
+        v.visibility = out;
+        Rows<isa>::shadow(v, first, last);
+    }
+    bool writes(glm::ivec2 pixel) const {
+        const float* x = view.position + 4 * (std::ptrdiff_t(pixel.y) * view.u.width + pixel.x);
+        return view.u.face < 0 || serves<float>(view.u, vec3<float>{x[0], x[1], x[2]});
+    }
+};
+
+struct DirectOf {
+    static constexpr int components = 4;
+    DirectInputsView view{};
+
+    explicit DirectOf(const StageData& d) {
+        view.u = uniforms_of<DirectUniforms>(d);
+        view.u.width = d.size.x, view.u.height = d.size.y;
+        const std::int64_t layers = at(d.inputs, "visibility").shape[0];
+        const std::size_t lights = at(d.inputs, "lights").bytes.size() / sizeof(raster::LightArgs);
+        if (view.u.lights < 0 || std::size_t(view.u.lights) > lights || view.u.lights > layers)
+            throw InputError(fmt::format("{}: lights = {}: \"lights\" has {}, \"visibility\" has {}", d.label,
+                                         view.u.lights, lights, layers));
+        if (layers * d.size.x * d.size.y > 0x7fffffff)
+            throw InputError(fmt::format("{}: input \"visibility\" has {} layers: too many", d.label, layers));
+        view.position = floats(d, "position"), view.normal = floats(d, "normal");
+        view.lights = reinterpret_cast<const raster::LightArgs*>(floats(d, "lights"));
+        view.visibility = floats(d, "visibility");
+    }
+    template <class F, class Tap>
+    std::array<F, components> pixel(int x, int y, Tap& tap) const {
+        const vec3<F> e = direct<F>(view, x, y, tap);
+        return {e.x, e.y, e.z, F(0.0f)};
+    }
+    template <Isa isa>
+    void rows(float* out, int first, int last) const {
+        DirectInputsView v = view;
+        v.irradiance = out;
+        Rows<isa>::direct(v, first, last);
+    }
+    bool writes(glm::ivec2) const { return true; }
+};
+
+std::unique_ptr<BoundStage> bind_shadow(const StageData& data) {
+    check_slots(shadow_binding(), data);
+    return std::make_unique<BoundKernel<ShadowOf>>(shadow_binding(), data);
+}
+std::unique_ptr<BoundStage> bind_direct(const StageData& data) {
+    check_slots(direct_binding(), data);
+    return std::make_unique<BoundKernel<DirectOf>>(direct_binding(), data);
+}
+
+StageBinding make_shadow() {
+    using U = ShadowUniforms;
+    StageBinding b;
+    b.info = shadow_info();
+    b.twin = "gi/direct/shadow.comp";
+    b.uniforms = raster::projection_members("map", offsetof(U, map));
+    for (const UniformMember& m : std::vector<UniformMember>{
+             {"eye", "vec4", offsetof(U, eye)},
+             {"forward", "vec4", offsetof(U, forward)},
+             {"footprint_scale", "float", offsetof(U, footprint_scale)},
+             {"footprint_base", "float", offsetof(U, footprint_base)},
+             {"bias", "float", offsetof(U, bias)},
+             {"slope_bias", "float", offsetof(U, slope_bias)},
+             {"max_slope", "float", offsetof(U, max_slope)},
+             {"perspective", "float", offsetof(U, perspective)},
+             {"kernel", "int", offsetof(U, kernel)},
+             {"samples", "float", offsetof(U, samples)},
+             {"published", "int", offsetof(U, published)},
+             {"face", "int", offsetof(U, face)},
+             {"width", "int", offsetof(U, width)},
+             {"height", "int", offsetof(U, height)}})
+        b.uniforms.push_back(m);
+    b.uniform_bytes = sizeof(U);
+    b.inputs = {
+        {.name = "position", .binding = 1, .unit = "m", .meaning = "world-space position of the shading points"},
+        {.name = "normal", .binding = 2, .meaning = "unit normal of the shading points"},
+        {.name = "map_position", .binding = 3, .frame = false, .unit = "m",
+         .meaning = "w: linear light-space depth; 0 where nothing is"},
+    };
+    b.outputs = {{.name = "visibility", .kind = SlotKind::storage_image, .binding = 4, .channels = 1,
+                  .meaning = "1 lit, 0 shadowed; density: in between"}};
+    b.bind = bind_shadow;
+    return b;
+}
+
+StageBinding make_direct() {
+    using U = DirectUniforms;
+    StageBinding b;
+    b.info = direct_info();
+    b.twin = "gi/direct/direct.comp";
+    b.uniforms = {{"lights", "int", offsetof(U, lights)},
+                  {"width", "int", offsetof(U, width)},
+                  {"height", "int", offsetof(U, height)}};
+    b.uniform_bytes = sizeof(U);
+    b.inputs = {
+        {.name = "position", .binding = 1, .unit = "m", .meaning = "world-space position of the shading points"},
+        {.name = "normal", .binding = 2, .meaning = "unit normal; all 0 where nothing is"},
+        {.name = "lights", .kind = SlotKind::buffer, .binding = 3, .channels = 4, .frame = false,
+         .unit = "m, W/sr, W/m2",
+         .meaning = "three vec4 a light: position, cos_outer; direction, falloff_scale; intensity, directional"},
+        {.name = "visibility", .kind = SlotKind::image_array, .binding = 4, .channels = 1,
+         .meaning = "a layer a light: 1 lit, 0 shadowed"},
+    };
+    b.outputs = {{.name = "irradiance", .kind = SlotKind::storage_image, .binding = 5, .unit = "W/m2",
+                  .meaning = "direct irradiance"}};
+    b.bind = bind_direct;
+    return b;
+}
+
+}  // namespace
+
+const StageBinding& shadow_binding() {
+    static const StageBinding binding = make_shadow();
+    return binding;
+}
+const StageBinding& direct_binding() {
+    static const StageBinding binding = make_direct();
+    return binding;
+}
+
+StageData shadow_data(const ShadowParams& params, const ShadowInputs& in, int face) {
+    StageData d;
+    d.stage = "shadow";
+    d.size = {in.position->width, in.position->height};
+    d.uniforms = uniform_block(shadow_uniforms(params, in, face));
+    add(d.inputs, "position", *in.position);
+    add(d.inputs, "normal", *in.normal);
+    add(d.inputs, "map_position", in.rsms[std::size_t(face)].position);
+    return d;
+}
+
+StageData direct_data(const DirectInputs& in) {
+    StageData d;
+    d.stage = "direct";
+    d.size = {in.position->width, in.position->height};
+    const int lights = int(in.lights->size());
+    d.uniforms = uniform_block(DirectUniforms{lights, d.size.x, d.size.y, 0});
+    add(d.inputs, "position", *in.position);
+    add(d.inputs, "normal", *in.normal);
+
+    // A device binds no empty buffer: without a light there is one that is not read.
+    std::vector<raster::LightArgs> args;
+    for (const Light& light : *in.lights) args.push_back(raster::light_args(light));
+    args.resize(std::max(args.size(), std::size_t(1)));
+    add(d.inputs, "lights", {std::int64_t(args.size()) * 3, 4}, args[0].position);
+    const Shape layers{std::max(lights, 1), d.size.y, d.size.x};
+    if (lights > 0)
+        add(d.inputs, "visibility", layers, in.visibility->data());
+    else
+        add(d.inputs, "visibility", DType::f32, layers);
+    return d;
+}
+
+}  // namespace plumb::direct

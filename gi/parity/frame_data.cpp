@@ -1,0 +1,148 @@
+#include <algorithm>
+
+#include "core/error.h"
+#include "gi/compose/bindings.h"
+#include "gi/direct/bindings.h"
+#include "gi/parity/stages.h"
+#include "gi/rsm/bindings.h"
+#if __has_include("raster/bindings.h")
+#include "raster/bindings.h"
+#endif
+#include "raster/light_view.h"
+
+namespace plumb::parity {
+
+namespace {
+
+// A light's name as a part of a file's: letters, digits and '-' stay.
+std::string word_of(const std::string& name) {
+    std::string word;
+    for (const char c : name)
+        word += (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ? c : '_';
+    return word.empty() ? "light" : word;
+}
+
+Image4 or_zeros(const Image4& image, glm::ivec2 size) { return image.empty() ? Image4(size.x, size.y) : image; }
+
+struct Builder {
+    const Scene& scene;
+    const frame::Settings& settings;
+    const frame::Frame& frame;
+    Geometry geometry;
+    raster::Surfaces surfaces;
+    std::vector<Light> lights;
+    std::vector<std::string> words;                 // of the lights, no two alike
+    std::vector<std::vector<raster::Rsm>> maps{};   // [light][map]; size 0 where a face sees nothing
+    Image4 position, normal, albedo, emission, direct, indirect, radiance;
+    Buffer<float> visibility;
+    std::vector<StageData> out{};
+
+    Builder(const Scene& s, const frame::Settings& t, const frame::Frame& f)
+        : scene(s), settings(t), frame(f), geometry(flatten(s)), surfaces(raster::prepare(s, geometry)) {
+        for (Light light : s.lights) {
+            if (!light.on) light.intensity = glm::vec3(0);
+            lights.push_back(light);
+            std::string word = word_of(light.name);
+            while (std::find(words.begin(), words.end(), word) != words.end()) word += "_";
+            words.push_back(word);
+        }
+        const glm::ivec2 size = s.frame_size;
+        const raster::GBuffer& g = f.gbuffer;
+        position = or_zeros(g.position, size), normal = or_zeros(g.normal, size);
+        albedo = or_zeros(g.albedo, size), emission = or_zeros(g.emission, size);
+        direct = or_zeros(f.direct, size), indirect = or_zeros(f.indirect, size);
+        radiance = or_zeros(f.radiance, size);
+        visibility = f.visibility;
+        visibility.resize(s.lights.size() * position.size(), 1.0f);
+    }
+
+    View camera_view() const {
+        const glm::ivec2 size = scene.frame_size;
+        return make_view(scene.camera, double(size.x) / size.y, scene.convention, size);
+    }
+
+    // A light's maps as the frame drew them, or as it would have.
+    const std::vector<raster::Rsm>& maps_of(int light) {
+        if (maps.empty()) maps.resize(lights.size());
+        std::vector<raster::Rsm>& of_light = maps[std::size_t(light)];
+        if (!of_light.empty()) return of_light;
+        glm::vec3 low(0), high(0);
+        bounds(geometry, low, high);
+        const std::vector<View> views = raster::light_views(lights[std::size_t(light)], low, high);
+        const bool drawn = std::size_t(light) < frame.rsms.size();
+        for (std::size_t m = 0; m < views.size(); ++m) {
+            const bool seen = views.size() == 1 || raster::may_see(views[m], low, high);
+            const raster::Rsm* of_frame = drawn && m < frame.rsms[std::size_t(light)].size() ? &frame.rsms[std::size_t(light)][m] : nullptr;
+            of_light.push_back(of_frame && of_frame->size > 0 ? *of_frame
+                               : seen ? raster::unseen_rsm(lights[std::size_t(light)], views[m])
+                                      : raster::Rsm());
+        }
+        return of_light;
+    }
+
+    void keep(StageData data, const std::string& label, int light = -1, int map = -1) {
+        data.label = label;
+        data.id = data.stage;
+        if (light >= 0) data.id += "." + words[std::size_t(light)];
+        if (map >= 0) {
+            data.id += std::string(".") + raster::face_names[map];
+            data.label += std::string(" ") + raster::face_names[map];
+        }
+        out.push_back(std::move(data));
+    }
+
+    // Calls one(map, face) for each map of the light that sees something; face is -1 where it is the only one.
+    template <class One>
+    void each_map(int light, One one) {
+        const std::vector<raster::Rsm>& all = maps_of(light);
+        for (std::size_t m = 0; m < all.size(); ++m)
+            if (all[m].size > 0) one(all[m], all.size() > 1 ? int(m) : -1);
+    }
+
+    void append(const frame::PlannedStage& stage) {
+        const int l = stage.light;
+        if (stage.name == "gbuffer") {
+#if __has_include("raster/bindings.h")
+            keep(raster::gbuffer_data(geometry, surfaces, camera_view(), scene.frame_size), stage.label);
+#endif
+        } else if (stage.name == "rsm") {
+#if __has_include("raster/bindings.h")
+            each_map(l, [&](const raster::Rsm& map, int face) {
+                keep(raster::rsm_data(geometry, surfaces, lights[std::size_t(l)], map.view), stage.label, l, face);
+            });
+#endif
+        } else if (stage.name == "shadow") {
+            const direct::ShadowInputs in{&position, &normal, maps_of(l)};
+            each_map(l, [&](const raster::Rsm&, int face) {
+                keep(direct::shadow_data(settings.shadow, in, std::max(face, 0)), stage.label, l, face);
+            });
+        } else if (stage.name == "direct") {
+            keep(direct::direct_data({&position, &normal, &lights, &visibility}), stage.label);
+        } else if (stage.name == "rsm.disc" || stage.name == "rsm.all") {
+            rsm::Pattern pattern;
+            if (stage.name == "rsm.disc")
+                pattern = rsm::disc_pattern(settings.rsm, lights[std::size_t(l)].rsm_size, settings.seed);
+            each_map(l, [&](const raster::Rsm& map, int face) {
+                const rsm::GatherInputs in{&position, &normal, &map, &pattern, settings.seed};
+                keep(rsm::gather_data(settings.rsm, in), stage.label, l, face);
+            });
+        } else if (stage.name == "compose") {
+            keep(compose::compose_data({&normal, &albedo, &emission, &direct, &indirect, scene.environment.radiance}),
+                 stage.label);
+        } else if (stage.name == "tonemap") {
+            keep(compose::tonemap_data(settings.tonemap, radiance), stage.label);
+        }
+    }
+};
+
+}  // namespace
+
+std::vector<StageData> frame_data(const Scene& scene, const frame::Settings& settings, const frame::Plan& plan,
+                                  const frame::Frame& frame) {
+    Builder builder(scene, settings, frame);
+    for (const frame::PlannedStage& stage : plan.stages)
+        if (stage.needed) builder.append(stage);
+    return std::move(builder.out);
+}
+
+}  // namespace plumb::parity

@@ -1,0 +1,36 @@
+#include "gi/parity/stages.h"
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "gi/compose/bindings.h"
+#include "gi/direct/bindings.h"
+#include "gi/rsm/bindings.h"
+#if __has_include("raster/bindings.h")
+#include "raster/bindings.h"
+#endif
+
+namespace plumb::parity {
+
+const std::vector<StageBinding>& bindings() {
+    static const std::vector<StageBinding> all = {
+#if __has_include("raster/bindings.h")
+        raster::gbuffer_binding(), raster::rsm_binding(),
+#endif
+        direct::shadow_binding(), rsm::disc_binding(),        rsm::all_binding(),
+        direct::direct_binding(), compose::compose_binding(), compose::tonemap_binding(),
+    };
+    return all;
+}
+
+const StageBinding& find_binding(const std::string& stage, const std::string& place) {
+    std::vector<std::string> names;
+    for (const StageBinding& b : bindings()) {
+        if (b.info.name == stage) return b;
+        names.push_back(b.info.name);
+    }
+    throw InputError(fmt::format("{}: unknown stage \"{}\"; the nearest known one is \"{}\"", place, stage,
+                                 nearest_name(stage, names)));
+}
+
+}  // namespace plumb::parity

@@ -1,0 +1,21 @@
+// What a format makes of a value that is known to lie in an interval: how far a store may move it.
+#pragma once
+
+#include "core/device_profile.h"
+#include "core/formats.h"
+
+namespace plumb::parity {
+
+struct StoredRange {
+    double low, high;
+};
+
+// True where a float comes back as it was stored.
+bool is_exact(Format format);
+
+// Every value that component c may come back with where the shader wrote one of [low, high]. `largest` is the largest
+// magnitude among the texel's components: rgbe shares an exponent. Rounding is to either neighbour unless the profile
+// says which: Vulkan 1.3, 3.9.2 (fixed point) and 2.10.1 (16 bits) allow both.
+StoredRange stored_range(Format format, int c, double low, double high, double largest, const DeviceProfile& profile);
+
+}  // namespace plumb::parity

@@ -1,0 +1,297 @@
+#include "gi/parity/verdict.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+
+#include "core/error.h"
+#include "core/parallel.h"
+#include "gi/parity/stored.h"
+
+namespace plumb::parity {
+
+namespace {
+
+// One dumped output beside ours.
+struct Pair {
+    const Slot* slot;
+    const Dumped* dumped;
+    const unsigned char* expected;  // [height][width][channels]
+    int channels = 0;               // of ours
+    int dumped_channels = 0;        // of each texel of the dump
+    int first = 0;                  // of our channels among all components of all outputs
+
+    bool compared(int c) const { return (dumped->channels >> c & 1) && c < dumped_channels; }
+    double got(std::size_t pixel, int c) const {
+        return value(dumped->array.dtype, dumped->array.bytes.data(), pixel * std::size_t(dumped_channels) + c);
+    }
+    double ours(std::size_t pixel, int c) const {
+        return value(slot->dtype, expected, pixel * std::size_t(channels) + c);
+    }
+
+  private:
+    static double value(DType dtype, const unsigned char* p, std::size_t i) {
+        if (dtype == DType::f32) {
+            float f;
+            std::memcpy(&f, p + 4 * i, 4);
+            return f;
+        }
+        std::int32_t n;
+        std::memcpy(&n, p + 4 * i, 4);
+        return n;
+    }
+};
+
+struct Judged {
+    Verdict verdict = Verdict::equal;
+    WorstPixel worst;
+};
+
+class Judge {
+  public:
+    Judge(const StageBinding& binding, const StageData& data, const std::vector<Dumped>& dumped,
+          const JudgeOptions& options)
+        : binding_(binding), data_(data), options_(options), stage_(binding.bind(data)) {
+        stage_->run(options.run, options.profile, expected_);
+        for (const Slot& slot : binding.outputs) components_ += slot.channels;
+        for (const Dumped& d : dumped) pairs_.push_back(pair(d));
+        if (pairs_.empty()) throw InputError(data.label + ": no output was dumped");
+        quantise_expected();
+    }
+
+    bool judged(glm::ivec2 pixel) const { return stage_->writes(pixel); }
+
+    Judged operator()(glm::ivec2 pixel) const {
+        const std::size_t at = std::size_t(pixel.y) * std::size_t(data_.size.x) + std::size_t(pixel.x);
+        if (same_bits(at)) return {};
+        Judged j;
+        j.worst.pixel = pixel;
+        if (not_a_number(at, j.worst)) return {Verdict::wrong, j.worst};
+
+        // Look for a legal outcome that is near enough.
+        std::vector<float> got(std::size_t(components_), std::numeric_limits<float>::quiet_NaN());
+        for (const Pair& p : pairs_)
+            for (int c = 0; c < p.channels; ++c)
+                if (p.compared(c)) got[std::size_t(p.first + c)] = float(p.got(at, c));
+        std::vector<Outcome> outcomes;
+        const int n = options_.choices_a_pixel;
+        std::span<const std::int32_t> choices;
+        if (n > 0) choices = {options_.choices.data() + at * std::size_t(n), std::size_t(n)};
+        stage_->outcomes(pixel, options_.profile, got, choices, outcomes);
+        j.verdict = Verdict::wrong;
+        j.worst.excess = std::numeric_limits<double>::infinity();
+        for (const Outcome& outcome : outcomes) {
+            bool decided = !outcome.ambiguous;
+            const WorstPixel w = farthest(at, outcome, decided);
+            const Verdict verdict =
+                !(w.excess <= 1) ? Verdict::wrong : decided ? Verdict::within_bound : Verdict::ambiguous;
+            if (verdict < j.verdict || (verdict == j.verdict && w.excess < j.worst.excess)) {
+                j.verdict = verdict, j.worst = w;
+                j.worst.pixel = pixel;
+            }
+        }
+        if (outcomes.empty()) not_legal(at, j.worst);
+        j.worst.verdict = j.verdict;
+        return j;
+    }
+
+  private:
+    Pair pair(const Dumped& d) {
+        std::vector<std::string> names;
+        int first = 0;
+        for (const Slot& slot : binding_.outputs) {
+            if (slot.name != d.output) {
+                names.push_back(slot.name), first += slot.channels;
+                continue;
+            }
+            const Shape& shape = d.array.shape;
+            const bool fits = (shape.size() == 2 || shape.size() == 3) && shape[0] == data_.size.y &&
+                              shape[1] == data_.size.x && (d.array.dtype == DType::f32 || d.array.dtype == DType::i32);
+            if (!fits)
+                throw InputError(fmt::format("{}: output \"{}\" is {} {}: expected {} x {} pixels of f32 or i32",
+                                             data_.label, d.output, dtype_name(d.array.dtype), shape_text(shape),
+                                             data_.size.x, data_.size.y));
+            Pair p{&slot, &d, plumb::at(expected_, slot.name).bytes.data(), slot.channels,
+                   shape.size() == 3 ? int(shape[2]) : 1, first};
+            bool any = false;
+            for (int c = 0; c < p.channels; ++c) any |= p.compared(c);
+            if (!any)
+                throw InputError(fmt::format("{}: output \"{}\": none of its components was dumped", data_.label, d.output));
+            return p;
+        }
+        throw InputError(fmt::format("{}: {} has no output \"{}\"; the nearest known one is \"{}\"", data_.label,
+                                     binding_.info.name, d.output, nearest_name(d.output, names)));
+    }
+
+    // Ours is rounded as the device's target rounds it.
+    void quantise_expected() {
+        for (Pair& p : pairs_) {
+            if (p.slot->dtype != DType::f32 || is_exact(p.dumped->stored)) continue;
+            Array& array = const_cast<Array&>(plumb::at(expected_, p.slot->name));
+            float* values = reinterpret_cast<float*>(array.bytes.data());
+            parallel_bands(data_.size.y, 16, options_.run, [&](int first, int last) {
+                for (std::size_t i = std::size_t(first) * data_.size.x; i < std::size_t(last) * data_.size.x; ++i) {
+                    float* texel = values + i * std::size_t(p.channels);
+                    glm::vec4 v(0, 0, 0, 1);
+                    for (int c = 0; c < p.channels; ++c) v[c] = texel[c];
+                    quantise(p.dumped->stored, v, options_.profile.half_store);
+                    for (int c = 0; c < p.channels; ++c) texel[c] = v[c];
+                }
+            });
+        }
+    }
+
+    bool same_bits(std::size_t at) const {
+        for (const Pair& p : pairs_)
+            for (int c = 0; c < p.channels; ++c)
+                if (p.compared(c) && !(p.got(at, c) == p.ours(at, c) &&
+                                       std::signbit(p.got(at, c)) == std::signbit(p.ours(at, c))))
+                    return false;
+        return true;
+    }
+
+    // A component that is not a number on either side.
+    bool not_a_number(std::size_t at, WorstPixel& worst) const {
+        for (const Pair& p : pairs_)
+            for (int c = 0; c < p.channels; ++c) {
+                const double ours = p.ours(at, c), got = p.got(at, c);
+                if (!p.compared(c) || (ours == ours && got == got)) continue;
+                worst = {worst.pixel, Verdict::wrong, p.slot->name, c, ours, got, 0,
+                         std::numeric_limits<double>::infinity()};
+                return true;
+            }
+        return false;
+    }
+
+    // No outcome can be told: the component that differs most.
+    void not_legal(std::size_t at, WorstPixel& worst) const {
+        double most = -1;
+        for (const Pair& p : pairs_)
+            for (int c = 0; c < p.channels; ++c) {
+                if (!p.compared(c) || !(std::abs(p.got(at, c) - p.ours(at, c)) > most)) continue;
+                most = std::abs(p.got(at, c) - p.ours(at, c));
+                worst.output = p.slot->name, worst.channel = c;
+                worst.expected = p.ours(at, c), worst.got = p.got(at, c);
+            }
+    }
+
+    // The component that is farthest outside of its bound. `decided` becomes false where a bound says nothing.
+    WorstPixel farthest(std::size_t at, const Outcome& outcome, bool& decided) const {
+        WorstPixel worst;
+        worst.excess = -1;
+        for (const Pair& p : pairs_) {
+            // Some formats round all components of a texel together.
+            double largest = 0;
+            for (int c = 0; c < p.channels; ++c)
+                largest = std::max(largest, std::abs(outcome.values[std::size_t(p.first + c)].shadow));
+            for (int c = 0; c < p.channels; ++c) {
+                if (!p.compared(c)) continue;
+                const BoundedValue& v = outcome.values[std::size_t(p.first + c)];
+                const double got = p.got(at, c);
+                if (!std::isfinite(v.bound)) {
+                    decided = false;
+                    if (worst.excess < 0) worst.output = p.slot->name, worst.channel = c, worst.excess = 0;
+                    continue;
+                }
+                const StoredRange range =
+                    stored_range(p.dumped->stored, c, v.shadow - v.bound, v.shadow + v.bound, largest,
+                                 options_.profile);
+                const double middle = 0.5 * (range.low + range.high), allowed = 0.5 * (range.high - range.low);
+                const double distance = got >= range.low && got <= range.high ? 0 : std::abs(got - middle);
+                const double excess = got == v.shadow || (distance == 0 && allowed == 0) ? 0
+                                      : distance == 0 ? std::abs(got - middle) / allowed
+                                      : allowed > 0   ? distance / allowed
+                                                      : std::numeric_limits<double>::infinity();
+                if (!(excess <= worst.excess))
+                    worst = {{}, Verdict::equal, p.slot->name, c, v.shadow, got, allowed, excess};
+            }
+        }
+        return worst;
+    }
+
+    const StageBinding& binding_;
+    const StageData& data_;
+    const JudgeOptions& options_;
+    std::unique_ptr<BoundStage> stage_;
+    Bundle expected_;
+    std::vector<Pair> pairs_;
+    int components_ = 0;
+};
+
+// Wrong before ambiguous before within bound; then by how far.
+bool worse(const WorstPixel& a, const WorstPixel& b) {
+    if (a.verdict != b.verdict) return a.verdict > b.verdict;
+    if (a.excess != b.excess) return a.excess > b.excess;
+    return a.pixel.y != b.pixel.y ? a.pixel.y < b.pixel.y : a.pixel.x < b.pixel.x;
+}
+
+void keep_worst(std::vector<WorstPixel>& worst, int most) {
+    if (int(worst.size()) <= most) return;
+    std::partial_sort(worst.begin(), worst.begin() + most, worst.end(), worse);
+    worst.resize(std::size_t(most));
+}
+
+void conclude(const JudgeOptions& options, StageVerdict& v) {
+    for (int i = 0; i < verdicts; ++i)
+        if (v.count[std::size_t(i)] > 0) v.verdict = Verdict(i);
+    const std::int64_t wrong = v.count[int(Verdict::wrong)], ambiguous = v.count[int(Verdict::ambiguous)];
+    const double share = v.pixels > 0 ? double(ambiguous) / double(v.pixels) : 0;
+    if (v.pixels == 0)
+        v.reason = "no pixel was judged";
+    else if (wrong > 0)
+        v.reason = fmt::format("{} of {} pixels are wrong", wrong, v.pixels);
+    else if (share > options.max_ambiguous)
+        v.reason = fmt::format("{:.3g} % of the pixels are ambiguous, more than {:.3g} %: the comparison decides too "
+                               "little", 100 * share, 100 * options.max_ambiguous);
+    v.passed = v.reason.empty();
+}
+
+}  // namespace
+
+const char* verdict_name(Verdict verdict) {
+    constexpr const char* names[] = {"equal", "within_bound", "ambiguous", "wrong"};
+    return names[int(verdict)];
+}
+
+StageVerdict judge(const StageBinding& binding, const StageData& data, const std::vector<Dumped>& dumped,
+                   const JudgeOptions& options) {
+    const auto start = std::chrono::steady_clock::now();
+    const Judge judge(binding, data, dumped, options);
+    StageVerdict v;
+    v.stage = data.stage, v.label = data.label, v.id = data.id;
+    v.map = Image<std::uint8_t>(data.size.x, data.size.y, 255);
+
+    // Each row counts for itself, so that the order of the worst depends on no thread.
+    struct Row {
+        std::array<std::int64_t, verdicts> count{};
+        std::vector<WorstPixel> worst;
+    };
+    std::vector<Row> rows(std::size_t(data.size.y));
+    parallel_bands(data.size.y, 1, options.run, [&](int first, int last) {
+        for (int y = first; y < last; ++y)
+            for (int x = 0; x < data.size.x; ++x) {
+                if (!judge.judged({x, y})) continue;
+                Row& row = rows[std::size_t(y)];
+                const Judged j = judge({x, y});
+                v.map(x, y) = std::uint8_t(j.verdict);
+                ++row.count[std::size_t(j.verdict)];
+                if (j.verdict == Verdict::equal) continue;
+                row.worst.push_back(j.worst);
+                if (int(row.worst.size()) >= 8 * options.worst + 64) keep_worst(row.worst, options.worst);
+            }
+    });
+    for (const Row& row : rows) {
+        for (std::size_t i = 0; i < verdicts; ++i) v.count[i] += row.count[i], v.pixels += row.count[i];
+        v.worst.insert(v.worst.end(), row.worst.begin(), row.worst.end());
+    }
+    std::sort(v.worst.begin(), v.worst.end(), worse);
+    keep_worst(v.worst, options.worst);
+    conclude(options, v);
+    v.ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    return v;
+}
+
+}  // namespace plumb::parity
