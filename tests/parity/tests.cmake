@@ -1,0 +1,18 @@
+# The twins on a device, held against the kernels. Skipped, and said so, where the library, the driver or the shaders are
+# not there.
+if(TARGET plumb_vulkan)
+  file(GLOB parity_shaders CONFIGURE_DEPENDS parity/*.vert parity/*.frag parity/*.comp)
+  plumb_compile_twins(parity_shaders ${parity_shaders})
+  plumb_add_tests(parity plumb_vulkan plumb::io plumb::gi)
+endif()
+if(TARGET test_parity)
+  target_compile_definitions(test_parity PRIVATE PLUMB_SPIRV_DIR="${CMAKE_BINARY_DIR}/twins")
+  foreach(shaders parity_shaders plumb_gi_twins plumb_raster_twins)
+    if(TARGET ${shaders})
+      add_dependencies(test_parity ${shaders})
+    endif()
+  endforeach()
+else()
+  add_test(NAME parity COMMAND ${CMAKE_COMMAND} -E echo "SKIPPED: built without Vulkan (libvulkan-dev)")
+endif()
+set_tests_properties(parity PROPERTIES LABELS vulkan SKIP_REGULAR_EXPRESSION "SKIPPED: " TIMEOUT 600)
