@@ -1,7 +1,9 @@
-// A kernel's uniform struct and its twin's block are one layout written twice: names, order and std140 offsets are held
-// against each other, read from the text of the twin.
+// A kernel and its twin are one text written twice. Their uniform blocks (names, order and std140 offsets) and their
+// taps (names and order) are held against each other, read from the text of the twin.
 #include <catch2/catch.hpp>
+#include <algorithm>
 #include <cstddef>
+#include <filesystem>
 #include <fstream>
 #include <regex>
 #include <sstream>
@@ -23,15 +25,19 @@ struct Member {
 };
 std::ostream& operator<<(std::ostream& out, const Member& m) { return out << m.name << " at " << m.offset; }
 
-// The members between the braces that follow `opening` in the file, with their std140 offsets: float, int and uint take
-// 4 bytes, vec4 16 on a multiple of 16, vec3 12 on a multiple of 16, and a struct as much as its members, rounded up to
-// 16 (OpenGL 4.6, 7.6.2.2).
-std::vector<Member> members_of_twin(const std::string& path, const std::string& opening) {
+std::string text_of(const std::string& path) {
     std::ifstream file(std::string(PLUMB_SOURCE_DIR) + "/" + path);
     REQUIRE(file.good());
     std::stringstream text;
     text << file.rdbuf();
-    const std::string all = text.str();
+    return text.str();
+}
+
+// The members between the braces that follow `opening` in the file, with their std140 offsets: float, int and uint take
+// 4 bytes, vec4 16 on a multiple of 16, vec3 12 on a multiple of 16, and a struct as much as its members, rounded up to
+// 16 (OpenGL 4.6, 7.6.2.2).
+std::vector<Member> members_of_twin(const std::string& path, const std::string& opening) {
+    const std::string all = text_of(path);
     const std::size_t at = all.find(opening);
     REQUIRE(at != all.npos);
     const std::size_t begin = all.find('{', at), end = all.find('}', begin);
@@ -51,6 +57,45 @@ std::vector<Member> members_of_twin(const std::string& path, const std::string& 
     }
     return members;
 }
+
+// What the pattern's groups match, in order of the files' text.
+std::vector<std::string> matches(const std::vector<std::string>& paths, const std::regex& pattern) {
+    std::vector<std::string> found;
+    for (const std::string& path : paths) {
+        const std::string all = text_of(path);
+        for (std::sregex_iterator i(all.begin(), all.end(), pattern), none; i != none; ++i)
+            found.push_back((*i)[1].matched ? (*i)[1] : (*i)[2]);
+    }
+    return found;
+}
+// Names of taps; "sample" where the number of the sample is set.
+std::vector<std::string> taps_of_kernel(const std::string& path) {
+    return matches({path}, std::regex(R"rx(\btap\("(\w+)"|\btap\.(sample)\()rx"));
+}
+std::vector<std::string> taps_of_twin(const std::vector<std::string>& paths) {
+    std::vector<std::string> taps = matches(paths, std::regex(R"(\bTAP\((\w+),|\bTAP_(SAMPLE)\()"));
+    std::replace(taps.begin(), taps.end(), std::string("SAMPLE"), std::string("sample"));
+    return taps;
+}
+
+struct TappedTwin {
+    std::string kernel;
+    std::vector<std::string> twins;            // files that mirror it, in the order of its functions
+    std::vector<std::string> of_explain = {};  // first: what explain() lists before it calls the kernel
+};
+const TappedTwin tapped_twins[] = {
+    {"raster/project_kernel.h", {"raster/project.glsl"}},
+    {"raster/texture_kernel.h", {"raster/texture.glsl"}},
+    {"raster/surface_kernel.h", {"raster/surface.glsl"}},
+    {"raster/gbuffer_kernel.h", {"raster/gbuffer.frag"}, {"object", "z"}},
+    {"raster/rsm_kernel.h", {"raster/rsm.frag"}, {"z"}},  // the objects are not bound
+    {"gi/rsm/gather_kernel.h", {"gi/rsm/gather_form.glsl", "gi/rsm/gather.comp", "gi/rsm/gather_all.comp"}},
+    {"gi/direct/shadow_kernel.h", {"gi/direct/shadow.comp"}},
+    {"gi/direct/direct_kernel.h", {"gi/direct/direct.comp"}},
+    {"gi/compose/compose_kernel.h", {"gi/compose/compose.comp"}},
+    {"gi/compose/tonemap_kernel.h", {"gi/compose/tonemap.comp"}},
+};
+const std::string without_twin[] = {"gi/rsm/all_rays_kernel.h"};  // traces rays
 
 #define AT(type, member) Member{#member, offsetof(type, member)}
 
@@ -95,4 +140,34 @@ TEST_CASE("twins: compose and tonemap bind the kernels' uniforms", "[twins][std1
     using T = compose::TonemapUniforms;
     const std::vector<Member> tonemap{AT(T, op), AT(T, exposure), AT(T, width), AT(T, height)};
     CHECK(members_of_twin("gi/compose/tonemap.comp", "uniform TonemapUniforms") == tonemap);
+}
+
+TEST_CASE("twins: every tap of a kernel is in its twin, in the same order", "[twins][tap]") {
+    for (const TappedTwin& t : tapped_twins) {
+        INFO(t.kernel);
+        const std::vector<std::string> kernel = taps_of_kernel(t.kernel);
+        std::vector<std::string> twin = taps_of_twin(t.twins);
+        if (!t.of_explain.empty()) {
+            // They stand in main(), behind functions that the kernel's text has first, too.
+            const auto at = std::search(twin.begin(), twin.end(), t.of_explain.begin(), t.of_explain.end());
+            REQUIRE(at != twin.end());
+            twin.erase(at, at + std::ptrdiff_t(t.of_explain.size()));
+        }
+        CHECK(kernel.size() > 0);
+        CHECK(twin == kernel);
+    }
+}
+
+TEST_CASE("twins: every kernel that has taps is held against a twin", "[twins][tap]") {
+    const std::filesystem::path root(PLUMB_SOURCE_DIR);
+    for (const char* folder : {"core", "raster", "gi"})
+        for (const auto& entry : std::filesystem::recursive_directory_iterator(root / folder)) {
+            const std::string path = std::filesystem::relative(entry.path(), root).generic_string();
+            if (!std::regex_search(path, std::regex("_kernel\\.h$")) || taps_of_kernel(path).empty()) continue;
+            INFO(path);
+            const bool held = std::any_of(std::begin(tapped_twins), std::end(tapped_twins),
+                                          [&](const TappedTwin& t) { return t.kernel == path; });
+            const bool excepted = std::count(std::begin(without_twin), std::end(without_twin), path) > 0;
+            CHECK(held != excepted);
+        }
 }

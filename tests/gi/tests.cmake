@@ -1,5 +1,9 @@
-# Every floating-point operation of every twin is `precise`.
+# Every floating-point operation of every twin is `precise`, with taps and without.
 find_program(SPIRV_DIS spirv-dis)
 if(PLUMB_COMPILE_TWINS AND GLSLANG AND SPIRV_DIS)
   add_test(NAME twins_precise COMMAND ${CMAKE_CURRENT_LIST_DIR}/check_precise.sh ${CMAKE_BINARY_DIR}/twins)
+  if(TARGET plumb_vulkan)
+    add_test(NAME twins_precise_tapped
+      COMMAND ${CMAKE_CURRENT_LIST_DIR}/check_precise.sh ${CMAKE_BINARY_DIR}/twins/tapped)
+  endif()
 endif()
