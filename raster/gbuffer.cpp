@@ -4,6 +4,7 @@
 
 #include "core/formats.h"
 #include "core/fp_environment.h"
+#include "raster/pass_args.h"
 #include "raster/resolve_tiles.h"
 #include "raster/visibility.h"
 #include "raster/visible_tiles.h"
@@ -37,15 +38,6 @@ GBufferStore store_of(const Layout& layout, const View& view) {
     return s;
 }
 
-GBufferArgs args_of(const Geometry& geometry, const Surfaces& surfaces, const View& view, glm::ivec2 size) {
-    GBufferArgs a{};
-    a.surfaces = surface_args(geometry, surfaces, view, size);
-    for (int c = 0; c < 3; ++c) a.eye[c] = float(view.eye[c]), a.forward[c] = float(view.forward[c]);
-    a.width = size.x, a.height = size.y;
-    a.object = geometry.object.data();
-    return a;
-}
-
 // Makes room for an image that is wanted, unless it is there; every texel will be written.
 template <class T>
 void fit(Image<T>& image, glm::ivec2 size, bool wanted) {
@@ -64,6 +56,15 @@ void quantise_depth_buffer(Format format, Image1& depth, glm::ivec2 first, glm::
 
 }  // namespace
 
+GBufferArgs gbuffer_args(const Geometry& geometry, const Surfaces& surfaces, const View& view, glm::ivec2 size) {
+    GBufferArgs a{};
+    a.surfaces = surface_args(geometry, surfaces, view, size);
+    for (int c = 0; c < 3; ++c) a.eye[c] = float(view.eye[c]), a.forward[c] = float(view.forward[c]);
+    a.width = size.x, a.height = size.y;
+    a.object = geometry.object.data();
+    return a;
+}
+
 void draw_gbuffer(const Geometry& geometry, const Surfaces& surfaces, const View& view, glm::ivec2 size,
                   const Layout& layout, const RunOptions& options, GBuffer& out, const GBufferWants& wants,
                   Workspace* workspace) {
@@ -74,7 +75,7 @@ void draw_gbuffer(const Geometry& geometry, const Surfaces& surfaces, const View
     fit(out.albedo, size, wants.albedo);
     fit(out.emission, size, wants.emission);
     fit(out.id, size, wants.id);
-    GBufferArgs args = args_of(geometry, surfaces, view, size);
+    GBufferArgs args = gbuffer_args(geometry, surfaces, view, size);
     args.store = store_of(layout, view);
     if (wants.position) args.position = &out.position.data()->x;
     if (wants.normal) args.normal = &out.normal.data()->x;
@@ -105,7 +106,7 @@ std::vector<TapValue> explain_gbuffer(const Geometry& geometry, const Surfaces& 
     }
     recorder("object", geometry.object[std::size_t(triangle)], "index, of the triangle");
     recorder("z", visible.depth(pixel.x, pixel.y), "of the depth buffer, 0 to 1; not the linear depth");
-    GBufferArgs args = args_of(geometry, surfaces, view, size);
+    GBufferArgs args = gbuffer_args(geometry, surfaces, view, size);
     args.store = store_of(layout, view);
     GBufferPixel<float> p = gbuffer<float>(args, triangle, visible.barycentrics(pixel.x, pixel.y), recorder);
 
