@@ -6,8 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "core/tap.h"
-
 namespace plumb::vulkan {
 
 struct Twin {
@@ -22,11 +20,7 @@ Twin find_twin(const std::string& name);
 
 // Of set 0, bound in the tapped twin alone: std430 { int pixel_x, pixel_y, capacity, count; Tap taps[]; } with
 // Tap = { int site, int sample, int components, int run; vec4 value }. core/tap.glsl writes it at that one pixel; count
-// may exceed capacity. run: the fragment's triangle, 0 in a compute stage.
+// may exceed capacity. run: the fragment's triangle, as several may be drawn at the pixel; 0 in a compute stage.
 inline constexpr std::uint32_t tap_binding = 31;
-
-// What such a buffer holds, in the order in which it ran. Several triangles may be drawn at the pixel, at the same time:
-// of them the one whose tap "z" is nearest is seen.
-std::vector<TapValue> read_taps(const Twin& twin, std::span<const std::int32_t> buffer, bool reversed_z);
 
 }  // namespace plumb::vulkan
