@@ -22,6 +22,7 @@ layout(location = 3) out vec4 emission;  // W/m2
 layout(location = 4) out ivec2 id;       // object, triangle
 
 void main() {
+    if (masks && is_masked(triangle) && !passes_alpha(triangle, barycentrics)) discard;
     TAP_BEGIN(ivec2(gl_FragCoord.xy), triangle);
     TAP(object, objects[triangle]);
     TAP(z, gl_FragCoord.z);

@@ -40,6 +40,7 @@ vec3 texel_power(int px, int py) {
 }
 
 void main() {
+    if (masks && is_masked(triangle) && !passes_alpha(triangle, barycentrics)) discard;
     TAP_BEGIN(ivec2(gl_FragCoord.xy), triangle);
     TAP(z, gl_FragCoord.z);
     Surface s = surface(triangle, barycentrics, Viewer(u.viewer, u.forward, u.pixel_area));

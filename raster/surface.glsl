@@ -7,6 +7,9 @@ layout(std430, binding = 3) readonly buffer TriangleMaterial { int triangle_mate
 layout(std430, binding = 4) readonly buffer Materials { vec4 materials[]; };  // [material][4]: surface_kernel.h
 layout(std430, binding = 5) readonly buffer Tangents { vec4 tangents[]; };    // [vertex]; w: side of the bitangent
 
+// Whether any material may be masked. Specialised to false, a pipeline has no discard, and may test depth early.
+layout(constant_id = 0) const bool masks = true;
+
 // SurfaceArgs' last members.
 struct Viewer {
     vec4 place;        // xyz m, w 1: where the viewer is; w 0: the direction towards it
@@ -124,7 +127,9 @@ float pixel_uv_area(Viewer viewer, vec2 uv1, vec2 uv2, vec3 e1, vec3 e2, vec3 to
     return covered;
 }
 
-// Whether there is a surface at all. A fragment stage that draws a masked material discards where there is none.
+bool is_masked(int triangle) { return fetch_material(triangle_material[triangle]).emission_cutoff.w > 0.0; }
+
+// Whether there is a surface at all.
 bool passes_alpha(int triangle, vec2 l) {
     MaterialRow m = fetch_material(triangle_material[triangle]);
     int v0 = triangles[triangle * 3] * 2;
