@@ -29,8 +29,9 @@ std::vector<glm::vec4> corners(int triangles) {
 Image1 draw_on_device(const vulkan::Device& device, const std::vector<glm::vec4>& clip) {
     const vulkan::Targets targets = vulkan::make_targets(device, {side, side}, {VK_FORMAT_R32_SFLOAT});
     vulkan::GraphicsOptions options;
-    options.vertex_shader = PLUMB_SPIRV_DIR "/tests.vulkan.triangles.vert.spv";
-    options.fragment_shader = PLUMB_SPIRV_DIR "/tests.vulkan.triangles.frag.spv";
+    options.vertex_shader = vulkan::load_spirv(PLUMB_SPIRV_DIR "/tests.vulkan.triangles.vert.spv");
+    options.fragment_shader = vulkan::load_spirv(PLUMB_SPIRV_DIR "/tests.vulkan.triangles.frag.spv");
+    options.name = "tests/vulkan/triangles";
     options.stride = sizeof(glm::vec4);
     options.attributes = {{VK_FORMAT_R32G32B32A32_SFLOAT, 0}};
     const vulkan::GraphicsPipeline pipeline = vulkan::make_graphics_pipeline(device, targets, options);

@@ -101,8 +101,9 @@ void Peer::set_view(const View& view, glm::ivec2 size) {
         device_, {std::uint32_t(size.x), std::uint32_t(size.y)},
         {VK_FORMAT_R16G16B16A16_SFLOAT, VK_FORMAT_R16G16B16A16_SFLOAT, VK_FORMAT_R16G16B16A16_SFLOAT});
     vulkan::GraphicsOptions options;
-    options.vertex_shader = PLUMB_SPIRV_DIR "/tools.bench_raster.peer.vert.spv";
-    options.fragment_shader = PLUMB_SPIRV_DIR "/tools.bench_raster.peer.frag.spv";
+    options.vertex_shader = vulkan::load_spirv(PLUMB_SPIRV_DIR "/tools.bench_raster.peer.vert.spv");
+    options.fragment_shader = vulkan::load_spirv(PLUMB_SPIRV_DIR "/tools.bench_raster.peer.frag.spv");
+    options.name = "tools/bench_raster/peer";
     options.stride = sizeof(Vertex);
     options.attributes = {{VK_FORMAT_R32G32B32A32_SFLOAT, offsetof(Vertex, position)},
                           {VK_FORMAT_R32G32B32A32_SFLOAT, offsetof(Vertex, normal)}};

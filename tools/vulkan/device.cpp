@@ -47,10 +47,63 @@ std::vector<VkPhysicalDevice> physical_devices(VkInstance instance) {
     return devices;
 }
 
-std::string name_of(VkPhysicalDevice device) {
-    VkPhysicalDeviceProperties properties;
-    vkGetPhysicalDeviceProperties(device, &properties);
-    return properties.deviceName;
+bool has_extension(VkPhysicalDevice device, const char* name) {
+    std::uint32_t n = 0;
+    vkEnumerateDeviceExtensionProperties(device, nullptr, &n, nullptr);
+    std::vector<VkExtensionProperties> extensions(n);
+    vkEnumerateDeviceExtensionProperties(device, nullptr, &n, extensions.data());
+    return std::any_of(extensions.begin(), extensions.end(),
+                       [&](const VkExtensionProperties& e) { return std::strcmp(e.extensionName, name) == 0; });
+}
+
+DeviceInfo info_of(VkPhysicalDevice device, int index) {
+    DeviceInfo info;
+    info.index = index;
+    vkGetPhysicalDeviceProperties(device, &info.properties);
+    vkGetPhysicalDeviceFeatures(device, &info.features);
+    if (info.properties.apiVersion < VK_API_VERSION_1_1 ||
+        !has_extension(device, VK_KHR_DRIVER_PROPERTIES_EXTENSION_NAME))
+        return info;
+    auto driver = structure<VkPhysicalDeviceDriverProperties>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES);
+    auto properties = structure<VkPhysicalDeviceProperties2>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2);
+    properties.pNext = &driver;
+    vkGetPhysicalDeviceProperties2(device, &properties);
+    info.driver_name = driver.driverName;
+    info.driver_info = driver.driverInfo;
+    return info;
+}
+
+std::vector<DeviceInfo> infos_of(const std::vector<VkPhysicalDevice>& devices) {
+    std::vector<DeviceInfo> out;
+    for (VkPhysicalDevice device : devices) out.push_back(info_of(device, int(out.size())));
+    return out;
+}
+
+std::vector<std::string> names_of(const std::vector<DeviceInfo>& devices) {
+    std::vector<std::string> names;
+    for (const DeviceInfo& device : devices) names.push_back(device.name());
+    return names;
+}
+
+// The first device whose name has `name` in it, or which has that index.
+const DeviceInfo& choose(const std::vector<DeviceInfo>& devices, const std::string& name) {
+    if (devices.empty()) throw Error("Vulkan: no device (for a software driver, install mesa-vulkan-drivers)");
+    for (const DeviceInfo& device : devices)
+        if (name == std::to_string(device.index)) return device;
+    for (const DeviceInfo& device : devices)
+        if (device.name().find(name) != std::string::npos) return device;
+    throw Error(
+        fmt::format("Vulkan: no device named \"{}\"; there are: {}", name, fmt::join(names_of(devices), ", ")));
+}
+
+// What a twin may need or what makes a wrong one harmless, where the device has it: tapped fragment stages write to a
+// buffer, and reads beyond the end of one must not end the program.
+VkPhysicalDeviceFeatures wanted_features(const VkPhysicalDeviceFeatures& there) {
+    VkPhysicalDeviceFeatures out{};
+    out.robustBufferAccess = there.robustBufferAccess;
+    out.fragmentStoresAndAtomics = there.fragmentStoresAndAtomics;
+    out.vertexPipelineStoresAndAtomics = there.vertexPipelineStoresAndAtomics;
+    return out;
 }
 
 VKAPI_ATTR VkBool32 VKAPI_CALL complain(VkDebugUtilsMessageSeverityFlagBitsEXT, VkDebugUtilsMessageTypeFlagsEXT,
@@ -68,6 +121,8 @@ void check(VkResult result, const std::string& what) {
              {VK_ERROR_OUT_OF_DEVICE_MEMORY, "out of device memory"},
              {VK_ERROR_INITIALIZATION_FAILED, "initialisation failed"},
              {VK_ERROR_DEVICE_LOST, "the device is lost"},
+             {VK_ERROR_TOO_MANY_OBJECTS, "too many objects"},
+             {VK_ERROR_FEATURE_NOT_PRESENT, "the device lacks a feature"},
              {VK_ERROR_INCOMPATIBLE_DRIVER, "no driver (for a software one, install mesa-vulkan-drivers)"},
              {VK_ERROR_FORMAT_NOT_SUPPORTED, "this format is not supported"},
          })
@@ -75,18 +130,34 @@ void check(VkResult result, const std::string& what) {
     throw Error(fmt::format("{}: VkResult {}", what, int(result)));
 }
 
-std::vector<std::string> device_names() {
-    std::vector<std::string> names;
+std::string DeviceInfo::type() const {
+    switch (properties.deviceType) {
+        case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
+            return "integrated GPU";
+        case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
+            return "discrete GPU";
+        case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU:
+            return "virtual GPU";
+        case VK_PHYSICAL_DEVICE_TYPE_CPU:
+            return "processor";
+        default:
+            return "other";
+    }
+}
+
+std::vector<DeviceInfo> list_devices() {
     VkInstance instance = VK_NULL_HANDLE;
     try {
         instance = make_instance(nullptr, {}, {});
     } catch (const Error&) {
-        return names;  // no driver is installed
+        return {};  // no driver is installed
     }
-    for (VkPhysicalDevice device : physical_devices(instance)) names.push_back(name_of(device));
+    const std::vector<DeviceInfo> devices = infos_of(physical_devices(instance));
     vkDestroyInstance(instance, nullptr);
-    return names;
+    return devices;
 }
+
+std::vector<std::string> device_names() { return names_of(list_devices()); }
 
 void Device::create_instance(bool validate) {
     if (!validate || !has_validation_layer()) {
@@ -106,15 +177,12 @@ void Device::create_instance(bool validate) {
 }
 
 void Device::create_device(const std::string& name) {
-    std::vector<std::string> names;
-    for (VkPhysicalDevice candidate : physical_devices(instance_)) {
-        names.push_back(name_of(candidate));
-        if (!physical_ && names.back().find(name) != std::string::npos) physical_ = candidate;
-    }
-    if (names.empty()) throw Error("Vulkan: no device (for a software driver, install mesa-vulkan-drivers)");
-    if (!physical_)
-        throw Error(fmt::format("Vulkan: no device named \"{}\"; there are: {}", name, fmt::join(names, ", ")));
-    vkGetPhysicalDeviceProperties(physical_, &properties_);
+    const std::vector<VkPhysicalDevice> devices = physical_devices(instance_);
+    info_ = choose(infos_of(devices), name);
+    physical_ = devices[std::size_t(info_.index)];
+    if (info_.properties.apiVersion < VK_API_VERSION_1_1)
+        throw Error(fmt::format("Vulkan: {} knows Vulkan 1.0 alone; expected 1.1", info_.name()));
+    features_ = wanted_features(info_.features);
     vkGetPhysicalDeviceMemoryProperties(physical_, &memory_);
 
     // Take the first family of queues that draws and computes.
@@ -126,7 +194,7 @@ void Device::create_device(const std::string& name) {
         return (f.queueFlags & VK_QUEUE_GRAPHICS_BIT) && (f.queueFlags & VK_QUEUE_COMPUTE_BIT);
     });
     if (family == families.end())
-        throw Error(fmt::format("Vulkan: {} has no queue that draws and computes", properties_.deviceName));
+        throw Error(fmt::format("Vulkan: {} has no queue that draws and computes", info_.name()));
     timestamp_bits_ = family->timestampValidBits;
 
     const float priority = 1;
@@ -137,6 +205,7 @@ void Device::create_device(const std::string& name) {
     auto info = structure<VkDeviceCreateInfo>(VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO);
     info.queueCreateInfoCount = 1;
     info.pQueueCreateInfos = &queue;
+    info.pEnabledFeatures = &features_;
     check(vkCreateDevice(physical_, &info, nullptr, &device_), "Vulkan: vkCreateDevice");
     vkGetDeviceQueue(device_, queue.queueFamilyIndex, 0, &queue_);
 

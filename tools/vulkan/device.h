@@ -56,11 +56,22 @@ class Owned {
     Handle handle_ = VK_NULL_HANDLE;
 };
 
-// Names of all devices that the loader finds, in its order; empty where there is no driver.
+struct DeviceInfo {
+    int index = 0;                        // in the loader's order
+    VkPhysicalDeviceProperties properties{};
+    VkPhysicalDeviceFeatures features{};
+    std::string driver_name, driver_info;  // "llvmpipe", "Mesa 22.3.6 (LLVM 15.0.6)"; empty where it does not say
+
+    std::string name() const { return properties.deviceName; }
+    std::string type() const;  // "processor", "discrete GPU", ...
+};
+
+// All devices that the loader finds, in its order; empty where there is no driver.
+std::vector<DeviceInfo> list_devices();
 std::vector<std::string> device_names();
 
 struct DeviceOptions {
-    std::string name;       // a part of the device's name: "llvmpipe"; empty: the first device
+    std::string name;       // a part of the device's name: "llvmpipe"; or its index; empty: the first device
     bool validate = false;  // through VK_LAYER_KHRONOS_validation, where it is installed
 };
 
@@ -74,8 +85,12 @@ class Device {
 
     VkDevice get() const { return device_; }
     VkPhysicalDevice physical() const { return physical_; }
-    std::string name() const { return properties_.deviceName; }
-    const VkPhysicalDeviceProperties& properties() const { return properties_; }
+    const DeviceInfo& info() const { return info_; }
+    std::string name() const { return info_.name(); }
+    const VkPhysicalDeviceProperties& properties() const { return info_.properties; }
+    const VkPhysicalDeviceLimits& limits() const { return info_.properties.limits; }
+    // What was switched on, of that what the device has: see wanted_features() in device.cpp.
+    const VkPhysicalDeviceFeatures& features() const { return features_; }
     bool validated() const { return messenger_ != VK_NULL_HANDLE; }
     // What the validation layer has said so far.
     const std::vector<std::string>& complaints() const { return *complaints_; }
@@ -95,7 +110,7 @@ class Device {
     // Submits and waits: milliseconds of wall clock from one to the other.
     double submit(VkCommandBuffer commands) const;
     void free(VkCommandBuffer commands) const { vkFreeCommandBuffers(device_, pool_, 1, &commands); }
-    // All three.
+    // record(), submit() and free().
     template <class Write>
     void run(Write&& write) const {
         const VkCommandBuffer commands = record(std::forward<Write>(write));
@@ -112,7 +127,8 @@ class Device {
     VkInstance instance_ = VK_NULL_HANDLE;
     VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
     VkPhysicalDevice physical_ = VK_NULL_HANDLE;
-    VkPhysicalDeviceProperties properties_{};
+    DeviceInfo info_;
+    VkPhysicalDeviceFeatures features_{};
     VkPhysicalDeviceMemoryProperties memory_{};
     VkDevice device_ = VK_NULL_HANDLE;
     VkQueue queue_ = VK_NULL_HANDLE;

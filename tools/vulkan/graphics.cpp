@@ -2,25 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <fstream>
+#include <algorithm>
 
 namespace plumb::vulkan {
 namespace {
-
-Owned<VkShaderModule, vkDestroyShaderModule> load_shader(const Device& device, const std::string& file) {
-    std::ifstream in(file, std::ios::binary | std::ios::ate);
-    if (!in) throw Error(fmt::format("{}: cannot be read", file));
-    std::vector<std::uint32_t> words(std::size_t(in.tellg()) / 4);
-    in.seekg(0);
-    if (!in.read(reinterpret_cast<char*>(words.data()), std::streamsize(4 * words.size())))
-        throw Error(fmt::format("{}: cannot be read", file));
-    auto info = structure<VkShaderModuleCreateInfo>(VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO);
-    info.codeSize = 4 * words.size();
-    info.pCode = words.data();
-    VkShaderModule module;
-    check(vkCreateShaderModule(device.get(), &info, nullptr, &module), file);
-    return {device.get(), module};
-}
 
 Owned<VkDescriptorSetLayout, vkDestroyDescriptorSetLayout> make_sampler_layout(const Device& device, std::uint32_t n) {
     std::vector<VkDescriptorSetLayoutBinding> bindings(n);
@@ -84,31 +69,26 @@ Owned<VkRenderPass, vkDestroyRenderPass> make_pass(const Device& device, const s
     return {device.get(), pass};
 }
 
-VkPipelineShaderStageCreateInfo stage_info(VkShaderStageFlagBits stage, VkShaderModule module) {
-    auto info = structure<VkPipelineShaderStageCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO);
-    info.stage = stage;
-    info.module = module;
-    info.pName = "main";
-    return info;
-}
-
-VkPipelineLayout make_layout(const Device& device, VkDescriptorSetLayout set, std::uint32_t push_bytes) {
-    const VkPushConstantRange push{VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, 0, push_bytes};
-    auto info = structure<VkPipelineLayoutCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO);
-    info.setLayoutCount = 1;
-    info.pSetLayouts = &set;
-    info.pushConstantRangeCount = push_bytes > 0 ? 1 : 0;
-    info.pPushConstantRanges = &push;
-    VkPipelineLayout layout;
-    check(vkCreatePipelineLayout(device.get(), &info, nullptr, &layout), "Vulkan: vkCreatePipelineLayout");
-    return layout;
+void check_targets(const Device& device, VkExtent2D size, std::size_t colours) {
+    const VkPhysicalDeviceLimits& limits = device.limits();
+    if (colours > limits.maxColorAttachments)
+        throw Error(fmt::format("Vulkan: {} draws into {} colour targets at once; expected {}", device.name(),
+                                limits.maxColorAttachments, colours));
+    const std::uint32_t width = std::min(limits.maxFramebufferWidth, limits.maxViewportDimensions[0]);
+    const std::uint32_t height = std::min(limits.maxFramebufferHeight, limits.maxViewportDimensions[1]);
+    if (size.width > width || size.height > height)
+        throw Error(fmt::format("Vulkan: {} draws into targets of at most {} x {}; expected {} x {}", device.name(),
+                                width, height, size.width, size.height));
 }
 
 }  // namespace
 
 Targets make_targets(const Device& device, VkExtent2D size, const std::vector<VkFormat>& colours) {
+    check_targets(device, size, colours.size());
     Targets out;
     out.size = size;
+    out.clear.resize(colours.size() + 1);
+    out.clear.back().depthStencil = {1, 0};
     std::vector<VkImageView> views;
     for (VkFormat format : colours) {
         out.colours.push_back(
@@ -134,8 +114,6 @@ Targets make_targets(const Device& device, VkExtent2D size, const std::vector<Vk
 }
 
 void Targets::begin(VkCommandBuffer commands) const {
-    std::vector<VkClearValue> clear(colours.size() + 1);
-    clear.back().depthStencil = {1, 0};
     auto info = structure<VkRenderPassBeginInfo>(VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO);
     info.renderPass = pass.get();
     info.framebuffer = framebuffer.get();
@@ -150,12 +128,14 @@ void Targets::begin(VkCommandBuffer commands) const {
 
 GraphicsPipeline make_graphics_pipeline(const Device& device, const Targets& targets, const GraphicsOptions& options) {
     GraphicsPipeline out;
-    out.set_layout = make_sampler_layout(device, options.samplers);
-    out.layout = {device.get(), make_layout(device, out.set_layout.get(), options.push_bytes)};
-    const auto vertex = load_shader(device, options.vertex_shader);
-    const auto fragment = load_shader(device, options.fragment_shader);
-    VkPipelineShaderStageCreateInfo stages[] = {stage_info(VK_SHADER_STAGE_VERTEX_BIT, vertex.get()),
-                                                stage_info(VK_SHADER_STAGE_FRAGMENT_BIT, fragment.get())};
+    if (!options.set) out.set_layout = make_sampler_layout(device, options.samplers);
+    out.layout =
+        make_pipeline_layout(device, options.set ? options.set : out.set_layout.get(),
+                             {VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, 0, options.push_bytes});
+    const ShaderModule vertex = make_shader(device, options.vertex_shader, options.name);
+    const ShaderModule fragment = make_shader(device, options.fragment_shader, options.name);
+    VkPipelineShaderStageCreateInfo stages[] = {shader_stage(VK_SHADER_STAGE_VERTEX_BIT, vertex),
+                                                shader_stage(VK_SHADER_STAGE_FRAGMENT_BIT, fragment)};
     std::vector<VkSpecializationMapEntry> entries;
     for (std::uint32_t i = 0; i < options.constants.size(); ++i) entries.push_back({i, 4 * i, 4});
     const VkSpecializationInfo constants{std::uint32_t(entries.size()), entries.data(), 4 * entries.size(),
@@ -189,7 +169,7 @@ GraphicsPipeline make_graphics_pipeline(const Device& device, const Targets& tar
     auto depth =
         structure<VkPipelineDepthStencilStateCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO);
     depth.depthTestEnable = depth.depthWriteEnable = VK_TRUE;
-    depth.depthCompareOp = VK_COMPARE_OP_LESS;
+    depth.depthCompareOp = options.depth_test;
     VkPipelineColorBlendAttachmentState write_all{};
     write_all.colorWriteMask =
         VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT | VK_COLOR_COMPONENT_B_BIT | VK_COLOR_COMPONENT_A_BIT;

@@ -5,22 +5,24 @@
 #include <string>
 #include <vector>
 
-#include "tools/vulkan/memory.h"
+#include "tools/vulkan/shader.h"
 
 namespace plumb::vulkan {
 
-// Colour targets and a D32 depth buffer, kept from frame to frame. The pass clears colours to 0 and depth to 1, and
-// leaves every image ready for read_image().
+// Colour targets and a D32 depth buffer, kept from frame to frame. The pass clears them, colours to 0 and depth to 1
+// unless told otherwise, and leaves every image ready for read_image().
 struct Targets {
     VkExtent2D size{};
     std::vector<Image> colours;
     Image depth;
+    std::vector<VkClearValue> clear;  // of each colour, then depth
     Owned<VkRenderPass, vkDestroyRenderPass> pass;
     Owned<VkFramebuffer, vkDestroyFramebuffer> framebuffer;
 
     void begin(VkCommandBuffer commands) const;  // the pass; viewport and scissor of the whole frame
     void end(VkCommandBuffer commands) const { vkCmdEndRenderPass(commands); }
 };
+// Throws Error where the device draws into none so many or so large.
 Targets make_targets(const Device& device, VkExtent2D size, const std::vector<VkFormat>& colours);
 
 struct Attribute {
@@ -29,18 +31,21 @@ struct Attribute {
 };
 
 struct GraphicsOptions {
-    std::string vertex_shader, fragment_shader;  // SPIR-V files
-    std::uint32_t stride = 0;                    // bytes of a vertex, in binding 0
+    Spirv vertex_shader, fragment_shader;
+    std::string name;          // what errors call the pair
+    std::uint32_t stride = 0;  // bytes of a vertex, in binding 0
     std::vector<Attribute> attributes;
     std::vector<std::uint32_t> constants;  // specialisation constants of the fragment shader: ids 0, 1, ...
     std::uint32_t push_bytes = 0;          // push constants, seen by both shaders
     std::uint32_t samplers = 0;  // combined image samplers of the fragment shader: bindings 0, 1, ... of set 0
+    VkDescriptorSetLayout set = VK_NULL_HANDLE;  // instead of these: what set 0 is; must outlive the pipeline
+    VkCompareOp depth_test = VK_COMPARE_OP_LESS;
 };
 
-// Triangle lists, two-sided, depth test "less", no blending.
+// Triangle lists, two-sided, no blending.
 struct GraphicsPipeline {
     Owned<VkDescriptorSetLayout, vkDestroyDescriptorSetLayout> set_layout;
-    Owned<VkPipelineLayout, vkDestroyPipelineLayout> layout;
+    PipelineLayout layout;
     Owned<VkPipeline, vkDestroyPipeline> pipeline;
 
     void bind(VkCommandBuffer commands) const {

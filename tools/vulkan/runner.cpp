@@ -1,0 +1,289 @@
+#include "tools/vulkan/runner.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "tools/vulkan/compute.h"
+#include "tools/vulkan/graphics.h"
+#include "tools/vulkan/taps.h"
+
+namespace plumb::vulkan {
+namespace {
+
+constexpr std::uint32_t uniform_binding = 0;
+constexpr VkShaderStageFlags compute_stage = VK_SHADER_STAGE_COMPUTE_BIT;
+constexpr VkShaderStageFlags raster_stages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
+
+VkExtent2D extent(glm::ivec2 size) { return {std::uint32_t(size.x), std::uint32_t(size.y)}; }
+
+VkFormat format_of(const Slot& slot) {
+    const int i = slot.channels == 4 ? 2 : slot.channels - 1;
+    constexpr VkFormat floats[] = {VK_FORMAT_R32_SFLOAT, VK_FORMAT_R32G32_SFLOAT, VK_FORMAT_R32G32B32A32_SFLOAT};
+    constexpr VkFormat ints[] = {VK_FORMAT_R32_SINT, VK_FORMAT_R32G32_SINT, VK_FORMAT_R32G32B32A32_SINT};
+    constexpr VkFormat uints[] = {VK_FORMAT_R32_UINT, VK_FORMAT_R32G32_UINT, VK_FORMAT_R32G32B32A32_UINT};
+    if (slot.channels < 1 || slot.channels == 3 || slot.channels > 4)
+        throw Error(fmt::format("{}: no image has {} components", slot.name, slot.channels));
+    switch (slot.dtype) {
+        case DType::f32:
+            return floats[i];
+        case DType::i32:
+            return ints[i];
+        case DType::u32:
+            return uints[i];
+        default:
+            throw Error(fmt::format("{}: no image holds {}", slot.name, dtype_name(slot.dtype)));
+    }
+}
+
+// Whether RunTwin::colour says how this output is stored.
+bool follows_colour(const Slot& slot) { return slot.dtype == DType::f32 && slot.channels == 4; }
+
+VkFormat output_format(const Slot& slot, Format colour) {
+    if (colour != Format::rgba32f && colour != Format::rgba16f)
+        throw Error(fmt::format("twins write rgba32f or rgba16f, not {}", info(colour).name));
+    return colour == Format::rgba16f && follows_colour(slot) ? VK_FORMAT_R16G16B16A16_SFLOAT : format_of(slot);
+}
+
+// What outputs hold where nothing is written: 0, and -1 in outputs of indices.
+VkClearColorValue empty_value(const Slot& slot) {
+    VkClearColorValue value{};
+    if (slot.dtype == DType::i32) std::fill(std::begin(value.int32), std::end(value.int32), -1);
+    return value;
+}
+
+// An input is uploaded as it lies in memory, so its shape must be the slot's.
+void check_input(const StageData& data, const Slot& slot, const Array& array) {
+    const std::size_t lead = slot.kind == SlotKind::image_array ? 3 : 2;
+    const std::size_t rank = array.shape.size();
+    const bool channels = rank == lead ? slot.channels == 1 : rank == lead + 1 && array.shape.back() == slot.channels;
+    const bool fits = slot.kind == SlotKind::buffer || (channels && !array.bytes.empty());
+    if (array.dtype != slot.dtype || !fits)
+        throw Error(fmt::format("{}: input {} does not fit the twin: {} {}", data.label, slot.name,
+                                dtype_name(array.dtype), shape_text(array.shape)));
+}
+
+}  // namespace
+
+// Everything on the device. Lists are reserved before they grow: `resources` points into them.
+struct PreparedTwin::Parts {
+    const Device& device;
+    const StageBinding& binding;
+    const std::string label;
+    const RunTwin options;
+    const VkExtent2D size;
+    const bool reversed_z;
+    Bundle outputs;  // as they are before anything is written
+    std::uint32_t vertices = 0;
+
+    Twin twin;         // of the compute or the fragment stage
+    Spirv spirv;       // what runs of it
+    Sampler sampler;
+    std::vector<Buffer> buffers;
+    std::vector<Image> textures, stored;  // stored: outputs of a compute stage
+    TapBuffer taps;
+    std::vector<Resource> resources;
+    DescriptorSet set;
+    ComputePipeline compute;
+    Targets targets;
+    GraphicsPipeline graphics;
+    VkCommandBuffer commands = VK_NULL_HANDLE;
+
+    Parts(const Device& d, const StageBinding& b, const StageData& data, const RunTwin& o);
+    ~Parts() {
+        if (commands) device.free(commands);
+    }
+
+    VkShaderStageFlags stages() const { return binding.raster ? raster_stages : compute_stage; }
+    void choose_spirv();
+    void upload(const StageData& data);
+    void add_buffer(std::uint32_t at, VkDescriptorType type, const void* bytes, std::size_t n);
+    void add_outputs();
+    void bind_all();
+    void make_pipelines();
+    void record();
+    void read(const Image& image, VkImageLayout layout, Array& out) const;
+};
+
+PreparedTwin::Parts::Parts(const Device& d, const StageBinding& b, const StageData& data, const RunTwin& o)
+    : device(d),
+      binding(b),
+      label(data.label.empty() ? data.stage : data.label),
+      options(o),
+      size(extent(data.size)),
+      reversed_z(data.reversed_z),
+      outputs(make_outputs(b, data)) {
+    if (o.tap && (o.tap->x < 0 || o.tap->y < 0 || o.tap->x >= data.size.x || o.tap->y >= data.size.y))
+        throw Error(fmt::format("{}: pixel {},{} lies outside of {} x {}", label, o.tap->x, o.tap->y, data.size.x,
+                                data.size.y));
+    choose_spirv();
+    upload(data);
+    add_outputs();
+    bind_all();
+    make_pipelines();
+    record();
+}
+
+void PreparedTwin::Parts::choose_spirv() {
+    const bool own = !options.spirv.empty();
+    if (!own || options.tap) twin = find_twin(binding.raster ? binding.twin + ".frag" : binding.twin);
+    const std::span<const std::uint32_t> code = own ? options.spirv : options.tap ? twin.tapped : twin.spirv;
+    spirv.assign(code.begin(), code.end());
+    if (options.colour == Format::rgba16f && !binding.raster) spirv = with_half_images(spirv);
+    if (options.tap && binding.raster && !device.features().fragmentStoresAndAtomics)
+        throw Error(fmt::format("Vulkan: {} has no fragmentStoresAndAtomics, which taps of {} need", device.name(),
+                                label));
+}
+
+void PreparedTwin::Parts::add_buffer(std::uint32_t at, VkDescriptorType type, const void* bytes, std::size_t n) {
+    const bool uniform = type == VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
+    buffers.push_back(device_buffer(device, bytes, n,
+                                    uniform ? VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT : VK_BUFFER_USAGE_STORAGE_BUFFER_BIT));
+    resources.push_back({.binding = at, .type = type, .stages = stages(), .buffer = &buffers.back()});
+}
+
+void PreparedTwin::Parts::upload(const StageData& data) {
+    buffers.reserve(binding.inputs.size() + 1);
+    textures.reserve(binding.inputs.size());
+    sampler =
+        make_sampler(device, VK_FILTER_NEAREST, VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE, VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE);
+    if (!data.uniforms.empty())
+        add_buffer(uniform_binding, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, data.uniforms.data(), data.uniforms.size());
+    for (const Slot& slot : binding.inputs) {
+        const Array& array = at(data.inputs, slot.name);
+        check_input(data, slot, array);
+        if (slot.name == "triangles") vertices = std::uint32_t(array.bytes.size() / sizeof(std::int32_t));
+        if (slot.kind == SlotKind::buffer) {
+            add_buffer(std::uint32_t(slot.binding), VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, array.bytes.data(),
+                       array.bytes.size());
+            continue;
+        }
+        const bool layered = slot.kind == SlotKind::image_array;
+        const std::int64_t* shape = array.shape.data() + (layered ? 1 : 0);
+        textures.push_back(make_texture(device, format_of(slot), extent({shape[1], shape[0]}), array.bytes.data(),
+                                        array.bytes.size(), layered ? std::uint32_t(array.shape[0]) : 0));
+        resources.push_back({.binding = std::uint32_t(slot.binding),
+                             .type = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
+                             .stages = stages(),
+                             .image = &textures.back(),
+                             .sampler = sampler.get()});
+    }
+}
+
+void PreparedTwin::Parts::add_outputs() {
+    stored.reserve(binding.outputs.size());
+    std::vector<VkFormat> colours;
+    std::vector<VkClearValue> clear;
+    for (const Slot& slot : binding.outputs) {
+        if (slot.kind == SlotKind::depth) continue;
+        const VkFormat format = output_format(slot, options.colour);
+        if (slot.kind == SlotKind::target) {
+            // Attachments are numbered by location.
+            if (slot.binding != int(colours.size()))
+                throw Error(fmt::format("{}: target {} has location {}; expected {}", label, slot.name, slot.binding,
+                                        colours.size()));
+            colours.push_back(format);
+            clear.push_back({.color = empty_value(slot)});
+            continue;
+        }
+        stored.push_back(make_storage_image(device, format, size, empty_value(slot)));
+        resources.push_back({.binding = std::uint32_t(slot.binding),
+                             .type = VK_DESCRIPTOR_TYPE_STORAGE_IMAGE,
+                             .stages = stages(),
+                             .image = &stored.back()});
+    }
+    if (!binding.raster) return;
+    clear.push_back({.depthStencil = {reversed_z ? 0.0f : 1.0f, 0}});
+    targets = make_targets(device, size, colours);
+    targets.clear = clear;
+}
+
+void PreparedTwin::Parts::bind_all() {
+    if (options.tap) {
+        taps = TapBuffer(device, *options.tap);
+        // The vertex stage has none.
+        const VkShaderStageFlags where = binding.raster ? VK_SHADER_STAGE_FRAGMENT_BIT : VK_SHADER_STAGE_COMPUTE_BIT;
+        resources.push_back({.binding = tap_binding, .stages = where, .buffer = &taps.buffer()});
+    }
+    for (std::uint32_t declared : declared_bindings(spirv))
+        if (std::none_of(resources.begin(), resources.end(), [&](const Resource& r) { return r.binding == declared; }))
+            throw Error(fmt::format("{}: the twin reads binding {}, which the stage does not bind", label, declared));
+    set = make_descriptor_set(device, resources);
+}
+
+void PreparedTwin::Parts::make_pipelines() {
+    if (!binding.raster) {
+        compute = make_compute_pipeline(device, make_shader(device, spirv, binding.twin), set.layout.get());
+        return;
+    }
+    const auto words = [](std::span<const std::uint32_t> s) { return Spirv(s.begin(), s.end()); };
+    GraphicsOptions how;
+    how.vertex_shader = words(find_twin(binding.twin + ".vert").spirv);
+    how.fragment_shader = spirv;
+    how.name = binding.twin;
+    how.set = set.layout.get();
+    how.depth_test = reversed_z ? VK_COMPARE_OP_GREATER : VK_COMPARE_OP_LESS;
+    graphics = make_graphics_pipeline(device, targets, how);
+}
+
+void PreparedTwin::Parts::record() {
+    commands = device.record([&](VkCommandBuffer to) {
+        if (!binding.raster) return compute.dispatch(to, set.set, size);
+        targets.begin(to);
+        graphics.bind(to);
+        vkCmdBindDescriptorSets(to, VK_PIPELINE_BIND_POINT_GRAPHICS, graphics.layout.get(), 0, 1, &set.set, 0, nullptr);
+        if (vertices > 0) vkCmdDraw(to, vertices, 1, 0, 0);
+        targets.end(to);
+        full_barrier(to);
+    });
+}
+
+void PreparedTwin::Parts::read(const Image& image, VkImageLayout layout, Array& out) const {
+    if (image.format != VK_FORMAT_R16G16B16A16_SFLOAT)
+        return read_image(device, image, out.bytes.data(), out.bytes.size(), layout);
+    std::vector<Half> halves(out.bytes.size() / sizeof(float));
+    read_image(device, image, halves.data(), halves.size() * sizeof(Half), layout);
+    float* to = reinterpret_cast<float*>(out.bytes.data());
+    for (std::size_t i = 0; i < halves.size(); ++i) to[i] = half_to_float(halves[i]);
+}
+
+PreparedTwin::PreparedTwin(const Device& device, const StageBinding& binding, const StageData& data,
+                           const RunTwin& options)
+    : parts_(std::make_unique<Parts>(device, binding, data, options)) {}
+PreparedTwin::~PreparedTwin() = default;
+PreparedTwin::PreparedTwin(PreparedTwin&&) noexcept = default;
+
+double PreparedTwin::submit() {
+    if (parts_->options.tap) parts_->taps.clear();
+    return parts_->device.submit(parts_->commands);
+}
+
+TwinResult PreparedTwin::read() {
+    TwinResult result;
+    result.outputs = parts_->outputs;
+    auto next_stored = parts_->stored.begin();
+    for (std::size_t i = 0; i < parts_->binding.outputs.size(); ++i) {
+        const Slot& slot = parts_->binding.outputs[i];
+        Array& out = result.outputs.arrays[i];
+        if (slot.kind == SlotKind::storage_image)
+            parts_->read(*next_stored++, VK_IMAGE_LAYOUT_GENERAL, out);
+        else if (slot.kind == SlotKind::depth)
+            parts_->read(parts_->targets.depth, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, out);
+        else
+            parts_->read(parts_->targets.colours[std::size_t(slot.binding)], VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, out);
+    }
+    if (parts_->options.tap) result.taps = parts_->taps.values(parts_->twin, parts_->reversed_z);
+    return result;
+}
+
+TwinResult run_twin(const Device& device, const StageBinding& binding, const StageData& data, const RunTwin& options) {
+    PreparedTwin twin(device, binding, data, options);
+    std::vector<double> ms;
+    for (int i = 0; i < std::max(options.repeat, 1); ++i) ms.push_back(twin.submit());
+    std::nth_element(ms.begin(), ms.begin() + std::ptrdiff_t(ms.size() / 2), ms.end());
+    TwinResult result = twin.read();
+    result.ms = ms[ms.size() / 2];
+    return result;
+}
+
+}  // namespace plumb::vulkan
