@@ -76,7 +76,7 @@ class BoundStage {
     virtual ~BoundStage() = default;
 
     // Our own result: outputs by the names of StageBinding::outputs, [height][width][channels]. Rasterisation and stores
-    // follow the profile; arithmetic is IEEE's.
+    // follow the profile; arithmetic is IEEE's. Outputs that fit are written in place, and keep what is not written.
     virtual void run(const RunOptions& options, const DeviceProfile& profile, Bundle& outputs) const = 0;
 
     // Whether this dispatch writes that pixel at all: the shadow pass of one face of a point light leaves the others'.

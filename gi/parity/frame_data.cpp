@@ -5,9 +5,7 @@
 #include "gi/direct/bindings.h"
 #include "gi/parity/stages.h"
 #include "gi/rsm/bindings.h"
-#if __has_include("raster/bindings.h")
 #include "raster/bindings.h"
-#endif
 #include "raster/light_view.h"
 
 namespace plumb::parity {
@@ -102,15 +100,11 @@ struct Builder {
     void append(const frame::PlannedStage& stage) {
         const int l = stage.light;
         if (stage.name == "gbuffer") {
-#if __has_include("raster/bindings.h")
             keep(raster::gbuffer_data(geometry, surfaces, camera_view(), scene.frame_size), stage.label);
-#endif
         } else if (stage.name == "rsm") {
-#if __has_include("raster/bindings.h")
             each_map(l, [&](const raster::Rsm& map, int face) {
                 keep(raster::rsm_data(geometry, surfaces, lights[std::size_t(l)], map.view), stage.label, l, face);
             });
-#endif
         } else if (stage.name == "shadow") {
             const direct::ShadowInputs in{&position, &normal, maps_of(l)};
             each_map(l, [&](const raster::Rsm&, int face) {

@@ -6,17 +6,13 @@
 #include "gi/compose/bindings.h"
 #include "gi/direct/bindings.h"
 #include "gi/rsm/bindings.h"
-#if __has_include("raster/bindings.h")
 #include "raster/bindings.h"
-#endif
 
 namespace plumb::parity {
 
 const std::vector<StageBinding>& bindings() {
     static const std::vector<StageBinding> all = {
-#if __has_include("raster/bindings.h")
         raster::gbuffer_binding(), raster::rsm_binding(),
-#endif
         direct::shadow_binding(), rsm::disc_binding(),        rsm::all_binding(),
         direct::direct_binding(), compose::compose_binding(), compose::tonemap_binding(),
     };
