@@ -1,0 +1,155 @@
+#include "raster/device_raster.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "core/error.h"
+#include "core/parallel.h"
+#include "raster/device_triangle.h"
+
+namespace plumb::raster {
+namespace {
+
+constexpr int band_rows = 32;
+constexpr int chunk_triangles = 4096;
+
+// What consecutive triangles leave to draw, and which of it touches which band of rows:
+// entries[start[b]..start[b + 1]), in drawing order.
+struct Chunk {
+    std::vector<DeviceTriangle> triangles;
+    std::vector<std::uint32_t> start, entries;
+};
+
+// Rows [first, last) whose centres lie within the triangle's extent.
+struct Rows {
+    int first, last;
+};
+Rows touched_rows(const DeviceTriangle& t, int first, int last) {
+    const int low = std::min({t.y[0], t.y[1], t.y[2]}), high = std::max({t.y[0], t.y[1], t.y[2]});
+    return {std::max(first, (low + 255) >> 8), std::min(last, (high >> 8) + 1)};
+}
+
+void sort_into_bands(Chunk& chunk, int height) {
+    const int bands = (height + band_rows - 1) / band_rows;
+    chunk.start.assign(std::size_t(bands) + 2, 0);
+    auto for_each_band = [&](auto&& visit) {
+        for (std::size_t i = 0; i < chunk.triangles.size(); ++i) {
+            const Rows rows = touched_rows(chunk.triangles[i], 0, height);
+            for (int b = rows.first / band_rows; b <= (rows.last - 1) / band_rows; ++b) visit(std::size_t(b), i);
+        }
+    };
+    // Counts are kept two places further on and starts one, so that filling moves each start to where it belongs.
+    for_each_band([&](std::size_t b, std::size_t) { ++chunk.start[b + 2]; });
+    for (std::size_t b = 1; b < chunk.start.size(); ++b) chunk.start[b] += chunk.start[b - 1];
+    chunk.entries.resize(chunk.start.back());
+    for_each_band([&](std::size_t b, std::size_t i) { chunk.entries[chunk.start[b + 1]++] = std::uint32_t(i); });
+}
+
+struct Drawing {
+    const Geometry& geometry;
+    const Buffer<glm::vec4>& clip_positions;
+    const DeviceProfile& profile;
+    glm::ivec2 size;
+    bool reversed_z;
+    const std::int32_t* masked = nullptr;  // [material]; null: no material has an alpha mask
+    SurfaceArgs masks{};
+
+    bool is_masked(const DeviceTriangle& t) const {
+        return masked && masked[geometry.material[std::size_t(t.triangle)]] != 0;
+    }
+};
+
+// Not inlined: its arithmetic must not move out of its caller's FlushedDenormals.
+__attribute__((noinline)) void set_up(const Drawing& in, int first, int last, Chunk& chunk) {
+    for (int i = first; i < last; ++i) {
+        const glm::uvec3& t = in.geometry.triangles[std::size_t(i)];
+        const glm::vec4 corners[3] = {in.clip_positions[t.x], in.clip_positions[t.y], in.clip_positions[t.z]};
+        append_device_triangle(chunk.triangles, corners, i, in.size, in.profile);
+    }
+    sort_into_bands(chunk, in.size.y);
+}
+
+// Draws one triangle into rows [first, last): depth, and who won it, row by row from `first` on.
+void draw_triangle(const Drawing& in, const DeviceTriangle& t, int first, int last, VisibilityBuffer& out,
+                   std::vector<const DeviceTriangle*>& winner) {
+    const ScreenTriangle corners = screen_corners(t);
+    const bool clockwise = area2(corners) > 0, fma = in.profile.fused_raster, masked = in.is_masked(t);
+    const int low = std::min({t.x[0], t.x[1], t.x[2]}), high = std::max({t.x[0], t.x[1], t.x[2]});
+    const Rows rows = touched_rows(t, first, last);
+    for (int y = rows.first; y < rows.last; ++y) {
+        const EdgeRow edges[3] = {edge_row(corners, clockwise, 0, y), edge_row(corners, clockwise, 1, y),
+                                  edge_row(corners, clockwise, 2, y)};
+        std::int64_t begin = std::max(0, (low + 255) >> 8), end = std::min(in.size.x - 1, high >> 8);
+        covered_columns(edges, begin, end);
+        for (int x = int(begin); x <= int(end); ++x) {
+            const float depth = depth_at(t, x, y, fma);
+            float& nearest = out.depth(x, y);
+            if (!(in.reversed_z ? depth > nearest : depth < nearest)) continue;
+            if (masked && !passes_alpha<float>(in.masks, t.triangle, barycentrics_at(t, x, y, fma))) continue;
+            nearest = depth;
+            winner[std::size_t(y - first) * std::size_t(in.size.x) + std::size_t(x)] = &t;
+        }
+    }
+}
+
+__attribute__((noinline)) void draw_band(const Drawing& in, const std::vector<Chunk>& chunks, int first, int last,
+                                         VisibilityBuffer& out) {
+    const std::size_t band = std::size_t(first / band_rows);
+    std::vector<const DeviceTriangle*> winner(std::size_t(last - first) * std::size_t(in.size.x));
+    for (int y = first; y < last; ++y)
+        for (int x = 0; x < in.size.x; ++x) out.depth(x, y) = in.reversed_z ? 0.0f : 1.0f;
+    for (const Chunk& chunk : chunks)
+        for (std::uint32_t k = chunk.start[band]; k < chunk.start[band + 1]; ++k)
+            draw_triangle(in, chunk.triangles[chunk.entries[k]], first, last, out, winner);
+
+    for (int y = first; y < last; ++y) {
+        for (int x = 0; x < in.size.x; ++x) {
+            const DeviceTriangle* t = winner[std::size_t(y - first) * std::size_t(in.size.x) + std::size_t(x)];
+            out.triangle(x, y) = t ? t->triangle : -1;
+            out.barycentrics(x, y) = t ? barycentrics_at(*t, x, y, in.profile.fused_raster) : glm::vec2(0);
+        }
+    }
+}
+
+void check_finite(const Buffer<glm::vec4>& positions) {
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+        const glm::vec4& p = positions[i];
+        if (p.x - p.x == 0 && p.y - p.y == 0 && p.z - p.z == 0 && p.w - p.w == 0) continue;
+        throw InputError(fmt::format("raster: vertex {}: its clip position is not finite", i));
+    }
+}
+
+}  // namespace
+
+void draw_device_visibility(const Geometry& geometry, const Surfaces* surfaces,
+                            const Buffer<glm::vec4>& clip_positions, bool reversed_z, glm::ivec2 size,
+                            const DeviceProfile& profile, const RunOptions& options, VisibilityBuffer& out) {
+    if (profile.interpolation == Interpolation::ideal) {
+        draw_visibility(geometry, surfaces, clip_positions, reversed_z, size, options, out);
+        return;
+    }
+    check_frame_size(size);
+    check_finite(clip_positions);
+    if (out.triangle.width != size.x || out.triangle.height != size.y)
+        out = {Image<std::int32_t>(size.x, size.y), Image1(size.x, size.y), Image<glm::vec2>(size.x, size.y)};
+    Drawing drawing{geometry, clip_positions, profile, size, reversed_z};
+    if (surfaces && surfaces->any_masked) {
+        drawing.masked = surfaces->masked.data();
+        drawing.masks = surface_args(geometry, *surfaces, View());
+    }
+
+    const int n = int(geometry.triangles.size());
+    std::vector<Chunk> chunks(std::size_t((n + chunk_triangles - 1) / chunk_triangles));
+    parallel_bands(n, chunk_triangles, options.threads, [&](int first, int last) {
+        const FlushedDenormals flushed;
+        set_up(drawing, first, last, chunks[std::size_t(first / chunk_triangles)]);
+    });
+    parallel_bands(size.y, band_rows, options, [&](int first, int last) {
+        const FlushedDenormals flushed;
+        draw_band(drawing, chunks, first, last, out);
+    });
+}
+
+}  // namespace plumb::raster
