@@ -17,7 +17,10 @@ struct Precision {
     double add = 1, multiply = 1;       // either neighbour: the rounding mode is not declared
     double divide = 2.5;
     double inverse_sqrt = 2;
-    double sqrt = 4;                    // inherited from 1 / inversesqrt(x): ulps of 1/x and of the inverse root, added
+    double sqrt = 4.5;                  // inherited from 1 / inversesqrt(x): ulps of 1/x and of the inverse root, added
+    double exp2 = 3, exp2_slope = 2;    // 3 + 2 |x|; exp(x) alike; pow(x, y) is inherited from exp2(y * log2(x))
+    double log2 = 3;                    // or, near 1, absolute:
+    double log2_absolute = 0x1p-21;
     bool flushes_denormals = true;      // a device may take denormal operands and results for 0
 };
 

@@ -17,6 +17,13 @@ struct Projection {
 };
 static_assert(sizeof(Projection) == 64);
 
+// floor(x) as an index: a choice that a device may make otherwise. A number type that follows such choices has a chosen()
+// of its own, found by argument.
+template <class F>
+PLUMB_INLINE index_t<F> chosen(const F& x) {
+    return number<F>::truncate_to_index(floor(x));
+}
+
 // The texel that x projects to: the one rounding that decides which texels are read.
 template <class F, class Tap>
 PLUMB_INLINE ivec2<index_t<F>> project(const Projection& map, const vec3<F>& x, Tap& tap) {
@@ -25,7 +32,7 @@ PLUMB_INLINE ivec2<index_t<F>> project(const Projection& map, const vec3<F>& x, 
     const F low(map.low), high(map.high);
     const vec2<F> texel{clamp(row(map.to_texel_x) / w, low, high), clamp(row(map.to_texel_y) / w, low, high)};
     tap("projection", texel, "x projected to the map, texels");
-    return {number<F>::truncate_to_index(floor(texel.x)), number<F>::truncate_to_index(floor(texel.y))};
+    return {chosen(texel.x), chosen(texel.y)};
 }
 
 // Which of a point light's six maps sees along v, a vector from the light: +x -x +y -y +z -z, by the largest component.
