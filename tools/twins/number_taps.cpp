@@ -59,6 +59,7 @@ int main(int argc, char** argv) {
     try {
         std::stringstream text;
         text << std::ifstream(argv[1]).rdbuf();
+        if (!text) throw std::runtime_error("cannot be read, or is empty");
         std::ofstream out(argv[2]), names(argv[3]);
         out << numbered(text.str(), names);
         if (!out.flush() || !names.flush()) throw std::runtime_error("cannot write");
