@@ -53,6 +53,17 @@ RsmArgs rsm_args(const Geometry& geometry, const Surfaces& surfaces, const Light
     return a;
 }
 
+Rsm unseen_rsm(const Light& light, const View& light_view) {
+    validate(light);
+    Rsm out;
+    out.size = light.rsm_size;
+    out.view = light_view;
+    out.type = light.type;
+    for (Image4* image : {&out.position, &out.normal, &out.flux}) *image = Image4(out.size, out.size);
+    out.texel_scale = 2 * half_width(light_view) / out.size;
+    return out;
+}
+
 void draw_rsm(const Geometry& geometry, const Surfaces& surfaces, const Light& light, const View& light_view,
               const Layout& layout, const RunOptions& options, Rsm& out, Workspace* workspace) {
     validate(light);
