@@ -11,8 +11,8 @@
 //     [stage.params]                    # as `plumb stages` lists them; instead of the scene's settings
 //     [stage.uniforms]                  # members of the block by name; or file = "block.bin"
 //     [stage.input.position]
-//     file = "position.raw"             # .exr .pfm .hdr .tif .dds .png .npy; else raw
-//     vk_format = "R16G16B16A16_SFLOAT" # raw: with width, height, row_pitch (bytes), offset (bytes)
+//     file = "position.raw"             # .exr .pfm .hdr .tif .dds .png .npy; or raw, of the format
+//     vk_format = "R16G16B16A16_SFLOAT" # with width, height, row_pitch (bytes), offset (bytes)
 //     channels = "xyz"                  # which channels of the file are x, y, z, w: "xyz" is "rgb"; "w" is the fourth
 //     encoding = "plain"                # plain | biased (2 c - 1) | octahedral | octahedral_unorm | reversed_depth | ...
 //     flip_y = false
@@ -20,7 +20,9 @@
 //     ...
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <map>
 #include <string>
 #include <vector>
@@ -34,22 +36,29 @@ namespace plumb::io {
 struct DumpSpec {
     std::filesystem::path file;     // absolute, or relative to the working directory
     std::string place;              // "manifest.toml: stage.input.position": in messages
-    std::string vk_format;          // of raw files; without VK_FORMAT_
+    std::string vk_format;          // of raw files, whatever they are named
     int width = 0, height = 0;      // of raw files; else 0 or as the file must be
+    int count = 0;                  // of raw buffers: elements; instead of width and height
     std::int64_t row_pitch = 0;     // bytes; 0: rows without padding
     std::int64_t offset = 0;        // bytes before the first texel
+    bool trailing = false;          // a raw file may go on after the last row
     std::string layer;              // of an EXR with many
-    std::string channels;           // "": as they lie
+    std::string channels;           // of "xyzw", "rgba", "0", "1" and "_" (not there); "": as they lie
     std::string encoding = "plain";
-    bool flip_y = false;
-    std::vector<double> near_far;   // of encodings of depth
+    bool flip_y = false;            // the file's first row is the lowest
+    std::vector<double> near_far;   // of encodings of depth, m; far may be infinite
 };
 
 struct DumpedImage {
-    Array array;                    // f32 [height][width][4] (or i32 [height][width][1..4] of integer formats); buffers
-                                    // of .npy keep their shape
-    Format stored = Format::rgba32f;  // what the values were rounded to before they were written
+    // Images: f32 [height][width][4], or i32 [height][width][1..4] of integer formats. Raw buffers: [count][1..4]. Buffers
+    // of .npy keep their shape. Components that are not there are 0, 0, 0, 1.
+    Array array;
+    Format stored = Format::rgba32f;  // what the values were rounded to before they were written, or a coarser one
     unsigned channels = 15;         // bit c: component c is there
+    // Where no format says how the values were rounded (16-bit unorm, packed depth, ...): what the device wrote was clamped
+    // to [lowest, highest] and moved by at most this, f32 of the array's shape. Empty elsewhere: `stored` says it.
+    Array rounding;
+    double lowest = -std::numeric_limits<double>::infinity(), highest = std::numeric_limits<double>::infinity();
 };
 
 struct ManifestStage {
@@ -71,10 +80,12 @@ struct Manifest {
     std::vector<ManifestStage> stages;
 };
 
-// Throw InputError of one line: file, place in it, cause. Unknown keys name the nearest known one.
+// Throw InputError of one line: file, place in it, cause. Unknown keys name the nearest known one. Where sizes are left
+// out, raw images and outputs get their stage's, and the stage its first output's.
 Manifest read_manifest(const std::filesystem::path& file);
 DumpedImage read_dump(const DumpSpec& spec);
 
-std::string manifest_text(const Manifest& manifest);  // TOML that read_manifest() reads back as it was
+// TOML that read_manifest() reads back as it was; files are named relative to the folder of manifest.file.
+std::string manifest_text(const Manifest& manifest);
 
 }  // namespace plumb::io

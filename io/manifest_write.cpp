@@ -1,0 +1,136 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include "io/manifest.h"
+
+namespace plumb::io {
+namespace {
+
+// A basic string of TOML 1.0.
+std::string quoted(const std::string& text) {
+    std::string out = "\"";
+    for (const char c : text) {
+        const unsigned char byte = static_cast<unsigned char>(c);
+        if (c == '"' || c == '\\')
+            out += '\\', out += c;
+        else if (byte < 32 || byte == 127)
+            out += fmt::format("\\u{:04X}", byte);
+        else
+            out += c;
+    }
+    return out + "\"";
+}
+
+std::string key_text(const std::string& key) {
+    const auto is_bare = [](char c) {
+        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
+    };
+    return !key.empty() && std::all_of(key.begin(), key.end(), is_bare) ? key : quoted(key);
+}
+
+std::string number_text(double x) {
+    if (std::isinf(x)) return x > 0 ? "inf" : "-inf";
+    if (std::isnan(x)) return "nan";
+    const std::string text = fmt::format("{}", x);
+    // To TOML digits alone are an integer of 64 bits, which has no -0.
+    const bool fits = text.find_first_of(".e") != text.npos || (std::fabs(x) < 1e15 && text != "-0");
+    return fits ? text : text + ".0";
+}
+
+// Unquoted where it comes back as the same word.
+std::string word_text(const std::string& word) {
+    if (word == "true" || word == "false") return word;
+    double x = 0;
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), x);
+    const bool is_number = error == std::errc() && end == word.data() + word.size() && std::isfinite(x);
+    return is_number && fmt::format("{}", x) == word && number_text(x) == word ? word : quoted(word);
+}
+
+template <class T, class Text>
+std::string list_text(const std::vector<T>& values, Text text) {
+    std::string out;
+    for (const T& value : values) out += (out.empty() ? "" : ", ") + text(value);
+    return values.size() == 1 ? out : "[" + out + "]";
+}
+
+class ManifestWriter {
+  public:
+    explicit ManifestWriter(const Manifest& manifest) : manifest_(manifest) {}
+
+    std::string text() {
+        text_line("device", manifest_.device, "");
+        text_line("profile", manifest_.profile, "");
+        out_ += "max_ambiguous = " + number_text(manifest_.max_ambiguous) + "\n";
+        if (!manifest_.scene.empty()) text_line("scene", name_of(manifest_.scene), "");
+        for (const ManifestStage& stage : manifest_.stages) write(stage);
+        return std::move(out_);
+    }
+
+  private:
+    void text_line(const std::string& key, const std::string& value, const std::string& fallback) {
+        if (value != fallback) out_ += key + " = " + quoted(value) + "\n";
+    }
+    void number_line(const std::string& key, std::int64_t value) {
+        if (value != 0) out_ += fmt::format("{} = {}\n", key, value);
+    }
+    void flag_line(const std::string& key, bool value) {
+        if (value) out_ += key + " = true\n";
+    }
+
+    // Relative to the manifest's folder, if the file lies in it or both are relative.
+    std::string name_of(const std::filesystem::path& file) const {
+        const std::filesystem::path folder = manifest_.file.parent_path();
+        if (folder.empty()) return file.string();
+        if (folder.is_absolute() != file.is_absolute()) return std::filesystem::absolute(file).string();
+        const std::filesystem::path relative = file.lexically_relative(folder);
+        const bool is_inside = !relative.empty() && *relative.begin() != "..";
+        return is_inside || !file.is_absolute() ? relative.string() : file.string();
+    }
+
+    void write(const ManifestStage& stage) {
+        out_ += "\n[[stage]]\n";
+        text_line("stage", stage.stage, "");
+        text_line("label", stage.label, "");
+        text_line("light", stage.light, "");
+        text_line("face", stage.face, "");
+        if (stage.width > 0) out_ += fmt::format("size = [{}, {}]\n", stage.width, stage.height);
+        if (!stage.params.empty()) out_ += "[stage.params]\n";
+        for (const auto& [key, words] : stage.params) out_ += key_text(key) + " = " + list_text(words, word_text) + "\n";
+        if (!stage.uniforms.empty() || !stage.uniforms_file.empty()) out_ += "[stage.uniforms]\n";
+        if (!stage.uniforms_file.empty()) text_line("file", name_of(stage.uniforms_file), "");
+        for (const auto& [key, numbers] : stage.uniforms)
+            out_ += key_text(key) + " = " + list_text(numbers, number_text) + "\n";
+        for (const auto& [name, spec] : stage.inputs) write("[stage.input." + key_text(name) + "]", spec);
+        for (const auto& [name, spec] : stage.outputs) write("[stage.output." + key_text(name) + "]", spec);
+        if (!stage.choices.file.empty()) write("[stage.choices]", stage.choices);
+    }
+
+    void write(const std::string& header, const DumpSpec& spec) {
+        out_ += header + "\n";
+        text_line("file", name_of(spec.file), "");
+        text_line("vk_format", spec.vk_format, "");
+        number_line("width", spec.width);
+        number_line("height", spec.height);
+        number_line("count", spec.count);
+        number_line("row_pitch", spec.row_pitch);
+        number_line("offset", spec.offset);
+        flag_line("trailing", spec.trailing);
+        text_line("layer", spec.layer, "");
+        text_line("channels", spec.channels, "");
+        text_line("encoding", spec.encoding, "plain");
+        flag_line("flip_y", spec.flip_y);
+        if (!spec.near_far.empty()) out_ += "near_far = " + list_text(spec.near_far, number_text) + "\n";
+    }
+
+    const Manifest& manifest_;
+    std::string out_;
+};
+
+}  // namespace
+
+std::string manifest_text(const Manifest& manifest) { return ManifestWriter(manifest).text(); }
+
+}  // namespace plumb::io
