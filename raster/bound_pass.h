@@ -12,12 +12,18 @@
 #pragma once
 
 #include <array>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <mutex>
 
-#include "core/bounded.h"
 #include "core/fp_environment.h"
+#include "core/outcomes.h"
 #include "core/parallel.h"
 #include "raster/bound_scene.h"
 #include "raster/device_raster.h"
+#include "raster/legal_pixels.h"
+#include "raster/texture_bounded.h"
 #include "raster/visibility_reference.h"
 #include "raster/visible_tiles.h"
 
@@ -48,24 +54,30 @@ class BoundPass final : public BoundStage {
         std::memcpy(outputs.arrays.back().bytes.data(), depth.data(), depth.size() * sizeof(float));
     }
 
-    void outcomes(glm::ivec2 pixel, const DeviceProfile&, std::span<const float>, std::span<const std::int32_t>,
-                  std::vector<Outcome>& out) const override {
+    // A device that interpolates by planes is expected to draw our bits: only its arithmetic may differ. Of any other it
+    // is only known how far it may place a vertex.
+    void outcomes(glm::ivec2 pixel, const DeviceProfile& profile, std::span<const float> got,
+                  std::span<const std::int32_t> choices, std::vector<Outcome>& out) const override {
+        FpEnvironment environment;
+        const Drawn& drawn = drawn_by(profile);
+        const PrecisionScope precision(profile.precision);
+        LegalTriangle ours = own(drawn.seen, pixel);
         out.clear();
-        const VisibilityBuffer seen = row_of(pixel.y);
-        const std::int32_t triangle = seen.triangle(pixel.x, pixel.y);
-        const glm::vec2 l = seen.barycentrics(pixel.x, pixel.y);
-        Outcome ours;
-        if (triangle >= 0) {
-            NoTap tap;
-            for (const Bounded& v :
-                 pass_.template pixel<Bounded>(pixel, triangle, {Bounded(l.x), Bounded(l.y)}, tap))
-                ours.values.push_back({v.shadow, v.bound});
-        } else {
-            ours.values.resize(Pass::components);
-        }
-        for (double index : pass_.indices(triangle)) ours.values.push_back({index, 0});
-        ours.values.push_back({seen.depth(pixel.x, pixel.y), 0});
-        out.push_back(ours);
+        if (!drawn.legal) return append(pixel, ours, false, choices, out);
+        std::vector<LegalTriangle> legal;
+        bool nothing;
+        drawn.legal->at(pixel, legal, nothing);
+        for (LegalTriangle& t : legal)
+            if (t.triangle == ours.triangle) t.l = ours.l, ours = t;
+        append(pixel, ours, false, choices, out);
+
+        // Where the device told which triangle it is, no other has to be looked at.
+        const std::size_t last = Pass::components + pass_.indices(-1).size();
+        const float told = last > Pass::components && last < got.size() ? got[last - 1] : std::nanf("");
+        auto may_be = [&](std::int32_t triangle) { return told != told || told == float(triangle); };
+        for (const LegalTriangle& t : legal)
+            if (t.triangle != ours.triangle && may_be(t.triangle)) append(pixel, t, true, choices, out);
+        if (nothing && ours.triangle >= 0 && may_be(-1)) append(pixel, empty_pixel(), true, choices, out);
     }
 
     std::vector<TapValue> explain(glm::ivec2 pixel) const override {
@@ -114,10 +126,74 @@ class BoundPass final : public BoundStage {
         });
     }
 
+    // What a profile's rasteriser shows, and, where that is uncertain, what else it may show.
+    struct Drawn {
+        DeviceProfile profile;
+        VisibilityBuffer seen;
+        std::unique_ptr<LegalPixels> legal;
+    };
+    const Drawn& drawn_by(const DeviceProfile& profile) const {
+        const std::lock_guard lock(mutex_);
+        for (const std::unique_ptr<Drawn>& d : drawn_)
+            if (same_rasteriser(d->profile, profile)) return *d;
+        auto d = std::make_unique<Drawn>();
+        d->profile = profile;
+        d->seen = device_visibility(profile, {});
+        if (profile.interpolation == Interpolation::ideal)
+            d->legal = std::make_unique<LegalPixels>(scene_, data_.reversed_z, data_.size, profile);
+        drawn_.push_back(std::move(d));
+        return *drawn_.back();
+    }
+    static bool same_rasteriser(const DeviceProfile& a, const DeviceProfile& b) {
+        return a.interpolation == b.interpolation && a.subpixel_bits == b.subpixel_bits &&
+               a.fused_raster == b.fused_raster && a.snap_uncertainty == b.snap_uncertainty;
+    }
+
+    LegalTriangle empty_pixel() const {
+        const double clear = data_.reversed_z ? 0 : 1;
+        return {-1, false, true, {0, 0}, {0, 0}, {clear, clear}, {0, 0}};
+    }
+    LegalTriangle own(const VisibilityBuffer& seen, glm::ivec2 pixel) const {
+        const glm::vec2 l = seen.barycentrics(pixel.x, pixel.y);
+        const double z = seen.depth(pixel.x, pixel.y);
+        return {seen.triangle(pixel.x, pixel.y), false, true, {l.x, l.x}, {l.y, l.y}, {z, z}, l};
+    }
+
+    // Appends what the kernel makes of a triangle at the pixel.
+    void append(glm::ivec2 pixel, const LegalTriangle& t, bool ambiguous, std::span<const std::int32_t> choices,
+                std::vector<Outcome>& out) const {
+        std::vector<Outcome> ways;
+        if (t.triangle < 0)
+            ways.push_back({std::vector<BoundedValue>(Pass::components, {0, 0}), false});
+        else if (!t.bounded)
+            ways.push_back({std::vector<BoundedValue>(Pass::components, {0, infinity}), true});
+        else
+            enumerate_outcomes(
+                [&](std::vector<Bounded>& values) {
+                    NoTap tap;
+                    const vec2<Bounded> l{t.l1.bounded(t.l.x), t.l2.bounded(t.l.y)};
+                    const auto components = pass_.template pixel<Bounded>(pixel, t.triangle, l, tap);
+                    values.assign(components.begin(), components.end());
+                },
+                most_outcomes, ways, choices);
+        for (Outcome& way : ways) {
+            // An undecided index is one of a texture's levels: it leaves position and depth alone.
+            if (way.ambiguous)
+                for (int c = 4; c < Pass::components; ++c) way.values[std::size_t(c)].bound = infinity;
+            way.ambiguous = way.ambiguous || ambiguous;
+            for (double index : pass_.indices(t.triangle)) way.values.push_back({index, 0});
+            way.values.push_back({t.z.middle(), t.bounded ? t.z.high - t.z.middle() : infinity});
+            out.push_back(std::move(way));
+        }
+    }
+
+    static constexpr double infinity = std::numeric_limits<double>::infinity();
     const StageBinding& binding_;
     const StageData& data_;
     const BoundScene scene_;
     const Pass pass_;
+    mutable std::mutex mutex_;
+    mutable std::vector<std::unique_ptr<Drawn>> drawn_;
 };
 
 }  // namespace plumb::raster

@@ -214,10 +214,9 @@ PLUMB_INLINE mask_t<F> passes_alpha(const SurfaceArgs& in, index_t<F> triangle, 
         const I vertex = N::fetch(in.triangles, corner + I(k)) * I(8);
         return {N::fetch(in.vertices, vertex + I(3)), N::fetch(in.vertices, vertex + I(7))};
     };
-    NoTap quiet;
     const vec2<F> uv = interpolate_uv<F>(uv_of(0), uv_of(1), uv_of(2), l);
-    const TexelQuad<F> q = fetch_quad<F>(in.textures, m.base, uv, quiet);
-    const F alpha = m.reflectance_alpha.w * filter_channel(in.textures, q, I(0), 3), cutoff = m.emission_cutoff.w;
+    const F alpha = m.reflectance_alpha.w * TextureFilter<F>::alpha(in.textures, m.base, uv);
+    const F cutoff = m.emission_cutoff.w;
     return mask_t<F>((!(cutoff > F(0.0f))) | (alpha >= cutoff));
 }
 

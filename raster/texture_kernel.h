@@ -5,6 +5,10 @@
 #include "core/number.h"
 #include "core/tap.h"
 
+namespace plumb {
+struct Bounded;
+}
+
 namespace plumb::raster {
 
 struct TextureArgs {
@@ -95,6 +99,25 @@ PLUMB_INLINE vec3<F> filter_rgb(const TextureArgs& in, const TexelQuad<F>& q, in
     return {filter_channel(in, q, curve, 0), filter_channel(in, q, curve, 1), filter_channel(in, q, curve, 2)};
 }
 
+// A texture's row looked up at (u, v).
+template <class F>
+struct TextureFilter {
+    // plain: never by the sRGB curve.
+    template <class Tap>
+    static PLUMB_INLINE vec3<F> rgb(const TextureArgs& in, index_t<F> row, const vec2<F>& uv, bool plain, Tap& tap) {
+        const TexelQuad<F> q = fetch_quad<F>(in, row, uv, tap);
+        return filter_rgb<F>(in, q, plain ? index_t<F>(0) : q.curve);
+    }
+    static PLUMB_INLINE F alpha(const TextureArgs& in, index_t<F> row, const vec2<F>& uv) {
+        NoTap quiet;
+        const TexelQuad<F> q = fetch_quad<F>(in, row, uv, quiet);
+        return filter_channel<F>(in, q, index_t<F>(0), 3);
+    }
+};
+// Over all places that a device may take for (u, v): texture_bounded.h, which who computes with Bounded includes.
+template <>
+struct TextureFilter<Bounded>;
+
 // Level of detail for a pixel that covers so many texels of level 0, by area: `level` halvings and `blend` of one more.
 // With r = sqrt(texels), in [2^level, 2^(level + 1)), blend is r / 2^level - 1: log2 r by straight lines, less than it
 // by at most 0.0861. Powers of two change no digit of r. What is not a number reads level 0.
@@ -132,13 +155,11 @@ PLUMB_INLINE vec3<F> sample(const TextureArgs& in, index_t<F> texture, const vec
         tap("level", d.level, "of detail: 0 is the texture itself");
         tap("level_blend", d.blend, "towards the next level");
     }
-    const TexelQuad<F> q = fetch_quad<F>(in, texture + d.level, uv, tap);
-    const vec3<F> c = filter_rgb<F>(in, q, plain ? I(0) : q.curve);
+    const vec3<F> c = TextureFilter<F>::rgb(in, texture + d.level, uv, plain, tap);
     if (!in.levels || !any(d.blend > F(0.0f))) return c;
     NoTap quiet;
     const I next = texture + d.level + select(d.blend > F(0.0f), I(1), I(0));
-    const TexelQuad<F> r = fetch_quad<F>(in, next, uv, quiet);
-    const vec3<F> e = filter_rgb<F>(in, r, plain ? I(0) : r.curve);
+    const vec3<F> e = TextureFilter<F>::rgb(in, next, uv, plain, quiet);
     return {c.x + d.blend * (e.x - c.x), c.y + d.blend * (e.y - c.y), c.z + d.blend * (e.z - c.z)};
 }
 

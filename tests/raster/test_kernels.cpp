@@ -9,6 +9,7 @@
 #include "raster/light_view.h"
 #include "raster/rsm_kernel.h"
 #include "raster/surfaces.h"
+#include "raster/texture_bounded.h"
 #include "raster/visibility.h"
 
 using namespace plumb;
