@@ -13,18 +13,15 @@
 #include "core/binding.h"
 #include "core/bounded.h"
 #include "core/fp_environment.h"
-#if __has_include("core/outcomes.h")
 #include "core/outcomes.h"
-#endif
 #include "core/parallel.h"
 
 namespace plumb {
 
-// More branches than these are not looked at one by one.
-inline constexpr int most_outcomes = 32;
-
 template <class Kernel>
 class BoundKernel final : public BoundStage {
+    static constexpr int components = Kernel::components;
+
   public:
     BoundKernel(const StageBinding& binding, const StageData& data) : binding_(binding), data_(data), kernel_(data) {}
 
@@ -41,14 +38,13 @@ class BoundKernel final : public BoundStage {
 
     void outcomes(glm::ivec2 pixel, const DeviceProfile& profile, std::span<const float>,
                   std::span<const std::int32_t> choices, std::vector<Outcome>& out) const override {
-#if __has_include("core/outcomes.h")
         const PrecisionScope precision(profile.precision);
-        auto values = [&] {
+        auto one = [&](std::vector<Bounded>& values) {
             NoTap tap;
-            return kernel_.template pixel<Bounded>(pixel.x, pixel.y, tap);
+            const std::array<Bounded, components> v = kernel_.template pixel<Bounded>(pixel.x, pixel.y, tap);
+            values.insert(values.end(), v.begin(), v.end());
         };
-        enumerate_outcomes(values, most_outcomes, choices, out);
-#endif
+        enumerate_outcomes(one, most_outcomes, out, choices);
     }
 
     std::vector<TapValue> explain(glm::ivec2 pixel) const override {
