@@ -68,13 +68,18 @@ std::vector<std::string> matches(const std::vector<std::string>& paths, const st
     }
     return found;
 }
-// Names of taps; "sample" where the number of the sample is set.
+// Names of taps; "sample" where the number of the sample is set, "choice" where an index is chosen.
 std::vector<std::string> taps_of_kernel(const std::string& path) {
-    return matches({path}, std::regex(R"rx(\btap\("(\w+)"|\btap\.(sample)\()rx"));
+    std::vector<std::string> taps =
+        matches({path}, std::regex(R"rx(\btap\("(\w+)"|(\btap\.sample|\bchosen)\((?!const|\)))rx"));
+    std::replace(taps.begin(), taps.end(), std::string("tap.sample"), std::string("sample"));
+    std::replace(taps.begin(), taps.end(), std::string("chosen"), std::string("choice"));
+    return taps;
 }
 std::vector<std::string> taps_of_twin(const std::vector<std::string>& paths) {
-    std::vector<std::string> taps = matches(paths, std::regex(R"(\bTAP\((\w+),|\bTAP_(SAMPLE)\()"));
-    std::replace(taps.begin(), taps.end(), std::string("SAMPLE"), std::string("sample"));
+    std::vector<std::string> taps = matches(paths, std::regex(R"(\bTAP\((\w+),|\b(TAP_SAMPLE|CHOICE)\()"));
+    std::replace(taps.begin(), taps.end(), std::string("TAP_SAMPLE"), std::string("sample"));
+    std::replace(taps.begin(), taps.end(), std::string("CHOICE"), std::string("choice"));
     return taps;
 }
 
