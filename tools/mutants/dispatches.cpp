@@ -1,0 +1,123 @@
+#include "tools/mutants/dispatches.h"
+
+#include <algorithm>
+#include <bit>
+
+#include "core/hash.h"
+#include "gi/compose/bindings.h"
+#include "gi/frame/frame.h"
+#include "gi/parity/stages.h"
+#include "io/scene_file.h"
+#include "tools/mutants/panels.h"
+
+namespace plumb::mutants {
+namespace {
+
+struct Lit {
+    Scene scene;
+    frame::Settings settings;
+    frame::Plan plan;
+    frame::Frame frame;
+};
+
+Lit execute(Scene scene, const frame::Settings& settings) {
+    Lit lit{std::move(scene), settings, {}, {}};
+    lit.plan = frame::plan(lit.scene, lit.settings);
+    lit.frame = frame::execute(lit.scene, lit.settings, lit.plan, {});
+    return lit;
+}
+
+// The dispatches of those stages, under other settings, of a frame that is there.
+void append(const std::string& name, const Lit& lit, const frame::Settings& settings,
+            const std::vector<std::string>& stages, std::vector<Dispatch>& out) {
+    const frame::Plan plan = frame::plan(lit.scene, settings);
+    for (StageData& data : parity::frame_data(lit.scene, settings, plan, lit.frame))
+        if (std::find(stages.begin(), stages.end(), data.stage) != stages.end())
+            out.push_back({name + ": " + data.id, std::move(data)});
+}
+
+// A spot with a wide penumbra, a lamp that shines everywhere, and a sun through the open side.
+std::vector<Light> three_lights() {
+    Light key, bulb, sun;
+    key.name = "key", key.position = {0, 1.97f, 0}, key.direction = {0.1f, -0.99f, -0.1f};
+    key.direction = normalize3<float>(key.direction);
+    key.cone_inner_deg = 25, key.cone_outer_deg = 60, key.intensity = {12, 11, 9}, key.rsm_size = 48;
+    bulb.name = "bulb", bulb.type = LightType::point, bulb.position = {-0.45f, 1.3f, 0.4f};
+    bulb.intensity = {1, 1.5f, 2}, bulb.rsm_size = 40;
+    sun.name = "sun", sun.type = LightType::directional, sun.direction = normalize3<float>(glm::vec3(0.3f, -0.5f, -1));
+    sun.intensity = {2, 2, 1.5f}, sun.rsm_size = 48;
+    return {key, bulb, sun};
+}
+
+void append_cornell(const std::filesystem::path& source, std::vector<Dispatch>& out) {
+    Scene scene = io::load_scene((source / "data/scenes/cornell_small.toml").string(), frame::method_tables());
+    scene.settings.clear();
+    scene.lights = three_lights();
+    scene.frame_size = {96, 80};
+    frame::Settings settings;
+    settings.rsm.samples = 40, settings.rsm.rotations = 16, settings.rsm.radius = 0.4f;
+    settings.shadow.mode = direct::ShadowMode::density, settings.shadow.kernel = 3;
+    const Lit lit = execute(scene, settings);
+    append("cornell", lit, settings, {"gbuffer", "rsm", "shadow", "direct", "rsm.disc", "compose"}, out);
+
+    frame::Settings other = settings;
+    other.shadow.mode = direct::ShadowMode::hard;
+    append("cornell, hard", lit, other, {"shadow"}, out);
+    other.shadow.mode = direct::ShadowMode::density, other.shadow.variant = direct::ShadowVariant::published;
+    append("cornell, published", lit, other, {"shadow"}, out);
+
+    // Every texel of a small map.
+    for (Light& light : scene.lights) light.rsm_size = 16;
+    scene.frame_size = {48, 40};
+    settings.rsm.gather = rsm::Gather::all, settings.rsm.min_distance = 0.05f;
+    append("small cornell", execute(scene, settings), settings, {"rsm.all"}, out);
+}
+
+// A number of any size up to 2^high, of both signs now and then, or 0.
+float any_size(std::uint32_t i, int low, int high) {
+    const std::uint32_t h = pcg<std::uint32_t>(i);
+    if (h % 29 == 0) return 0;
+    const std::uint32_t exponent = std::uint32_t(127 + low) + (h >> 3) % std::uint32_t(high - low);
+    const float size = std::bit_cast<float>(exponent << 23 | h >> 9);
+    return h % 23 == 0 ? -size : size;
+}
+
+Image4 any_image(glm::ivec2 size, std::uint32_t seed, int low, int high) {
+    Image4 image(size.x, size.y);
+    for (std::size_t i = 0; i < image.size(); ++i)
+        for (int c = 0; c < 4; ++c) image.data()[i][c] = any_size(seed + std::uint32_t(4 * i) + std::uint32_t(c), low, high);
+    return image;
+}
+
+void append_values(std::vector<Dispatch>& out) {
+    const glm::ivec2 size(72, 64);
+    const Image4 normal = any_image(size, 100000, -1, 1), albedo = any_image(size, 200000, -6, 0),
+                 emission = any_image(size, 300000, -3, 4), direct = any_image(size, 400000, -12, 10),
+                 indirect = any_image(size, 500000, -14, 8), radiance = any_image(size, 600000, -16, 8);
+    const compose::ComposeInputs inputs{&normal, &albedo, &emission, &direct, &indirect, glm::vec3(0.3f, 0.5f, 0.9f)};
+    out.push_back({"values: compose", compose::compose_data(inputs)});
+    out.back().data.label = out.back().data.id = "compose";
+    const std::pair<const char*, compose::Operator> operators[] = {{"exposure", compose::Operator::exposure},
+                                                                   {"clamp", compose::Operator::clamp},
+                                                                   {"reinhard", compose::Operator::reinhard},
+                                                                   {"filmic", compose::Operator::filmic}};
+    for (const auto& [name, op] : operators) {
+        out.push_back({std::string("values: tonemap ") + name, compose::tonemap_data({op, 0.7f}, radiance)});
+        out.back().data.label = out.back().data.id = "tonemap";
+    }
+}
+
+}  // namespace
+
+std::vector<Dispatch> dispatches(const std::filesystem::path& source) {
+    std::vector<Dispatch> out;
+    const Scene scene = panels();
+    frame::Settings settings;
+    settings.method = frame::Method::rsm, settings.rsm.samples = 8;
+    append("panels", execute(scene, settings), settings, {"gbuffer", "rsm"}, out);
+    append_cornell(source, out);
+    append_values(out);
+    return out;
+}
+
+}  // namespace plumb::mutants

@@ -1,0 +1,24 @@
+// What mutants run on: small frames that between them take every branch of every twin.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/binding.h"
+
+namespace plumb::mutants {
+
+struct Dispatch {
+    std::string name;  // "cornell: rsm.disc.key"
+    StageData data;
+};
+
+// Of every stage that has a twin, in the order in which a mutant runs on them. `source` is the project's root.
+//
+//     cornell   the Cornell box under a spot, a lamp that shines everywhere and a sun, all of whose maps are drawn
+//     panels    quads with textures of every filter and wrap mode, levels of detail, normal maps, alpha masks, emission
+//     values    for compose and tonemap: images that span thirty powers of two, with zeros and negative numbers
+std::vector<Dispatch> dispatches(const std::filesystem::path& source);
+
+}  // namespace plumb::mutants

@@ -1,0 +1,187 @@
+// plumb_mutants: is the judge of GPU buffers to be trusted? Plants errors in the twins, which it must find, and legal
+// changes, which it must let pass, and counts. Exit code 1 for a miss or a false alarm.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <array>
+#include <chrono>
+#include <cstdio>
+#include <map>
+
+#include "core/error.h"
+#include "tools/mutants/trial.h"
+
+using namespace plumb;
+using namespace plumb::mutants;
+
+namespace {
+
+struct Options {
+    std::string lists = PLUMB_SOURCE_DIR "/tests/parity/mutants", source = PLUMB_SOURCE_DIR, glslang = PLUMB_GLSLANG;
+    std::string device = "llvmpipe";
+    std::vector<std::string> only, stages;
+    bool list = false, sensitivity = false;
+    int least_wrong = 0, least_legal = 0, least_a_stage = 0;
+};
+
+bool wanted(const Options& options, const Mutant& mutant) {
+    const auto any = [](const std::vector<std::string>& words, const std::string& name) {
+        return words.empty() || std::any_of(words.begin(), words.end(),
+                                            [&](const std::string& w) { return name.find(w) != std::string::npos; });
+    };
+    const bool stage = options.stages.empty() ||
+                       std::find(options.stages.begin(), options.stages.end(), mutant.stage) != options.stages.end();
+    return stage && any(options.only, mutant.name) && (mutant.kind == Kind::scale) == options.sensitivity;
+}
+
+// How many mutants of each kind got each verdict, in all and a stage.
+struct Matrix {
+    using Counts = std::array<std::array<int, parity::verdicts>, 2>;
+    std::vector<std::string> stages;
+    std::map<std::string, Counts> of_stage;
+    Counts all{};
+
+    void add(const Mutant& mutant, parity::Verdict verdict) {
+        if (of_stage.count(mutant.stage) == 0) stages.push_back(mutant.stage), of_stage[mutant.stage] = {};
+        ++of_stage[mutant.stage][std::size_t(mutant.kind)][std::size_t(verdict)];
+        ++all[std::size_t(mutant.kind)][std::size_t(verdict)];
+    }
+    static int sum(const std::array<int, parity::verdicts>& row) { return row[0] + row[1] + row[2] + row[3]; }
+
+    void print() const {
+        fmt::print("\n| stage | planted | mutants | equal | within_bound | ambiguous | wrong |\n|---|---|---|---|---|---|---|\n");
+        for (const std::string& stage : stages) print(stage, of_stage.at(stage));
+        print("all", all);
+    }
+    static void print(const std::string& stage, const Counts& counts) {
+        for (const Kind kind : {Kind::wrong, Kind::legal}) {
+            const auto& row = counts[std::size_t(kind)];
+            fmt::print("| {} | {} | {} | {} | {} | {} | {} |\n", stage, kind_name(kind), sum(row), row[0], row[1], row[2],
+                       row[3]);
+        }
+    }
+};
+
+std::string described(const Trial& t) {
+    if (t.verdict == parity::Verdict::equal) return fmt::format("the same bits in {} dispatches", t.runs);
+    const parity::WorstPixel& w = t.worst;
+    return fmt::format("{}: {} of {} wrong; {},{} {}[{}]: {:.9g} for {:.9g}, {:.3g} bounds off; {:.2f} % ambiguous",
+                       t.dispatch, t.wrong_pixels, t.pixels, w.pixel.x, w.pixel.y, w.output, w.channel, w.got, w.expected,
+                       w.excess, 100 * t.ambiguous);
+}
+
+// Whether the judge said of it what it had to.
+bool right(const Mutant& mutant, const Trial& trial) {
+    return mutant.kind == Kind::wrong ? trial.verdict == parity::Verdict::wrong : trial.passed;
+}
+
+bool enough(const Options& options, const Matrix& matrix) {
+    bool ok = true;
+    const auto at_least = [&](const std::string& what, int n, int least) {
+        if (n >= least) return;
+        fmt::print("TOO FEW: {} {}, expected {}\n", n, what, least);
+        ok = false;
+    };
+    at_least("wrong mutants", Matrix::sum(matrix.all[0]), options.least_wrong);
+    at_least("legal variants", Matrix::sum(matrix.all[1]), options.least_legal);
+    for (const std::string& stage : matrix.stages)
+        at_least("wrong mutants of " + stage, Matrix::sum(matrix.of_stage.at(stage)[0]), options.least_a_stage);
+    return ok;
+}
+
+// The twins themselves must pass, or nothing that follows means anything.
+bool try_unmutated(const Options& options, const Court& court) {
+    bool ok = true;
+    for (const std::string& stage : court.stages()) {
+        if (!options.stages.empty() &&
+            std::find(options.stages.begin(), options.stages.end(), stage) == options.stages.end())
+            continue;
+        const Trial trial = court.unmutated(stage);
+        fmt::print("{:12} unmutated {}: {}\n", parity::verdict_name(trial.verdict), stage, described(trial));
+        ok = ok && trial.passed;
+    }
+    return ok;
+}
+
+bool try_all(const Options& options, const Court& court, const std::vector<Mutant>& mutants) {
+    Matrix matrix;
+    int misses = 0, alarms = 0;
+    for (const Mutant& mutant : mutants) {
+        const Trial trial = court(mutant, mutant.kind == Kind::wrong);
+        matrix.add(mutant, trial.verdict);
+        const bool ok = right(mutant, trial);
+        if (!ok) ++(mutant.kind == Kind::wrong ? misses : alarms);
+        fmt::print("{:12} {} {}{}: {}\n", parity::verdict_name(trial.verdict), kind_name(mutant.kind), mutant.name,
+                   ok ? "" : mutant.kind == Kind::wrong ? " MISSED" : " FALSE ALARM", described(trial));
+        std::fflush(stdout);
+    }
+    matrix.print();
+    fmt::print("\n{} misses, {} false alarms\n", misses, alarms);
+    return enough(options, matrix) && misses == 0 && alarms == 0;
+}
+
+void measure_sensitivity(const Court& court, const std::vector<Mutant>& mutants) {
+    fmt::print("\n| stage | what is multiplied by 1 + e | smallest e that is wrong |\n|---|---|---|\n");
+    for (const Mutant& mutant : mutants) {
+        const double e = smallest_error(court, mutant);
+        fmt::print("| {} | {} | {} |\n", mutant.stage, mutant.name, e > 0 ? fmt::format("{:.1e}", e) : "above 0.1");
+        std::fflush(stdout);
+    }
+}
+
+int run(const Options& options) {
+    if (options.glslang.empty()) {
+        fmt::print("SKIPPED: built without glslangValidator (glslang-tools)\n");
+        return 0;
+    }
+    std::vector<Mutant> mutants;
+    for (Mutant& mutant : read_mutants(options.lists))
+        if (wanted(options, mutant)) mutants.push_back(std::move(mutant));
+    if (options.list) {
+        for (const Mutant& m : mutants) fmt::print("{} {} {} {}\n", kind_name(m.kind), m.stage, m.name, m.file);
+        return 0;
+    }
+
+    std::unique_ptr<vulkan::Device> device;
+    try {
+        device = std::make_unique<vulkan::Device>(vulkan::DeviceOptions{options.device, false});
+    } catch (const vulkan::Error& e) {
+        fmt::print("SKIPPED: {}\n", e.what());
+        return 0;
+    }
+    const auto start = std::chrono::steady_clock::now();
+    const TwinCompiler compiler(options.glslang, options.source);
+    const Court court(*device, compiler, dispatches(options.source));
+    bool ok = try_unmutated(options, court);
+    if (options.sensitivity)
+        measure_sensitivity(court, mutants);
+    else
+        ok = try_all(options, court, mutants) && ok;
+    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+    fmt::print("{} on {} in {:.1f} s\n", ok ? "as it should be" : "FAILED", device->name(), seconds.count());
+    return ok ? 0 : 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    Options o;
+    CLI::App app("Plants errors and legal changes in the twins, and holds the judge's verdicts against what they are.");
+    app.add_option("--lists", o.lists, "folder of the lists");
+    app.add_option("--source", o.source, "the project's root, where the twins lie");
+    app.add_option("--device", o.device, "part of the name of a Vulkan device");
+    app.add_option("--only", o.only, "mutants with this in their names");
+    app.add_option("--stage", o.stages, "mutants of this stage");
+    app.add_option("--least-wrong", o.least_wrong, "fail below so many wrong mutants");
+    app.add_option("--least-a-stage", o.least_a_stage, "fail where a stage has fewer wrong mutants");
+    app.add_option("--least-legal", o.least_legal, "fail below so many legal variants");
+    app.add_flag("--list", o.list, "print the list and do nothing");
+    app.add_flag("--sensitivity", o.sensitivity, "instead: the smallest relative error that is found, place by place");
+    CLI11_PARSE(app, argc, argv);
+    try {
+        return run(o);
+    } catch (const std::exception& e) {
+        std::fprintf(stderr, "plumb_mutants: %s\n", e.what());
+        return 1;
+    }
+}

@@ -1,0 +1,71 @@
+#include "tools/mutants/trial.h"
+
+#include <algorithm>
+
+#include "core/error.h"
+#include "core/host_math.h"
+#include "gi/parity/stages.h"
+#include "tools/vulkan/runner.h"
+
+namespace plumb::mutants {
+
+Court::Court(const vulkan::Device& device, const TwinCompiler& compiler, std::vector<Dispatch> dispatches)
+    : device_(device), compiler_(compiler), dispatches_(std::move(dispatches)) {}
+
+std::vector<std::string> Court::stages() const {
+    std::vector<std::string> names;
+    for (const Dispatch& d : dispatches_)
+        if (std::find(names.begin(), names.end(), d.data.stage) == names.end()) names.push_back(d.data.stage);
+    return names;
+}
+
+Trial Court::unmutated(const std::string& stage) const {
+    const StageBinding& binding = parity::find_binding(stage, "plumb_mutants");
+    return run(binding, compiler_.compile(binding), false);
+}
+
+Trial Court::operator()(const Mutant& mutant, bool until_wrong, double scale) const {
+    const StageBinding& binding = parity::find_binding(mutant.stage, mutant.place);
+    return run(binding, compiler_.compile(binding, mutant, scale), until_wrong);
+}
+
+Trial Court::run(const StageBinding& binding, std::span<const std::uint32_t> spirv, bool until_wrong) const {
+    Trial trial;
+    for (const Dispatch& dispatch : dispatches_) {
+        if (dispatch.data.stage != binding.info.name) continue;
+        vulkan::RunTwin options;
+        options.spirv = spirv;
+        vulkan::TwinResult result = vulkan::run_twin(device_, binding, dispatch.data, options);
+        std::vector<parity::Dumped> dumped;
+        for (const Slot& slot : binding.outputs) dumped.push_back({slot.name, std::move(plumb::at(result.outputs, slot.name))});
+
+        parity::JudgeOptions judge;
+        judge.profile = find_profile("ideal", "plumb_mutants");
+        const parity::StageVerdict verdict = parity::judge(binding, dispatch.data, dumped, judge);
+        const double pixels = double(std::max<std::int64_t>(verdict.pixels, 1));
+        ++trial.runs;
+        trial.passed = trial.passed && verdict.passed;
+        trial.ambiguous = std::max(trial.ambiguous, double(verdict.count[int(parity::Verdict::ambiguous)]) / pixels);
+        if (verdict.verdict > trial.verdict || trial.dispatch.empty()) {
+            trial.verdict = verdict.verdict, trial.dispatch = dispatch.name, trial.pixels = verdict.pixels;
+            trial.wrong_pixels = verdict.count[int(parity::Verdict::wrong)];
+            trial.worst = verdict.worst.empty() ? parity::WorstPixel{} : verdict.worst.front();
+        }
+        if (until_wrong && trial.verdict == parity::Verdict::wrong) break;
+    }
+    if (trial.runs == 0) throw InputError(binding.info.name + ": no dispatch of this stage");
+    return trial;
+}
+
+double smallest_error(const Court& court, const Mutant& mutant) {
+    const auto is_wrong = [&](double e) { return court(mutant, true, 1 + e).verdict == parity::Verdict::wrong; };
+    double found = 0.1, missed = 1e-8;
+    if (!is_wrong(found)) return 0;
+    while (found > 1.1 * missed) {
+        const double e = std::sqrt(found * missed);
+        (is_wrong(e) ? found : missed) = e;
+    }
+    return found;
+}
+
+}  // namespace plumb::mutants
