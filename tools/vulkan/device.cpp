@@ -92,8 +92,7 @@ const DeviceInfo& choose(const std::vector<DeviceInfo>& devices, const std::stri
         if (name == std::to_string(device.index)) return device;
     for (const DeviceInfo& device : devices)
         if (device.name().find(name) != std::string::npos) return device;
-    throw Error(
-        fmt::format("Vulkan: no device named \"{}\"; there are: {}", name, fmt::join(names_of(devices), ", ")));
+    throw Error(fmt::format("Vulkan: no device named \"{}\"; there are: {}", name, fmt::join(names_of(devices), ", ")));
 }
 
 // What a twin may need or what makes a wrong one harmless, where the device has it: tapped fragment stages write to a

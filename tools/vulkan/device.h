@@ -8,15 +8,17 @@
 
 #include <cstdint>
 #include <memory>
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "core/error.h"
+
 namespace plumb::vulkan {
 
-struct Error : std::runtime_error {
-    using std::runtime_error::runtime_error;
+// What another device, another driver or a smaller frame would mend.
+struct Error : InputError {
+    using InputError::InputError;
 };
 
 // Throws Error "<what>: <name of the result>" unless the call succeeded.
@@ -57,7 +59,7 @@ class Owned {
 };
 
 struct DeviceInfo {
-    int index = 0;                        // in the loader's order
+    int index = 0;  // in the loader's order
     VkPhysicalDeviceProperties properties{};
     VkPhysicalDeviceFeatures features{};
     std::string driver_name, driver_info;  // "llvmpipe", "Mesa 22.3.6 (LLVM 15.0.6)"; empty where it does not say

@@ -36,8 +36,8 @@ void check_image(const Device& device, VkFormat format, VkExtent2D size, VkImage
     const VkResult result = vkGetPhysicalDeviceImageFormatProperties(device.physical(), format, VK_IMAGE_TYPE_2D,
                                                                      VK_IMAGE_TILING_OPTIMAL, usage, 0, &most);
     if (result == VK_ERROR_FORMAT_NOT_SUPPORTED)
-        throw Error(fmt::format("Vulkan: {} has no images of VkFormat {} for usage {:#x}", device.name(), int(format),
-                                usage));
+        throw Error(
+            fmt::format("Vulkan: {} has no images of VkFormat {} for usage {:#x}", device.name(), int(format), usage));
     check(result, "Vulkan: vkGetPhysicalDeviceImageFormatProperties");
     if (size.width > most.maxExtent.width || size.height > most.maxExtent.height)
         throw Error(fmt::format("Vulkan: {} takes images of at most {} x {}; expected {} x {}", device.name(),
@@ -160,9 +160,9 @@ Image make_texture(const Device& device, VkFormat format, VkExtent2D size, const
 }
 
 Image make_storage_image(const Device& device, VkFormat format, VkExtent2D size, VkClearColorValue fill) {
-    Image out = make_image(
-        device, format, size,
-        VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT);
+    Image out =
+        make_image(device, format, size,
+                   VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT);
     device.run([&](VkCommandBuffer commands) {
         const VkImageSubresourceRange all{out.aspect, 0, 1, 0, out.layers};
         change_layout(commands, out, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_GENERAL);

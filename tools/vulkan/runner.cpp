@@ -76,8 +76,8 @@ struct PreparedTwin::Parts {
     Bundle outputs;  // as they are before anything is written
     std::uint32_t vertices = 0;
 
-    Twin twin;         // of the compute or the fragment stage
-    Spirv spirv;       // what runs of it
+    Twin twin;    // of the compute or the fragment stage
+    Spirv spirv;  // what runs of it
     Sampler sampler;
     std::vector<Buffer> buffers;
     std::vector<Image> textures, stored;  // stored: outputs of a compute stage
@@ -131,8 +131,8 @@ void PreparedTwin::Parts::choose_spirv() {
     spirv.assign(code.begin(), code.end());
     if (options.colour == Format::rgba16f && !binding.raster) spirv = with_half_images(spirv);
     if (options.tap && binding.raster && !device.features().fragmentStoresAndAtomics)
-        throw Error(fmt::format("Vulkan: {} has no fragmentStoresAndAtomics, which taps of {} need", device.name(),
-                                label));
+        throw Error(
+            fmt::format("Vulkan: {} has no fragmentStoresAndAtomics, which taps of {} need", device.name(), label));
 }
 
 void PreparedTwin::Parts::add_buffer(std::uint32_t at, VkDescriptorType type, const void* bytes, std::size_t n) {
@@ -145,8 +145,8 @@ void PreparedTwin::Parts::add_buffer(std::uint32_t at, VkDescriptorType type, co
 void PreparedTwin::Parts::upload(const StageData& data) {
     buffers.reserve(binding.inputs.size() + 1);
     textures.reserve(binding.inputs.size());
-    sampler =
-        make_sampler(device, VK_FILTER_NEAREST, VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE, VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE);
+    sampler = make_sampler(device, VK_FILTER_NEAREST, VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
+                           VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE);
     if (!data.uniforms.empty())
         add_buffer(uniform_binding, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, data.uniforms.data(), data.uniforms.size());
     for (const Slot& slot : binding.inputs) {

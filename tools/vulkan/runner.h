@@ -9,21 +9,22 @@
 namespace plumb::vulkan {
 
 struct RunTwin {
-    std::optional<glm::ivec2> tap;       // also list this pixel's values, from the tapped twin
+    std::optional<glm::ivec2> tap = {};  // also list this pixel's values, from the tapped twin
     // Instead of the embedded SPIR-V (raster stages: of the fragment stage): what the mutator compiled.
-    std::span<const std::uint32_t> spirv;
-    int repeat = 1;                      // runs; the median of their times is reported
-    Format colour = Format::rgba32f;     // of storage images and colour targets of four floats: or rgba16f
+    std::span<const std::uint32_t> spirv = {};
+    int repeat = 1;                   // runs; the median of their times is reported
+    Format colour = Format::rgba32f;  // of storage images and colour targets of four floats: or rgba16f
 };
 
 struct TwinResult {
-    Bundle outputs;                // by the names of StageBinding::outputs; rgba16f: widened to float
-    std::vector<TapValue> taps;    // in the order in which they ran
-    double ms = 0;                 // wall clock of one submission
+    Bundle outputs;              // by the names of StageBinding::outputs; rgba16f: widened to float
+    std::vector<TapValue> taps;  // in the order in which they ran
+    double ms = 0;               // wall clock of one submission
 };
 
 // Throws Error for what the device refuses. What a stage does not write is 0, and -1 in outputs of indices.
-TwinResult run_twin(const Device& device, const StageBinding& binding, const StageData& data, const RunTwin& options = {});
+TwinResult run_twin(const Device& device, const StageBinding& binding, const StageData& data,
+                    const RunTwin& options = {});
 
 // The same, kept on the device, for benchmarks: buffers and pipelines are made once.
 class PreparedTwin {
@@ -31,7 +32,7 @@ class PreparedTwin {
     PreparedTwin(const Device& device, const StageBinding& binding, const StageData& data, const RunTwin& options = {});
     ~PreparedTwin();
     PreparedTwin(PreparedTwin&&) noexcept;
-    double submit();              // ms of wall clock, submission to completion
+    double submit();  // ms of wall clock, submission to completion
     TwinResult read();
 
   private:

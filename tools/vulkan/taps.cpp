@@ -44,8 +44,8 @@ void TapBuffer::clear() { header_of(buffer_).count = 0; }
 std::vector<TapValue> TapBuffer::values(const Twin& twin, bool reversed_z) const {
     const Header& header = header_of(buffer_);
     if (header.count > capacity)
-        throw Error(fmt::format("{}: {} values at pixel {},{}; {} fit", twin.name, header.count, header.x, header.y,
-                                capacity));
+        throw Error(
+            fmt::format("{}: {} values at pixel {},{}; {} fit", twin.name, header.count, header.x, header.y, capacity));
     const std::span<const Tap> taps(reinterpret_cast<const Tap*>(&header + 1), std::size_t(header.count));
     for (const Tap& t : taps)
         if (t.site < 0 || std::size_t(t.site) >= twin.taps.size() || t.components < 1 || t.components > 4)

@@ -17,8 +17,9 @@ class TapBuffer {
     const Buffer& buffer() const { return buffer_; }
     void clear();  // before every submission
 
-    // What was written, in the order in which it ran. Several triangles may be drawn at the pixel: of them the one whose
-    // tap "z" is nearest is seen, and of equal ones the one that was drawn first. Throws Error where not all fitted.
+    // What was written, in the order in which it ran. Several triangles may be drawn at the pixel: of them the one
+    // whose tap "z" is nearest is seen, and of equal ones the one that was drawn first. Throws Error where not all
+    // fitted.
     std::vector<TapValue> values(const Twin& twin, bool reversed_z) const;
 
   private:

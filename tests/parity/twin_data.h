@@ -1,0 +1,169 @@
+// Data for every compute stage, made by hand: a floor and a wall, a map of each kind of light, and pixels that hold
+// nothing, lie far away or sit on borders. Small, so that every stage runs in a moment.
+#pragma once
+
+#include <vector>
+
+#include "core/hash.h"
+#include "gi/compose/bindings.h"
+#include "gi/direct/bindings.h"
+#include "gi/rsm/bindings.h"
+#include "raster/light_view.h"
+#include "raster/rsm.h"
+
+namespace plumb::test {
+
+// Numbers of [0, 1) that follow from a seed and a place.
+inline float noise(int x, int y, int channel, std::uint32_t seed) {
+    const auto h = pixel_hash<std::int32_t>(x, y, channel, std::int32_t(seed));
+    return float(std::uint32_t(h.x) >> 8) * 0x1p-24f;
+}
+
+inline Image4 noise_image(glm::ivec2 size, std::uint32_t seed, float low, float high) {
+    Image4 image(size.x, size.y);
+    for (int y = 0; y < size.y; ++y)
+        for (int x = 0; x < size.x; ++x)
+            for (int c = 0; c < 4; ++c) image(x, y)[c] = low + (high - low) * noise(x, y, c, seed);
+    return image;
+}
+
+struct Points {
+    Image4 position, normal;
+};
+
+// The left half a floor at y = 0, the right half a wall at z = -2, both 4 m wide, with rough normals; every 11th pixel
+// is empty, every 13th a kilometre away.
+inline Points room(glm::ivec2 size, std::uint32_t seed) {
+    Points p{Image4(size.x, size.y), Image4(size.x, size.y)};
+    for (int y = 0; y < size.y; ++y)
+        for (int x = 0; x < size.x; ++x) {
+            const int i = y * size.x + x;
+            if (i % 11 == 0) continue;
+            const float u = 4 * noise(x, y, 0, seed) - 2, v = 4 * noise(x, y, 1, seed) - 2;
+            const bool floor = 2 * x < size.x;
+            const float far = i % 13 == 0 ? 1000.0f : 1.0f;
+            const glm::vec3 up = floor ? glm::vec3(0, 1, 0) : glm::vec3(0, 0, 1);
+            const glm::vec3 bump(noise(x, y, 2, seed) - 0.5f, noise(x, y, 3, seed) - 0.5f, noise(x, y, 4, seed) - 0.5f);
+            p.position(x, y) = glm::vec4(far * (floor ? glm::vec3(u, 0, v) : glm::vec3(u, v + 2, -2)), 1 + u * u);
+            p.normal(x, y) = glm::vec4(glm::normalize(up + 0.5f * bump), 1);
+        }
+    return p;
+}
+
+inline Light make_light(LightType type, int rsm_size) {
+    Light light;
+    light.type = type;
+    light.position = {0.3f, 3, 0.7f};
+    light.direction = glm::normalize(glm::vec3(0.2f, -1, -0.6f));
+    light.intensity = {17.25f, 11.5f, 3.75f};
+    light.cone_inner_deg = 30;
+    light.rsm_size = rsm_size;
+    return light;
+}
+
+// A map filled with points of the room, whatever the light sees of it.
+inline raster::Rsm make_map(const Light& light, int face, std::uint32_t seed) {
+    const std::vector<View> views = raster::light_views(light, {-2, 0, -2}, {2, 4, 2});
+    raster::Rsm map = raster::unseen_rsm(light, views[std::size_t(face)]);
+    const Points p = room({light.rsm_size, light.rsm_size}, seed);
+    map.position = p.position;
+    map.normal = p.normal;
+    map.flux = noise_image({light.rsm_size, light.rsm_size}, seed + 1, 0, 0.02f);
+    for (std::size_t i = 0; i < map.position.size(); ++i) {
+        const bool covered = map.normal.texels[i].w > 0;
+        map.position.texels[i].w = covered ? 1 + 3 * map.flux.texels[i].w / 0.02f : 0;
+        map.flux.texels[i].w = 0;
+        if (!covered) map.flux.texels[i] = glm::vec4(0);
+    }
+    map.records.assign(map.position.size() * 16, 0);
+    return map;
+}
+
+inline StageData named(StageData data, const std::string& id) {
+    data.id = data.label = id;
+    return data;
+}
+
+inline StageData shadow_case(glm::ivec2 size, LightType type, int face, direct::ShadowMode mode,
+                             direct::ShadowVariant variant, const std::string& id) {
+    const Light light = make_light(type, 48);
+    std::vector<raster::Rsm> maps;
+    for (int f = 0; f < raster::map_count(light); ++f) maps.push_back(make_map(light, f, 3));
+    const Points p = room(size, 5);
+    direct::ShadowParams params;
+    params.mode = mode;
+    params.variant = variant;
+    return named(direct::shadow_data(params, {&p.position, &p.normal, maps}, face), id);
+}
+
+inline StageData direct_case(glm::ivec2 size, const std::string& id) {
+    const std::vector<Light> lights = {make_light(LightType::spot, 16), make_light(LightType::directional, 16),
+                                       make_light(LightType::point, 16)};
+    Buffer<float> visibility(lights.size() * std::size_t(size.x) * std::size_t(size.y));
+    for (std::size_t i = 0; i < visibility.size(); ++i) visibility[i] = noise(int(i), 0, 0, 9);
+    const Points p = room(size, 5);
+    return named(direct::direct_data({&p.position, &p.normal, &lights, &visibility}), id);
+}
+
+inline StageData gather_case(glm::ivec2 size, rsm::Gather gather, LightType type, float min_distance,
+                             const std::string& id) {
+    const Light light = make_light(type, gather == rsm::Gather::disc ? 64 : 24);
+    const raster::Rsm map = make_map(light, 0, 3);
+    rsm::GatherParams params;
+    params.gather = gather;
+    params.samples = 60;
+    params.min_distance = min_distance;
+    const rsm::Pattern pattern = rsm::disc_pattern(params, map.size, 7);
+    const Points p = room(size, 5);
+    rsm::GatherInputs in;
+    in.position = &p.position;
+    in.normal = &p.normal;
+    in.rsm = &map;
+    in.pattern = &pattern;
+    in.seed = 7;
+    return named(rsm::gather_data(params, in), id);
+}
+
+inline StageData compose_case(glm::ivec2 size, const std::string& id) {
+    const Points p = room(size, 5);
+    Image4 images[] = {noise_image(size, 21, 0, 1), noise_image(size, 22, 0, 3), noise_image(size, 23, 0, 1e3f),
+                       noise_image(size, 24, 0, 1e-3f)};
+    // What a broken pass may leave behind, and what a device may flush to 0.
+    const float extremes[] = {std::numeric_limits<float>::infinity(),
+                              std::numeric_limits<float>::quiet_NaN(),
+                              3e38f,
+                              1e-41f,
+                              -0.0f,
+                              65520,
+                              1e-20f};
+    for (int i = 0; i < 28; ++i) images[i % 4].texels[std::size_t(2 * i)].x = extremes[i % 7];
+    compose::ComposeInputs in{&p.normal, &images[0], &images[1], &images[2], &images[3], {0.25f, 0.5f, 1}};
+    return named(compose::compose_data(in), id);
+}
+
+inline StageData tonemap_case(glm::ivec2 size, compose::Operator op, const std::string& id) {
+    const Image4 radiance = noise_image(size, 31, -0.1f, 6);
+    return named(compose::tonemap_data({op, 0.7f}, radiance), id);
+}
+
+// Every compute stage, in every variant of it that is a branch of its own.
+inline std::vector<StageData> compute_cases(glm::ivec2 size) {
+    using namespace direct;
+    return {
+        shadow_case(size, LightType::spot, 0, ShadowMode::hard, ShadowVariant::corrected, "shadow.hard"),
+        shadow_case(size, LightType::directional, 0, ShadowMode::density, ShadowVariant::corrected, "shadow.density"),
+        shadow_case(size, LightType::spot, 0, ShadowMode::density, ShadowVariant::published, "shadow.published"),
+        shadow_case(size, LightType::point, 3, ShadowMode::hard, ShadowVariant::corrected, "shadow.ny"),
+        direct_case(size, "direct"),
+        gather_case(size, rsm::Gather::disc, LightType::spot, 0, "rsm.disc.spot"),
+        gather_case(size, rsm::Gather::disc, LightType::directional, 0.1f, "rsm.disc.sun"),
+        gather_case(size, rsm::Gather::all, LightType::spot, 0, "rsm.all.spot"),
+        compose_case(size, "compose"),
+        tonemap_case(size, compose::Operator::clamp, "tonemap.clamp"),
+        tonemap_case(size, compose::Operator::exposure, "tonemap.exposure"),
+        tonemap_case(size, compose::Operator::reinhard, "tonemap.reinhard"),
+        tonemap_case(size, compose::Operator::filmic, "tonemap.filmic"),
+    };
+}
+
+}  // namespace plumb::test
