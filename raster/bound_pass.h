@@ -11,6 +11,7 @@
 // The depth buffer is the last output.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -151,12 +152,12 @@ class BoundPass final : public BoundStage {
 
     LegalTriangle empty_pixel() const {
         const double clear = data_.reversed_z ? 0 : 1;
-        return {-1, false, true, {0, 0}, {0, 0}, {clear, clear}, {0, 0}};
+        return {-1, false, true, {0, 0}, {0, 0}, {clear, clear}, {0, 0}, {}};
     }
     LegalTriangle own(const VisibilityBuffer& seen, glm::ivec2 pixel) const {
         const glm::vec2 l = seen.barycentrics(pixel.x, pixel.y);
         const double z = seen.depth(pixel.x, pixel.y);
-        return {seen.triangle(pixel.x, pixel.y), false, true, {l.x, l.x}, {l.y, l.y}, {z, z}, l};
+        return {seen.triangle(pixel.x, pixel.y), false, true, {l.x, l.x}, {l.y, l.y}, {z, z}, l, {}};
     }
 
     // Appends what the kernel makes of a triangle at the pixel.
@@ -176,6 +177,7 @@ class BoundPass final : public BoundStage {
                     values.assign(components.begin(), components.end());
                 },
                 most_outcomes, ways, choices);
+        if (t.triangle >= 0 && t.bounded && t.rounding > 0) tighten(pixel, t, ways);
         for (Outcome& way : ways) {
             // An undecided index is one of a texture's levels: it leaves position and depth alone.
             if (way.ambiguous)
@@ -185,6 +187,28 @@ class BoundPass final : public BoundStage {
             way.values.push_back({t.z.middle(), t.bounded ? t.z.high - t.z.middle() : infinity});
             out.push_back(std::move(way));
         }
+    }
+
+    // Two barycentrics that go together say more than two intervals. Position and depth are projective maps of the window:
+    // their extremes over the box lie at its corners. So do a normal's, but for the second order of its division by its
+    // length, where no map bends it and its side is decided.
+    void tighten(glm::ivec2 pixel, const LegalTriangle& t, std::vector<Outcome>& ways) const {
+        NoTap tap;
+        auto about = [&](const Interval& i, float value) { return Bounded::within(value, i.middle(), t.rounding); };
+        const vec2<Bounded> l{about(t.l1, float(t.l1.middle())), about(t.l2, float(t.l2.middle()))};
+        const auto middle = pass_.template pixel<Bounded>(pixel, t.triangle, l, tap);
+        double reach[7] = {};
+        for (const glm::dvec2& corner : t.corner) {
+            const auto at = pass_.template pixel<double>(pixel, t.triangle, vec2<double>(corner), tap);
+            for (std::size_t c = 0; c < 7; ++c) reach[c] = std::max(reach[c], std::abs(at[c] - middle[c].shadow));
+        }
+        const double turn = std::max({reach[4], reach[5], reach[6]});
+        const auto material = std::size_t(scene_.geometry.material[std::size_t(t.triangle)]);
+        const bool smooth = ways.size() == 1 && scene_.surfaces.materials[material * record_stride + 10] == 0;
+        for (Outcome& way : ways)
+            for (std::size_t c = 0; c < (smooth ? 7u : 4u); ++c)
+                way.values[c].bound = std::min(way.values[c].bound,
+                                               reach[c] + middle[c].bound + (c < 4 ? 0 : 4 * turn * turn));
     }
 
     static constexpr double infinity = std::numeric_limits<double>::infinity();

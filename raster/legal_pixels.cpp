@@ -15,9 +15,10 @@ namespace {
 constexpr int bin_shift = 4;  // bins of 16 x 16 pixels
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-// What a device's floats may cost (assumed: no specification says). A window coordinate is x / w, scaled and shifted;
-// a plane a0 + x dadx + y dady has three roundings of its largest term, which is as good as a displacement.
-constexpr double float_slack = 0x1p-20;
+// What a device's floats may cost (assumed: no specification says), in parts of the largest coordinate. A window
+// coordinate is x / w, scaled and shifted: 2.5, 0.5 and 0.5 units in the last place. A plane a0 + x dadx + y dady has
+// three roundings of its largest term, which is as good as a displacement.
+constexpr double float_slack = 0x1p-21;
 // And each interpolated value errs by a few units in the last place of the largest corner's.
 constexpr double float_ulps = 4 * 0x1p-24;
 
@@ -147,6 +148,29 @@ void LegalPixels::sort_into_bins() {
     });
 }
 
+// The slack of the point of the triangle that is seen at the centre: sum l_i slack_i, l being affine barycentrics. A
+// polygon may be cut into any triangles of its corners.
+double LegalPixels::slack_at(const Polygon& p, glm::dvec2 centre) const {
+    double most = 0, largest = 0;
+    for (int i = 0; i < p.count; ++i) largest = std::max(largest, p.corner[i].slack);
+    auto area = [&](const Corner& a, const Corner& b) {
+        return (a.x - centre.x) * (b.y - centre.y) - (a.y - centre.y) * (b.x - centre.x);
+    };
+    bool inside = false;
+    for (int i = 0; i < p.count; ++i)
+        for (int j = i + 1; j < p.count; ++j)
+            for (int k = j + 1; k < p.count; ++k) {
+                const Corner &a = p.corner[i], &b = p.corner[j], &c = p.corner[k];
+                const double of_a = area(b, c), of_b = area(c, a), of_c = area(a, b);
+                const double whole = std::abs(of_a) + std::abs(of_b) + std::abs(of_c);
+                if (whole == 0 || std::abs(of_a + of_b + of_c) < whole * (1 - 0x1p-30)) continue;
+                inside = true;
+                most = std::max(most, (std::abs(of_a) * a.slack + std::abs(of_b) * b.slack + std::abs(of_c) * c.slack) /
+                                          whole);
+            }
+    return inside ? most : largest;
+}
+
 // Fills the barycentrics and the depth. If a device displaces corners by d_i, the point that it takes for the centre p
 // is p - sum l'_i d_i of the exact triangle, l' being its own affine barycentrics: their sum is 1, and where p lies
 // inside they are not negative, so p moves by no more than the corners do. Outside, sum |l'_i| exceeds 1 by at most
@@ -155,13 +179,13 @@ void LegalPixels::bound_values(const Polygon& p, glm::dvec2 centre, LegalTriangl
     out.bounded = p.narrowness < too_narrow;
     out.z = {0, 1}, out.l1 = out.l2 = {0, 1};
     if (!out.bounded) return;
-    double slack = 0, largest_z = 0, largest_inverse_w = 0;
+    double largest_z = 0, largest_inverse_w = 0;
     for (int i = 0; i < p.count; ++i) {
-        slack = std::max(slack, p.corner[i].slack);
         largest_z = std::max(largest_z, std::abs(p.corner[i].z));
         largest_inverse_w = std::max(largest_inverse_w, p.corner[i].inverse_w);
     }
-    const double reach = slack * (out.sure ? 1 : (1 + 2 * p.narrowness) / (1 - p.narrowness));
+    const double excess = out.sure ? 1 : (1 + 2 * p.narrowness) / (1 - p.narrowness);
+    const double reach = slack_at(p, centre) * excess + float_slack * std::max(size_.x, size_.y);
 
     // All three values are projective maps of the window: along an axis they are monotone, and their extremes over a
     // box lie at its corners.
@@ -183,11 +207,13 @@ void LegalPixels::bound_values(const Polygon& p, glm::dvec2 centre, LegalTriangl
             return;
         }
         widen(l1, v[0]), widen(l2, v[1]), widen(z, v[2]);
+        out.corner[k] = {v[0], v[1]};
         const double w = clip[0].w * (1 - v[0] - v[1]) + clip[1].w * v[0] + clip[2].w * v[1];
         inverse_w = std::min(inverse_w, 1 / w);
     }
-    const double err = float_ulps * std::max(1.0, largest_inverse_w / inverse_w);
-    out.l1 = {l1.low - err, l1.high + err}, out.l2 = {l2.low - err, l2.high + err};
+    out.rounding = float_ulps * std::max(1.0, largest_inverse_w / inverse_w);
+    out.l1 = {l1.low - out.rounding, l1.high + out.rounding};
+    out.l2 = {l2.low - out.rounding, l2.high + out.rounding};
     out.z = {std::clamp(z.low - float_ulps * largest_z, 0.0, 1.0),
              std::clamp(z.high + float_ulps * largest_z, 0.0, 1.0)};
     out.l = {float(out.l1.middle()), float(out.l2.middle())};

@@ -27,6 +27,10 @@ struct LegalTriangle {
     Interval l1, l2;  // barycentrics of the whole triangle, perspective-correct
     Interval z;       // of the depth buffer
     glm::vec2 l;      // one value of the barycentrics
+    // The barycentrics go together: they are those of a point in a box about the pixel's centre, of which these are the
+    // corners', and each is off by a rounding besides.
+    glm::dvec2 corner[4];
+    double rounding = 0;
 };
 
 class LegalPixels {
@@ -59,6 +63,7 @@ class LegalPixels {
     void sort_into_bins();
     bool judge(const Entry& entry, glm::dvec2 centre, LegalTriangle& out) const;
     bool passes_mask(LegalTriangle& t) const;
+    double slack_at(const Polygon& p, glm::dvec2 centre) const;
     void bound_values(const Polygon& p, glm::dvec2 centre, LegalTriangle& out) const;
 
     const BoundScene& scene_;
