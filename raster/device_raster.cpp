@@ -108,7 +108,9 @@ __attribute__((noinline)) void draw_band(const Drawing& in, const std::vector<Ch
         for (int x = 0; x < in.size.x; ++x) {
             const DeviceTriangle* t = winner[std::size_t(y - first) * std::size_t(in.size.x) + std::size_t(x)];
             out.triangle(x, y) = t ? t->triangle : -1;
-            out.barycentrics(x, y) = t ? barycentrics_at(*t, x, y, in.profile.fused_raster) : glm::vec2(0);
+            const glm::vec2 l = t ? barycentrics_at(*t, x, y, in.profile.fused_raster) : glm::vec2(0);
+            // Compilers give NaN this sign or that.
+            out.barycentrics(x, y) = {l.x == l.x ? l.x : __builtin_nanf(""), l.y == l.y ? l.y : __builtin_nanf("")};
         }
     }
 }

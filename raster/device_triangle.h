@@ -45,10 +45,10 @@ struct DeviceTriangle {
     std::int32_t triangle;     // index into Geometry::triangles
 };
 
-// Depth at a pixel. The plane is no exact one: beyond 0 and 1 it is clamped; -0 and NaN become 0.
+// Depth at a pixel. The plane is no exact one: beyond 0 and 1 it is clamped. -0 becomes 0, and NaN 1.
 PLUMB_INLINE float depth_at(const DeviceTriangle& t, int x, int y, bool fma) {
-    const float depth = at(t.depth, x, y, fma);
-    return depth > 0 ? min(depth, 1.0f) : 0.0f;
+    const float depth = min(1.0f, at(t.depth, x, y, fma));
+    return depth > 0 ? depth : 0.0f;
 }
 
 // l1, l2 of the whole triangle.
