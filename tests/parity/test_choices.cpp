@@ -73,8 +73,8 @@ TEST_CASE("choices: a twin stores the texels that it chose, a pixel's own togeth
     int different = 0;
     for (int i = 0; i < width * height; ++i) {
         NoTap tap;
-        const vec3<float> point(glm::vec3(x[std::size_t(i)]));
-        const ivec2<std::int32_t> expected = raster::project<float>(map, point, tap);
+        const glm::vec4& p = x[std::size_t(i)];
+        const ivec2<std::int32_t> expected = raster::project<float>(map, vec3<float>(p.x, p.y, p.z), tap);
         const std::int32_t* c = stored->index[i / width][i % width];
         different += !(c[0] == expected.x && c[1] == expected.y && c[2] == -77);
     }
