@@ -37,6 +37,7 @@ void add_plan(CLI::App& program, Action& action);
 void add_compare(CLI::App& program, Action& action);
 void add_explain(CLI::App& program, Action& action);
 void add_stages(CLI::App& program, Action& action);
+void add_devices(CLI::App& program, Action& action);
 void add_experiment(CLI::App& program, Action& action);
 void add_make_scene(CLI::App& program, Action& action);
 
