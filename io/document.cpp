@@ -111,8 +111,9 @@ std::string DocumentReader::place_of(const DocumentValue& value) const {
 
 void DocumentReader::fail(const std::string& key, const std::string& cause) {
     const DocumentValue* value = find(key);
-    throw InputError(fmt::format("{}: {}{}{}: {}", place_of(value ? *value : *table_), name_.empty() ? "" : name_ + ": ",
-                                 printable(key), value ? " = " + text_of(*value) : "", cause));
+    throw InputError(fmt::format("{}: {}{}{}: {}", place_of(value ? *value : *table_),
+                                 name_.empty() ? "" : name_ + ": ", printable(key),
+                                 value ? " = " + text_of(*value) : "", cause));
 }
 
 double DocumentReader::number(const std::string& key, double fallback, double min, double max) {

@@ -40,7 +40,7 @@ class DocumentReader {
     double number(const std::string& key, double fallback, double min, double max);
     std::int64_t integer(const std::string& key, std::int64_t fallback, std::int64_t min, std::int64_t max);
     bool flag(const std::string& key, bool fallback);
-    std::string word(const std::string& key, const std::string& fallback);   // may be empty
+    std::string word(const std::string& key, const std::string& fallback);    // may be empty
     std::string filled(const std::string& key, const std::string& fallback);  // may not, where it is there
     const DocumentValue* table(const std::string& key);
     std::vector<const DocumentValue*> tables(const std::string& key);

@@ -13,14 +13,17 @@
 namespace plumb::io {
 namespace {
 
-constexpr int max_run = 65536;                           // texels that are decoded at a time
-constexpr std::int64_t max_texels = std::int64_t(1) << 31;
+constexpr int max_run = 65536;                              // texels that are decoded at a time
+constexpr std::int64_t max_texels = std::int64_t(1) << 28;  // of an image, as of a scene's frame
 
 // From records of four doubles to the array's own numbers.
 class DumpReader {
   public:
     DumpReader(const DumpSpec& spec, const DumpSource& source)
-        : spec_(spec), source_(source), encoding_(parse_encoding(spec.encoding)), picks_(parse_channels(spec.channels)),
+        : spec_(spec),
+          source_(source),
+          encoding_(parse_encoding(spec.encoding)),
+          picks_(parse_channels(spec.channels)),
           integer_(is_integer(source.kind)) {
         check_source();
         // As they lie: the file's components, or those that the encoding takes.
@@ -70,17 +73,21 @@ class DumpReader {
     int components_of_result() const { return decoded_mask(encoding_) ? std::bit_width(mask_) : int(picks_.size()); }
 
     void check_source() const {
-        if (std::int64_t(source_.width) * source_.height > max_texels)
-            fail("size", fmt::format("{} x {} texels; the limit is 2^31", source_.width, source_.height));
+        if (source_.height > 1 && std::int64_t(source_.width) * source_.height > max_texels)
+            fail("size", fmt::format("{} x {} texels; the limit is 2^28", source_.width, source_.height));
         if (!source_.keeps_shape && spec_.width > 0 && (source_.width != spec_.width || source_.height != spec_.height))
-            fail("size", fmt::format("is {} x {}; expected {} x {}", source_.width, source_.height, spec_.width, spec_.height));
+            fail("size",
+                 fmt::format("is {} x {}; expected {} x {}", source_.width, source_.height, spec_.width, spec_.height));
         const int wanted = encoded_components(encoding_);
         if (integer_ && encoding_ != Encoding::plain && encoding_ != Encoding::integer)
-            fail("encoding", fmt::format("the file holds integers, which have no encoding; expected plain, not {}", spec_.encoding));
+            fail("encoding", fmt::format("the file holds integers, which have no encoding; expected plain, not {}",
+                                         spec_.encoding));
         if (encoding_ == Encoding::integer && !integer_) fail("encoding", "the file does not hold integers");
-        if (source_.kind == TexelKind::srgb8 && encoding_ == Encoding::srgb) fail("encoding", "the format is sRGB, and decoded already");
+        if (source_.kind == TexelKind::srgb8 && encoding_ == Encoding::srgb)
+            fail("encoding", "the format is sRGB, and decoded already");
         if (picks_.empty() && wanted > source_.channels)
-            fail("encoding", fmt::format("{} takes {} channels; the file has {}", spec_.encoding, wanted, source_.channels));
+            fail("encoding",
+                 fmt::format("{} takes {} channels; the file has {}", spec_.encoding, wanted, source_.channels));
         for (const Pick& pick : picks_)
             if (pick.from < 4 && pick.from >= source_.channels)
                 fail("channels", fmt::format("\"{}\": the file has {} channel{}", spec_.channels, source_.channels,
@@ -91,7 +98,8 @@ class DumpReader {
         const int n = std::min(source_.width - x, max_run);
         source_.read(x, y, n, records);
         const int row = spec_.flip_y ? source_.height - 1 - y : y;
-        const std::size_t first = (std::size_t(row) * std::size_t(source_.width) + std::size_t(x)) * std::size_t(components_);
+        const std::size_t first =
+            (std::size_t(row) * std::size_t(source_.width) + std::size_t(x)) * std::size_t(components_);
         const bool as_they_lie = encoding_ == Encoding::plain && spec_.channels.empty();
         for (int i = 0; i < n; ++i) {
             double v[4] = {0, 0, 0, 1};
@@ -157,7 +165,9 @@ class DumpReader {
 
 }  // namespace
 
-void fail_dump(const DumpSpec& spec, const std::string& cause) { throw InputError(shown(spec.file.string()), "", cause); }
+void fail_dump(const DumpSpec& spec, const std::string& cause) {
+    throw InputError(shown(spec.file.string()), "", cause);
+}
 
 std::unique_ptr<DumpSource> open_dump(const DumpSpec& spec) {
     if (!spec.vk_format.empty()) return open_raw(spec);

@@ -62,7 +62,8 @@ std::string channels_fault(const DumpSpec& spec, Encoding encoding) {
         const int from = int(at - std::begin(letters));
         any |= from != Pick::absent;
         if (from < 4) largest = std::max(largest, from + 1);
-        if (from >= 4 && encoded_components(encoding)) return fmt::format("{} decodes the file's own channels", spec.encoding);
+        if (from >= 4 && encoded_components(encoding))
+            return fmt::format("{} decodes the file's own channels", spec.encoding);
     }
     if (!any) return "names no component";
     const int wanted = encoded_components(encoding);
@@ -70,16 +71,18 @@ std::string channels_fault(const DumpSpec& spec, Encoding encoding) {
         return fmt::format("expected {} of x y z w, r g b a: as many as {} takes", wanted, spec.encoding);
     if (spec.vk_format.empty()) return "";
     const TexelFormat& format = *find_texel_format(spec.vk_format);
-    return largest > format.channels ? fmt::format("{} has {} channel{}", format.name, format.channels,
-                                                   format.channels == 1 ? "" : "s")
-                                     : "";
+    return largest > format.channels
+               ? fmt::format("{} has {} channel{}", format.name, format.channels, format.channels == 1 ? "" : "s")
+               : "";
 }
 
 // Of raw files; and what only raw files have.
 std::optional<SpecFault> raw_fault(const DumpSpec& spec) {
     if (spec.vk_format.empty()) {
-        for (const auto& [key, is_set] : {std::pair{"row_pitch", spec.row_pitch != 0}, {"offset", spec.offset != 0},
-                                          {"count", spec.count != 0}, {"trailing", spec.trailing}})
+        for (const auto& [key, is_set] : {std::pair{"row_pitch", spec.row_pitch != 0},
+                                          {"offset", spec.offset != 0},
+                                          {"count", spec.count != 0},
+                                          {"trailing", spec.trailing}})
             if (is_set) return SpecFault{key, "stands without vk_format: only raw files have it"};
         return {};
     }
@@ -93,7 +96,8 @@ std::optional<SpecFault> raw_fault(const DumpSpec& spec) {
         return SpecFault{"count", "is of a buffer, which has no width, height, row_pitch or flip_y"};
     if (!spec.layer.empty()) return SpecFault{"layer", "raw files have none"};
     if (!spec.count && (spec.width < 1 || spec.height < 1))
-        return SpecFault{spec.width < 1 ? "width" : "height", "expected 1 to 32767; a raw image needs both sides, a buffer count"};
+        return SpecFault{spec.width < 1 ? "width" : "height",
+                         "expected 1 to 32767; a raw image needs both sides, a buffer count"};
     const std::int64_t row = std::int64_t(spec.width) * format->bytes;
     if (spec.row_pitch && spec.row_pitch < row)
         return SpecFault{"row_pitch", fmt::format("{} texels of {} take {} bytes", spec.width, format->name, row)};
@@ -109,8 +113,9 @@ std::optional<SpecFault> raw_fault(const DumpSpec& spec) {
 }  // namespace
 
 const std::vector<std::string>& encoding_names() {
-    static const std::vector<std::string> names = {"plain",   "integer",       "biased", "srgb",  "octahedral",     "octahedral_unorm",
-                                                   "hemi_xy", "hemi_xy_unorm", "rgbe",   "depth", "reversed_depth", "depth_gl"};
+    static const std::vector<std::string> names = {
+        "plain",   "integer",       "biased", "srgb",  "octahedral",     "octahedral_unorm",
+        "hemi_xy", "hemi_xy_unorm", "rgbe",   "depth", "reversed_depth", "depth_gl"};
     return names;
 }
 
@@ -250,13 +255,15 @@ std::optional<SpecFault> fault_of(const DumpSpec& spec) {
     const auto& names = encoding_names();
     if (spec.file.empty()) return SpecFault{"file", "expected the name of a file"};
     if (std::find(names.begin(), names.end(), spec.encoding) == names.end())
-        return SpecFault{"encoding", fmt::format("unknown encoding; the nearest known one is '{}'", nearest_name(spec.encoding, names))};
+        return SpecFault{"encoding", fmt::format("unknown encoding; the nearest known one is '{}'",
+                                                 nearest_name(spec.encoding, names))};
     if (auto fault = raw_fault(spec)) return fault;
     const Encoding encoding = parse_encoding(spec.encoding);
     if (const std::string cause = channels_fault(spec, encoding); !cause.empty()) return SpecFault{"channels", cause};
     if (is_depth(encoding) != !spec.near_far.empty())
-        return SpecFault{"near_far", is_depth(encoding) ? "is missing; " + spec.encoding + " needs [near, far], in metres"
-                                                        : "stands without an encoding of depth"};
+        return SpecFault{"near_far", is_depth(encoding)
+                                         ? "is missing; " + spec.encoding + " needs [near, far], in metres"
+                                         : "stands without an encoding of depth"};
     const auto& planes = spec.near_far;
     if (!planes.empty() && !(planes.size() == 2 && planes[0] > 0 && planes[1] > planes[0] && std::isfinite(planes[0])))
         return SpecFault{"near_far", "expected [near, far] with 0 < near < far; far may be inf"};

@@ -12,9 +12,21 @@
 namespace plumb::io {
 
 enum class Encoding {
-    plain, integer, biased, srgb,                                // component by component
-    octahedral, octahedral_unorm, hemi_xy, hemi_xy_unorm, rgbe,  // vectors
-    depth, reversed_depth, depth_gl,                             // depth to linear eye depth
+    // Component by component.
+    plain,
+    integer,
+    biased,
+    srgb,
+    // Vectors and colours.
+    octahedral,
+    octahedral_unorm,
+    hemi_xy,
+    hemi_xy_unorm,
+    rgbe,
+    // Depth to linear eye depth.
+    depth,
+    reversed_depth,
+    depth_gl,
 };
 
 const std::vector<std::string>& encoding_names();  // in the enumeration's order
@@ -35,8 +47,8 @@ std::vector<Pick> parse_channels(const std::string& channels);  // of a string t
 // Decodes one record of four in place. `picks` of component-wise encodings leave constants alone.
 void decode_record(Encoding encoding, const std::vector<Pick>& picks, const std::vector<double>& near_far, double* v);
 
-// How the device rounded what it wrote, seen through the decoding: a format that says so, or, where none does, one that is
-// at least as coarse, and that the rounding is to be told value by value.
+// How the device rounded what it wrote, seen through the decoding: a format that says so, or, where none does, one that
+// is at least as coarse, and that the rounding is to be told value by value.
 struct StoredAs {
     Format format = Format::rgba32f;
     bool by_value = false;

@@ -81,7 +81,8 @@ class PictureSource : public DumpSource {
     }
 
     void read(int x, int y, int n, double* to) const override {
-        const unsigned char* from = raw_.bytes.data() + (std::size_t(y) * std::size_t(width) + std::size_t(x)) * stride_;
+        const unsigned char* from =
+            raw_.bytes.data() + (std::size_t(y) * std::size_t(width) + std::size_t(x)) * stride_;
         for (int i = 0; i < n; ++i, from += stride_, to += 4) {
             to[0] = to[1] = to[2] = 0, to[3] = 1;
             for (const Channel& c : from_) to[c.component] = value_of(from + c.offset, c.type, normalise_);
@@ -105,14 +106,18 @@ class PictureSource : public DumpSource {
             fail_dump(spec, fmt::format("has no layer \"{}\"; the nearest is \"{}\"", printable(spec.layer),
                                         printable(nearest_name(spec.layer, layers))));
         if (from_.size() > 4)
-            fail_dump(spec, fmt::format("layer \"{}\" has {} channels; expected 1 to 4", printable(spec.layer), from_.size()));
+            fail_dump(spec, fmt::format("layer \"{}\" has {} channels; expected 1 to 4", printable(spec.layer),
+                                        from_.size()));
     }
 
-    // R, G, B, A or X, Y, Z, W are the components of those names where the first is there; other names go by their order.
+    // R, G, B, A or X, Y, Z, W are the components of those names where the first is there; other names go by their
+    // order.
     void place_channels() {
         for (const std::string letters : {"RGBA", "XYZW"}) {
             const auto is_first = [&](const Channel& c) { return c.name == letters.substr(0, 1); };
-            const auto is_known = [&](const Channel& c) { return c.name.size() == 1 && letters.find(c.name) != letters.npos; };
+            const auto is_known = [&](const Channel& c) {
+                return c.name.size() == 1 && letters.find(c.name) != letters.npos;
+            };
             if (std::none_of(from_.begin(), from_.end(), is_first) ||
                 !std::all_of(from_.begin(), from_.end(), is_known))
                 continue;
@@ -155,7 +160,8 @@ class NpySource : public DumpSource {
     NpySource(const DumpSpec& spec, bool as_image) : array_(read_npy(spec.file.string())) {
         const DType type = array_.dtype;
         if (type == DType::f16) kind = TexelKind::float16;
-        if (type == DType::u8 || type == DType::u16 || type == DType::i32 || type == DType::u32) kind = TexelKind::uint32;
+        if (type == DType::u8 || type == DType::u16 || type == DType::i32 || type == DType::u32)
+            kind = TexelKind::uint32;
         const Shape& extents = array_.shape;
         const std::size_t rank = extents.size(), count = array_.bytes.size() / dtype_size(array_.dtype);
         if (count < 1 || count > std::size_t(std::numeric_limits<int>::max()))

@@ -54,21 +54,57 @@ struct DdsFormat {
 
 // DXGI_FORMAT, the typed and uncompressed ones. 20 has its stencil in the second word.
 constexpr DdsFormat dxgi_formats[] = {
-    {2, "R32G32B32A32_SFLOAT"}, {3, "R32G32B32A32_UINT"}, {4, "R32G32B32A32_SINT"}, {6, "R32G32B32_SFLOAT"},
-    {10, "R16G16B16A16_SFLOAT"}, {11, "R16G16B16A16_UNORM"}, {12, "R16G16B16A16_UINT"}, {13, "R16G16B16A16_SNORM"},
-    {14, "R16G16B16A16_SINT"}, {16, "R32G32_SFLOAT"}, {17, "R32G32_UINT"}, {18, "R32G32_SINT"}, {20, "R32G32_SFLOAT"},
-    {24, "A2B10G10R10_UNORM_PACK32"}, {26, "B10G11R11_UFLOAT_PACK32"}, {28, "R8G8B8A8_UNORM"}, {29, "R8G8B8A8_SRGB"},
-    {30, "R8G8B8A8_UINT"}, {31, "R8G8B8A8_SNORM"}, {32, "R8G8B8A8_SINT"}, {34, "R16G16_SFLOAT"}, {35, "R16G16_UNORM"},
-    {36, "R16G16_UINT"}, {37, "R16G16_SNORM"}, {38, "R16G16_SINT"}, {40, "D32_SFLOAT"}, {41, "R32_SFLOAT"},
-    {42, "R32_UINT"}, {43, "R32_SINT"}, {45, "D24_UNORM_S8_UINT"}, {46, "X8_D24_UNORM_PACK32"}, {49, "R8G8_UNORM"},
-    {50, "R8G8_UINT"}, {51, "R8G8_SNORM"}, {54, "R16_SFLOAT"}, {55, "D16_UNORM"}, {56, "R16_UNORM"}, {57, "R16_UINT"},
-    {58, "R16_SNORM"}, {59, "R16_SINT"}, {61, "R8_UNORM"}, {62, "R8_UINT"}, {63, "R8_SNORM"},
-    {67, "E5B9G9R9_UFLOAT_PACK32"}, {87, "B8G8R8A8_UNORM"}, {91, "B8G8R8A8_SRGB"},
+    {2, "R32G32B32A32_SFLOAT"},
+    {3, "R32G32B32A32_UINT"},
+    {4, "R32G32B32A32_SINT"},
+    {6, "R32G32B32_SFLOAT"},
+    {10, "R16G16B16A16_SFLOAT"},
+    {11, "R16G16B16A16_UNORM"},
+    {12, "R16G16B16A16_UINT"},
+    {13, "R16G16B16A16_SNORM"},
+    {14, "R16G16B16A16_SINT"},
+    {16, "R32G32_SFLOAT"},
+    {17, "R32G32_UINT"},
+    {18, "R32G32_SINT"},
+    {20, "R32G32_SFLOAT"},
+    {24, "A2B10G10R10_UNORM_PACK32"},
+    {26, "B10G11R11_UFLOAT_PACK32"},
+    {28, "R8G8B8A8_UNORM"},
+    {29, "R8G8B8A8_SRGB"},
+    {30, "R8G8B8A8_UINT"},
+    {31, "R8G8B8A8_SNORM"},
+    {32, "R8G8B8A8_SINT"},
+    {34, "R16G16_SFLOAT"},
+    {35, "R16G16_UNORM"},
+    {36, "R16G16_UINT"},
+    {37, "R16G16_SNORM"},
+    {38, "R16G16_SINT"},
+    {40, "D32_SFLOAT"},
+    {41, "R32_SFLOAT"},
+    {42, "R32_UINT"},
+    {43, "R32_SINT"},
+    {45, "D24_UNORM_S8_UINT"},
+    {46, "X8_D24_UNORM_PACK32"},
+    {49, "R8G8_UNORM"},
+    {50, "R8G8_UINT"},
+    {51, "R8G8_SNORM"},
+    {54, "R16_SFLOAT"},
+    {55, "D16_UNORM"},
+    {56, "R16_UNORM"},
+    {57, "R16_UINT"},
+    {58, "R16_SNORM"},
+    {59, "R16_SINT"},
+    {61, "R8_UNORM"},
+    {62, "R8_UINT"},
+    {63, "R8_SNORM"},
+    {67, "E5B9G9R9_UFLOAT_PACK32"},
+    {87, "B8G8R8A8_UNORM"},
+    {91, "B8G8R8A8_SRGB"},
 };
 // D3DFORMAT in the place of the four characters.
 constexpr DdsFormat d3d9_formats[] = {
-    {36, "R16G16B16A16_UNORM"}, {110, "R16G16B16A16_SNORM"}, {111, "R16_SFLOAT"}, {112, "R16G16_SFLOAT"},
-    {113, "R16G16B16A16_SFLOAT"}, {114, "R32_SFLOAT"}, {115, "R32G32_SFLOAT"}, {116, "R32G32B32A32_SFLOAT"},
+    {36, "R16G16B16A16_UNORM"},   {110, "R16G16B16A16_SNORM"}, {111, "R16_SFLOAT"},    {112, "R16G16_SFLOAT"},
+    {113, "R16G16B16A16_SFLOAT"}, {114, "R32_SFLOAT"},         {115, "R32G32_SFLOAT"}, {116, "R32G32B32A32_SFLOAT"},
 };
 
 template <std::size_t N>
@@ -88,7 +124,8 @@ std::unique_ptr<DumpSource> open_raw(const DumpSpec& spec) {
 std::unique_ptr<DumpSource> open_dds(const DumpSpec& spec) {
     const RandomFile file(spec.file.string());
     constexpr std::int64_t header_bytes = 128, long_header_bytes = 148;
-    if (file.size() < header_bytes) fail_dump(spec, fmt::format("ends after {} bytes; a DDS has 128 of header", file.size()));
+    if (file.size() < header_bytes)
+        fail_dump(spec, fmt::format("ends after {} bytes; a DDS has 128 of header", file.size()));
     unsigned char header[long_header_bytes] = {};
     file.read(0, std::size_t(std::min(file.size(), long_header_bytes)), header);
     const auto word = [&](std::size_t at) {
@@ -112,9 +149,10 @@ std::unique_ptr<DumpSource> open_dds(const DumpSpec& spec) {
             fail_dump(spec, "holds a cube, a volume or several pictures; expected one picture");
         const char* name = name_of(dxgi_formats, word(128));
         if (!name)
-            fail_dump(spec, fmt::format("DXGI_FORMAT {} is not read: compressed, typeless or rare; a typeless one is read "
-                                        "as a raw file: vk_format, width, height, offset = 148",
-                                        word(128)));
+            fail_dump(spec,
+                      fmt::format("DXGI_FORMAT {} is not read: compressed, typeless or rare; a typeless one is read "
+                                  "as a raw file: vk_format, width, height, offset = 148",
+                                  word(128)));
         raw.vk_format = name, raw.offset = long_header_bytes;
     } else if (flags & has_code) {
         if (const char* name = name_of(d3d9_formats, code)) raw.vk_format = name;

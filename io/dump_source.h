@@ -16,7 +16,7 @@ class DumpSource {
     virtual ~DumpSource() = default;
 
     int width = 0, height = 0;
-    int channels = 0;      // 1 to 4
+    int channels = 0;                     // 1 to 4
     TexelKind kind = TexelKind::float32;  // how numbers are stored; of mixed ones the coarsest
     bool is_depth = false;
     bool keeps_shape = false;  // a .npy that is no image: one row of numbers, to be shaped as

@@ -47,7 +47,8 @@ class ManifestReader {
         DocumentReader reader(table, path_, number);
         ManifestStage stage;
         stage.stage = reader.filled("stage", "");
-        if (stage.stage.empty()) reader.fail("stage", "is missing; expected a stage's name, as `plumb stages` lists them");
+        if (stage.stage.empty())
+            reader.fail("stage", "is missing; expected a stage's name, as `plumb stages` lists them");
         const std::string name = fmt::format("{} ({})", number, printable(stage.stage));
         reader.rename(name);
         stage.place = fmt::format("{}: {}", shown(path_), name);
@@ -76,7 +77,8 @@ class ManifestReader {
         const auto is_side = [](const DocumentValue& v) {
             return v.kind == Kind::number && v.is_integer && v.integer >= 1 && v.integer <= max_side;
         };
-        if (size->kind != Kind::list || size->list.size() != 2 || !std::all_of(size->list.begin(), size->list.end(), is_side))
+        if (size->kind != Kind::list || size->list.size() != 2 ||
+            !std::all_of(size->list.begin(), size->list.end(), is_side))
             reader.fail("size", fmt::format("expected [width, height], each 1 to {}", max_side));
         stage.width = int(size->list[0].integer), stage.height = int(size->list[1].integer);
     }
@@ -117,7 +119,8 @@ class ManifestReader {
     }
 
     // Members of a struct are tables within, or have a dot in their key.
-    void read_members(DocumentReader& uniforms, const DocumentValue& table, const std::string& prefix, ManifestStage& stage) {
+    void read_members(DocumentReader& uniforms, const DocumentValue& table, const std::string& prefix,
+                      ManifestStage& stage) {
         DocumentReader members(table, path_, uniforms.name());
         for (const auto& [key, value] : table.table) {
             const std::string name = prefix + key;
@@ -139,8 +142,8 @@ class ManifestReader {
         }
     }
 
-    void read_dumps(DocumentReader& reader, const std::string& kind, const std::string& stage_name, ManifestStage& stage,
-                    std::map<std::string, DumpSpec>& to) {
+    void read_dumps(DocumentReader& reader, const std::string& kind, const std::string& stage_name,
+                    ManifestStage& stage, std::map<std::string, DumpSpec>& to) {
         const DocumentValue* table = reader.table(kind);
         if (!table) return;
         DocumentReader dumps(*table, path_, kind + " of " + stage_name);
@@ -200,8 +203,8 @@ class ManifestReader {
             reader.fail(spec.width ? "height" : "width", "is missing; both or neither");
         if (is_output && has_some && stage.width == 0) stage.width = spec.width, stage.height = spec.height;
         if (is_output && has_some && (stage.width != spec.width || stage.height != spec.height))
-            reader.fail("width", fmt::format("{} x {}: the stage's outputs are {} x {}", spec.width, spec.height, stage.width,
-                                             stage.height));
+            reader.fail("width", fmt::format("{} x {}: the stage's outputs are {} x {}", spec.width, spec.height,
+                                             stage.width, stage.height));
         if (is_output && spec.count) reader.fail("count", "outputs are images; expected width and height");
         if (!has_some && spec.count == 0 && (is_output || !spec.vk_format.empty()))
             spec.width = stage.width, spec.height = stage.height;

@@ -1,4 +1,5 @@
-// Manifests: what was dumped from a GPU, pass by pass. TOML, or JSON of the same structure. See io/README.md, "Manifests".
+// Manifests: what was dumped from a GPU, pass by pass. TOML, or JSON of the same structure. See io/README.md,
+// "Manifests".
 //
 //     device = "..."                    # free text, for the report
 //     profile = "ideal"
@@ -14,7 +15,7 @@
 //     file = "position.raw"             # .exr .pfm .hdr .tif .dds .png .npy; or raw, of the format
 //     vk_format = "R16G16B16A16_SFLOAT" # with width, height, row_pitch (bytes), offset (bytes)
 //     channels = "xyz"                  # which channels of the file are x, y, z, w: "xyz" is "rgb"; "w" is the fourth
-//     encoding = "plain"                # plain | biased (2 c - 1) | octahedral | octahedral_unorm | reversed_depth | ...
+//     encoding = "plain"                # plain, biased (2 c - 1), octahedral, octahedral_unorm, reversed_depth, ...
 //     flip_y = false
 //     [stage.output.irradiance]
 //     ...
@@ -34,49 +35,50 @@ namespace plumb::io {
 
 // A dumped image or buffer, as the manifest describes it.
 struct DumpSpec {
-    std::filesystem::path file;     // absolute, or relative to the working directory
-    std::string place;              // "manifest.toml: stage.input.position": in messages
-    std::string vk_format;          // of raw files, whatever they are named
-    int width = 0, height = 0;      // of raw files; else 0 or as the file must be
-    int count = 0;                  // of raw buffers: elements; instead of width and height
-    std::int64_t row_pitch = 0;     // bytes; 0: rows without padding
-    std::int64_t offset = 0;        // bytes before the first texel
-    bool trailing = false;          // a raw file may go on after the last row
-    std::string layer;              // of an EXR with many
-    std::string channels;           // of "xyzw", "rgba", "0", "1" and "_" (not there); "": as they lie
+    std::filesystem::path file;  // absolute, or relative to the working directory
+    std::string place;           // "manifest.toml: stage.input.position": in messages
+    std::string vk_format;       // of raw files, whatever they are named
+    int width = 0, height = 0;   // of raw files; else 0 or as the file must be
+    int count = 0;               // of raw buffers: elements; instead of width and height
+    std::int64_t row_pitch = 0;  // bytes; 0: rows without padding
+    std::int64_t offset = 0;     // bytes before the first texel
+    bool trailing = false;       // a raw file may go on after the last row
+    std::string layer;           // of an EXR with many
+    std::string channels;        // of "xyzw", "rgba", "0", "1" and "_" (not there); "": as they lie
     std::string encoding = "plain";
-    bool flip_y = false;            // the file's first row is the lowest
-    std::vector<double> near_far;   // of encodings of depth, m; far may be infinite
+    bool flip_y = false;           // the file's first row is the lowest
+    std::vector<double> near_far;  // of encodings of depth, m; far may be infinite
 };
 
 struct DumpedImage {
-    // Images: f32 [height][width][4], or i32 [height][width][1..4] of integer formats. Raw buffers: [count][1..4]. Buffers
-    // of .npy keep their shape. Components that are not there are 0, 0, 0, 1.
+    // Images: f32 [height][width][4], or i32 [height][width][1..4] of integer formats. Raw buffers: [count][1..4].
+    // Buffers of .npy keep their shape. Components that are not there are 0, 0, 0, 1.
     Array array;
     Format stored = Format::rgba32f;  // what the values were rounded to before they were written, or a coarser one
-    unsigned channels = 15;         // bit c: component c is there
-    // Where no format says how the values were rounded (16-bit unorm, packed depth, ...): what the device wrote was clamped
-    // to [lowest, highest] and moved by at most this, f32 of the array's shape. Empty elsewhere: `stored` says it.
+    unsigned channels = 15;           // bit c: component c is there
+    // Where no format says how the values were rounded (16-bit unorm, packed depth, ...): what the device wrote was
+    // clamped to [lowest, highest] and moved by at most this, f32 of the array's shape. Empty elsewhere: `stored` says
+    // it.
     Array rounding;
     double lowest = -std::numeric_limits<double>::infinity(), highest = std::numeric_limits<double>::infinity();
 };
 
 struct ManifestStage {
-    std::string place;              // "manifest.toml: stage 3 (rsm.disc)"
+    std::string place;  // "manifest.toml: stage 3 (rsm.disc)"
     std::string stage, label, light, face;
     int width = 0, height = 0;
     std::map<std::string, std::vector<double>> uniforms;
     std::filesystem::path uniforms_file;
     std::map<std::string, std::vector<std::string>> params;  // words as in a scene file
     std::map<std::string, DumpSpec> inputs, outputs;
-    DumpSpec choices;               // file empty: none
+    DumpSpec choices;  // file empty: none
 };
 
 struct Manifest {
     std::filesystem::path file;
     std::string device, profile = "ideal";
     double max_ambiguous = 0.005;
-    std::filesystem::path scene;    // empty: none
+    std::filesystem::path scene;  // empty: none
     std::vector<ManifestStage> stages;
 };
 

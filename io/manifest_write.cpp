@@ -98,7 +98,8 @@ class ManifestWriter {
         text_line("face", stage.face, "");
         if (stage.width > 0) out_ += fmt::format("size = [{}, {}]\n", stage.width, stage.height);
         if (!stage.params.empty()) out_ += "[stage.params]\n";
-        for (const auto& [key, words] : stage.params) out_ += key_text(key) + " = " + list_text(words, word_text) + "\n";
+        for (const auto& [key, words] : stage.params)
+            out_ += key_text(key) + " = " + list_text(words, word_text) + "\n";
         if (!stage.uniforms.empty() || !stage.uniforms_file.empty()) out_ += "[stage.uniforms]\n";
         if (!stage.uniforms_file.empty()) text_line("file", name_of(stage.uniforms_file), "");
         for (const auto& [key, numbers] : stage.uniforms)

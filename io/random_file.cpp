@@ -19,9 +19,9 @@ RandomFile::RandomFile(const std::string& path) : path_(path) {
     fd_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     struct stat status = {};
     const bool known = fd_ >= 0 && ::fstat(fd_, &status) == 0;
-    const std::string cause = !known                      ? std::strerror(errno)
+    const std::string cause = !known                     ? std::strerror(errno)
                               : !S_ISREG(status.st_mode) ? "it is not a regular file"
-                                                          : "";
+                                                         : "";
     size_ = status.st_size;
     if (cause.empty()) return;
     if (fd_ >= 0) ::close(fd_);
@@ -38,7 +38,8 @@ void RandomFile::read(std::int64_t offset, std::size_t bytes, void* to) const {
         if (n < 0)
             throw InputError(shown(path_), fmt::format("byte {}", offset),
                              std::string("cannot be read: ") + std::strerror(errno));
-        if (n == 0) throw InputError(shown(path_), fmt::format("byte {}", offset), "the file was cut while it was read");
+        if (n == 0)
+            throw InputError(shown(path_), fmt::format("byte {}", offset), "the file was cut while it was read");
         next += n, offset += n, bytes -= std::size_t(n);
     }
 }

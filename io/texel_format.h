@@ -10,9 +10,26 @@
 namespace plumb::io {
 
 enum class TexelKind {
-    float32, float16, unorm8, snorm8, srgb8, unorm16, snorm16,     // one number a component
-    uint8, sint8, uint16, sint16, uint32, sint32,                  // integers
-    ufloat_11_11_10, shared_exponent, unorm_10_2, depth24,         // packed into 32 bits
+    // One number a component.
+    float32,
+    float16,
+    unorm8,
+    snorm8,
+    srgb8,
+    unorm16,
+    snorm16,
+    // Integers.
+    uint8,
+    sint8,
+    uint16,
+    sint16,
+    uint32,
+    sint32,
+    // Packed into 32 bits.
+    ufloat_11_11_10,
+    shared_exponent,
+    unorm_10_2,
+    depth24,
 };
 
 struct TexelFormat {
@@ -27,8 +44,8 @@ const std::vector<TexelFormat>& texel_formats();
 const TexelFormat* find_texel_format(const std::string& name);
 bool is_integer(TexelKind kind);
 
-// n texels to n records of four numbers; the components that the format lacks are 0, 0, 0, 1. Integers keep their value,
-// unorm and snorm become code / max (not below -1), _SRGB is decoded to linear, as a shader reads it.
+// n texels to n records of four numbers; the components that the format lacks are 0, 0, 0, 1. Integers keep their
+// value, unorm and snorm become code / max (not below -1), _SRGB is decoded to linear, as a shader reads it.
 void decode_texels(const TexelFormat& format, const unsigned char* from, int n, double* to);
 
 // How far component c of a decoded record may be from what was stored: one step between codes, to either neighbour.

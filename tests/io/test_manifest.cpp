@@ -81,8 +81,8 @@ const std::string full_json = R"({
   "params": {"samples": 400, "radius": 0.25, "variant": "published", "visibility": true, "direction": [0, 1, 0.5]},
   "uniforms": {"intensity": [1, 2.5, 3], "count": 400, "flag": true, "map": {"to_texel_x": 0.5, "to_texel_y": -0.5}},
   "input": {
-    "position": {"file": "position.raw", "vk_format": "R16G16B16A16_SFLOAT", "width": 64, "height": 32, "row_pitch": 768,
-                 "offset": 128, "trailing": true, "channels": "xyz", "flip_y": true},
+    "position": {"file": "position.raw", "vk_format": "R16G16B16A16_SFLOAT", "width": 64, "height": 32,
+                 "row_pitch": 768, "offset": 128, "trailing": true, "channels": "xyz", "flip_y": true},
     "normal": {"file": "gbuffer.exr", "layer": "normal", "channels": "xy", "encoding": "octahedral"},
     "depth": {"file": "depth.raw", "vk_format": "D32_SFLOAT", "encoding": "reversed_depth", "near_far": [0.1, "inf"]},
     "offsets": {"file": "offsets.raw", "vk_format": "R32G32_SFLOAT", "count": 100000}},
@@ -266,12 +266,25 @@ TEST_CASE("manifest: the text of a manifest reads back as it was", "[io][manifes
 
 TEST_CASE("manifest: generated manifests come back from their text", "[io][manifest][property]") {
     const Folder folder;
-    const std::initializer_list<std::string> names = {"a",       "rsm.key.position", "two words", "quote\"d", "back\\slash",
-                                                      "tab\there", "\xc3\xa4\xe2\x82\xac", "=",         "line\nbreak", "1"};
-    const std::initializer_list<double> numbers = {0.0, -0.0, 1, -3, 0.1, 1e-300, 1.7976931348623157e308, 4294967295.0,
-                                                   9007199254740993.0, 1e15, 1e16, 123456789012345678.0, 5e-324};
-    const std::initializer_list<std::string> words = {"disc", "400", "0.25", "true", "1e3", "007", "+1", "inf", "nan", "0x10",
-                                                      "-0.5", "quote\"d", "", "1_000", "false", "99999999999999999999"};
+    const std::initializer_list<std::string> names = {
+        "a",         "rsm.key.position",     "two words", "quote\"d",    "back\\slash",
+        "tab\there", "\xc3\xa4\xe2\x82\xac", "=",         "line\nbreak", "1"};
+    const std::initializer_list<double> numbers = {0.0,
+                                                   -0.0,
+                                                   1,
+                                                   -3,
+                                                   0.1,
+                                                   1e-300,
+                                                   1.7976931348623157e308,
+                                                   4294967295.0,
+                                                   9007199254740993.0,
+                                                   1e15,
+                                                   1e16,
+                                                   123456789012345678.0,
+                                                   5e-324};
+    const std::initializer_list<std::string> words = {
+        "disc", "400",  "0.25", "true",     "1e3", "007",   "+1",    "inf",
+        "nan",  "0x10", "-0.5", "quote\"d", "",    "1_000", "false", "99999999999999999999"};
     for (std::int32_t seed = 0; seed < 400; ++seed) {
         Dice dice{seed * 7919 + 1};
         Manifest m;
@@ -284,11 +297,13 @@ TEST_CASE("manifest: generated manifests come back from their text", "[io][manif
             d.file = file();
             if (is_output) d.width = stage.width, d.height = stage.height;
             if (dice.roll(2)) {
-                d.vk_format = dice.of<std::string>({"R32G32B32A32_SFLOAT", "R16G16B16A16_SNORM", "A2B10G10R10_UNORM_PACK32"});
+                d.vk_format =
+                    dice.of<std::string>({"R32G32B32A32_SFLOAT", "R16G16B16A16_SNORM", "A2B10G10R10_UNORM_PACK32"});
                 if (!is_output && dice.roll(3) == 0)
                     d.count = 1 + int(dice.roll(1000000));
                 else
-                    d.width = stage.width, d.height = stage.height, d.row_pitch = dice.roll(2) ? 16 * d.width + int(dice.roll(99)) : 0;
+                    d.width = stage.width, d.height = stage.height,
+                    d.row_pitch = dice.roll(2) ? 16 * d.width + int(dice.roll(99)) : 0;
                 if (dice.roll(2)) d.offset = dice.of<std::int64_t>({1, 4096, std::int64_t(1) << 62});
                 d.trailing = dice.roll(2);
             } else if (dice.roll(3) == 0) {
@@ -315,12 +330,14 @@ TEST_CASE("manifest: generated manifests come back from their text", "[io][manif
             if (dice.roll(2)) stage.label = dice.of(names), stage.light = dice.of(names), stage.face = "nz";
             stage.width = 1 + int(dice.roll(32767)), stage.height = 1 + int(dice.roll(32767));
             for (std::uint32_t k = dice.roll(4); k > 0; --k)
-                for (std::uint32_t n = 1 + dice.roll(4); n > 0; --n) stage.params[dice.of(names)].push_back(dice.of(words));
+                for (std::uint32_t n = 1 + dice.roll(4); n > 0; --n)
+                    stage.params[dice.of(names)].push_back(dice.of(words));
             for (auto& [key, values] : stage.params) values.resize(std::min<std::size_t>(values.size(), 16));
             if (dice.roll(3) == 0)
                 stage.uniforms_file = file();
             else
-                for (std::uint32_t k = dice.roll(4); k > 0; --k) stage.uniforms[dice.of(names)] = {dice.of(numbers), dice.of(numbers)};
+                for (std::uint32_t k = dice.roll(4); k > 0; --k)
+                    stage.uniforms[dice.of(names)] = {dice.of(numbers), dice.of(numbers)};
             for (std::uint32_t k = dice.roll(4); k > 0; --k) stage.inputs[dice.of(names)] = spec(false, stage);
             for (std::uint32_t k = 1 + dice.roll(2); k > 0; --k) stage.outputs[dice.of(names)] = spec(true, stage);
             if (dice.roll(2)) stage.choices.file = file();
@@ -371,20 +388,24 @@ TEST_CASE("manifest: what is wrong is named in one line", "[io][manifest][robust
         {small("", "[stage.params]\nsamples = []\n"), {"line 5", "params of stage 1 (direct)", "samples", "1 to 16"}},
         {small("", "[stage.params]\nsamples = [nan]\n"), {"line 5", "samples", "finite"}},
         {small("", "[stage.params]\nsamples = {a = 1}\n"), {"line 5", "samples = a table", "expected a number"}},
-        {small("", "[stage.uniforms]\nradius = inf\n"), {"line 5", "uniforms of stage 1 (direct)", "radius = inf", "finite"}},
+        {small("", "[stage.uniforms]\nradius = inf\n"),
+         {"line 5", "uniforms of stage 1 (direct)", "radius = inf", "finite"}},
         {small("", "[stage.uniforms]\nradius = \"1\"\n"), {"line 5", "radius = \"1\"", "expected a finite number"}},
         {small("", "[stage.uniforms]\nradius = []\n"), {"line 5", "radius", "1 to 16 numbers"}},
         {small("", "[stage.uniforms]\nm.x = 1\n\"m.x\" = 2\n"), {"m.x", "given twice"}},
         {small("", "[stage.uniforms]\nfile = \"b.bin\"\nradius = 1\n"), {"line 5", "file = \"b.bin\"", "whole block"}},
         {small("", "[stage.uniforms]\nfile = \"\"\n"), {"line 5", "file = \"\"", "not empty"}},
-        {small("", "[stage.input]\nposition = \"a.exr\"\n"), {"line 5", "input of stage 1 (direct)", "position = \"a.exr\"", "expected a table"}},
-        {small("", "[stage.input.position]\nlayer = \"p\"\n"), {"line 4", "input.position of stage 1 (direct)", "file: is missing"}},
+        {small("", "[stage.input]\nposition = \"a.exr\"\n"),
+         {"line 5", "input of stage 1 (direct)", "position = \"a.exr\"", "expected a table"}},
+        {small("", "[stage.input.position]\nlayer = \"p\"\n"),
+         {"line 4", "input.position of stage 1 (direct)", "file: is missing"}},
         {small("", "[stage.choices]\nfil = \"p\"\n"), {"line 4", "choices of stage 1 (direct)", "file: is missing"}},
         {of_output("file = \"\"\n"), {"line 5", "output.irradiance of stage 1 (direct)", "file = \"\"", "not empty"}},
         {of_output("file = \"a.exr\"\nlayr = \"x\"\n"), {"line 6", "unknown key 'layr'", "'layer'"}},
         {of_output("file = \"a.exr\"\nfile = \"b.exr\"\n"), {"line 6"}},
         {small("") + "[stage.output.irradiance]\nfile = \"b.exr\"\n", {"line 6"}},  // two outputs of one name
-        {of_output("file = \"a.raw\"\nvk_format = \"R32_FLOAT\"\n"), {"line 6", "vk_format = \"R32_FLOAT\"", "nearest", "'R32_SFLOAT'"}},
+        {of_output("file = \"a.raw\"\nvk_format = \"R32_FLOAT\"\n"),
+         {"line 6", "vk_format = \"R32_FLOAT\"", "nearest", "'R32_SFLOAT'"}},
         {of_output("file = \"a.raw\"\nvk_format = \"VK_FORMAT_BC1_RGB_UNORM_BLOCK\"\n"), {"line 6", "unknown format"}},
         {of_output(raw + "width = 0\nheight = 2\n"), {"line 7", "width = 0", "1 to 32767"}},
         {of_output(raw + "width = 32768\nheight = 2\n"), {"line 7", "width = 32768", "1 to 32767"}},
@@ -404,7 +425,8 @@ TEST_CASE("manifest: what is wrong is named in one line", "[io][manifest][robust
         {of_output(raw + "channels = \"xq\"\n"), {"line 7", "channels = \"xq\"", "x y z w"}},
         {of_output(raw + "channels = \"xxxxx\"\n"), {"line 7", "channels", "1 to 4"}},
         {of_output(raw + "channels = \"__\"\n"), {"line 7", "channels", "no component"}},
-        {of_output(raw + "encoding = \"octahedrl\"\n"), {"line 7", "encoding = \"octahedrl\"", "nearest", "'octahedral'"}},
+        {of_output(raw + "encoding = \"octahedrl\"\n"),
+         {"line 7", "encoding = \"octahedrl\"", "nearest", "'octahedral'"}},
         {of_output(raw + "encoding = \"integer\"\n"), {"line 7", "encoding", "does not hold integers"}},
         {of_output(raw + "encoding = \"depth\"\n"), {"near_far: is missing", "depth needs [near, far]"}},
         {of_output(raw + "near_far = [1, 2]\n"), {"line 7", "near_far", "without an encoding of depth"}},
@@ -412,14 +434,20 @@ TEST_CASE("manifest: what is wrong is named in one line", "[io][manifest][robust
         {of_output(raw + "encoding = \"depth\"\nnear_far = [0, 1]\n"), {"line 8", "near_far", "0 < near < far"}},
         {of_output(raw + "encoding = \"depth\"\nnear_far = [1]\n"), {"line 8", "near_far", "[near, far]"}},
         {of_output(raw + "encoding = \"depth\"\nnear_far = [nan, 1]\n"), {"line 8", "near_far", "0 < near < far"}},
-        {of_output(raw + "encoding = \"depth\"\nnear_far = \"far\"\n"), {"line 8", "near_far = \"far\"", "[near, far]"}},
-        {of_output("file = \"a.raw\"\nvk_format = \"R8G8B8A8_SRGB\"\nencoding = \"srgb\"\n"), {"line 7", "decoded already"}},
-        {of_output("file = \"a.raw\"\nvk_format = \"R32G32_UINT\"\nencoding = \"octahedral\"\n"), {"line 7", "integers"}},
-        {of_output("file = \"a.raw\"\nvk_format = \"R8G8B8A8_UNORM\"\nencoding = \"octahedral\"\nchannels = \"xyz\"\n"), {"line 8", "expected 2"}},
-        {of_output("file = \"a.raw\"\nvk_format = \"R8G8B8A8_UNORM\"\nencoding = \"octahedral\"\nchannels = \"x0\"\n"), {"line 8", "own channels"}},
+        {of_output(raw + "encoding = \"depth\"\nnear_far = \"far\"\n"),
+         {"line 8", "near_far = \"far\"", "[near, far]"}},
+        {of_output("file = \"a.raw\"\nvk_format = \"R8G8B8A8_SRGB\"\nencoding = \"srgb\"\n"),
+         {"line 7", "decoded already"}},
+        {of_output("file = \"a.raw\"\nvk_format = \"R32G32_UINT\"\nencoding = \"octahedral\"\n"),
+         {"line 7", "integers"}},
+        {of_output("file = \"a.raw\"\nvk_format = \"R8G8B8A8_UNORM\"\nencoding = \"octahedral\"\nchannels = \"xyz\"\n"),
+         {"line 8", "expected 2"}},
+        {of_output("file = \"a.raw\"\nvk_format = \"R8G8B8A8_UNORM\"\nencoding = \"octahedral\"\nchannels = \"x0\"\n"),
+         {"line 8", "own channels"}},
         {of_output("file = \"a.exr\"\nrow_pitch = 64\n"), {"line 6", "row_pitch = 64", "only raw files"}},
         {of_output("file = \"a.exr\"\noffset = 64\n"), {"line 6", "offset = 64", "only raw files"}},
-        {small("", "[stage.input.x]\n" + raw + "count = 8\nwidth = 4\nheight = 2\n"), {"line 7", "count = 8", "buffer"}},
+        {small("", "[stage.input.x]\n" + raw + "count = 8\nwidth = 4\nheight = 2\n"),
+         {"line 7", "count = 8", "buffer"}},
         {"[[stage]]\nstage = \"direct\"\n[stage.output.x]\n" + raw, {"width: expected 1 to 32767", "both sides"}},
         {std::string("\xff\xfe\0a", 4), {"line 1"}},
         {"device = \"\xff\"\n", {"line 1"}},
