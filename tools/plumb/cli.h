@@ -36,6 +36,8 @@ void add_render(CLI::App& program, Action& action);
 void add_plan(CLI::App& program, Action& action);
 void add_compare(CLI::App& program, Action& action);
 void add_explain(CLI::App& program, Action& action);
+void add_validate(CLI::App& program, Action& action);
+void add_export(CLI::App& program, Action& action);
 void add_stages(CLI::App& program, Action& action);
 void add_devices(CLI::App& program, Action& action);
 void add_experiment(CLI::App& program, Action& action);

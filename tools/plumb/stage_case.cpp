@@ -1,0 +1,393 @@
+#include "tools/plumb/stage_case.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "core/error.h"
+#include "gi/parity/stages.h"
+#include "io/file.h"
+#include "io/scene_file.h"
+#include "raster/light_view.h"
+#include "tools/plumb/options.h"
+#include "tools/plumb/slot_array.h"
+
+namespace plumb::cli {
+
+namespace {
+
+std::string slot_place(const io::ManifestStage& stage, const std::string& kind, const std::string& name) {
+    return fmt::format("{}: {}.{}", stage.place, kind, name);
+}
+
+std::string joined(const std::vector<std::string>& words) { return fmt::format("{}", fmt::join(words, ", ")); }
+
+std::vector<std::string> slot_names(const std::vector<Slot>& slots) {
+    std::vector<std::string> names;
+    for (const Slot& slot : slots) names.push_back(slot.name);
+    return names;
+}
+
+const Slot* find_slot(const std::vector<Slot>& slots, const std::string& name) {
+    const auto at = std::find_if(slots.begin(), slots.end(), [&](const Slot& s) { return s.name == name; });
+    return at == slots.end() ? nullptr : &*at;
+}
+
+bool has_uniform(const StageBinding& binding, const std::string& name) {
+    return std::any_of(binding.uniforms.begin(), binding.uniforms.end(),
+                       [&](const UniformMember& m) { return m.name == name; });
+}
+
+// ---- Parameters ---------------------------------------------------------------------------------------------------
+
+FieldValue field_value(const std::vector<std::string>& words) {
+    if (words.size() == 1) return parse_value(words[0]);
+    return parse_value(fmt::format("[{}]", joined(words)));
+}
+
+// The table of settings that holds a parameter of the stage.
+std::string table_of(frame::Settings& settings, const std::string& stage, const std::string& key,
+                     const std::string& place) {
+    const std::string first = stage.substr(0, stage.find('.'));
+    std::vector<std::string> tables = frame::method_tables();
+    std::stable_partition(tables.begin(), tables.end(), [&](const std::string& t) { return t == first; });
+    for (const std::string& table : tables)
+        for (const Field& field : frame::table_fields(settings, table, place))
+            if (field.name == key) return table;
+    return "";
+}
+
+void set_params(frame::Settings& settings, const io::ManifestStage& stage, const StageBinding& binding) {
+    std::vector<std::string> known;
+    for (const ParamInfo& param : binding.info.params) known.push_back(param.name);
+    for (const auto& [key, words] : stage.params) {
+        if (binding.raster && key == "reversed_z") continue;
+        const std::string place = stage.place + ": params";
+        const std::string table = table_of(settings, stage.stage, key, place);
+        if (std::find(known.begin(), known.end(), key) == known.end() || table.empty()) {
+            if (known.empty()) throw InputError(fmt::format("{}: {}: the stage has no parameters", place, key));
+            throw InputError(fmt::format("{}: unknown parameter \"{}\"; the nearest known one is \"{}\"", place, key,
+                                         nearest_name(key, known)));
+        }
+        std::vector<Field> fields = frame::table_fields(settings, table, place);
+        set_field(find_field(fields, key, place), field_value(words), place);
+    }
+}
+
+bool reversed_z(const io::ManifestStage& stage, bool otherwise) {
+    const auto given = stage.params.find("reversed_z");
+    if (given == stage.params.end()) return otherwise;
+    const FieldValue value = field_value(given->second);
+    if (const bool* reversed = std::get_if<bool>(&value)) return *reversed;
+    throw InputError(stage.place + ": params: reversed_z: expected true or false");
+}
+
+// ---- Uniforms -----------------------------------------------------------------------------------------------------
+
+// Members that the stage's size gives.
+void set_size(const StageBinding& binding, StageData& data) {
+    for (const auto& [name, value] : {std::pair("width", data.size.x), std::pair("height", data.size.y)}) {
+        const double number = value;
+        if (has_uniform(binding, name)) set_uniform(binding, data, name, {&number, 1}, "size");
+    }
+}
+
+// The block from its file, and members by name over it. Without a scene or a file every member has to be named; "pad"
+// members and what the size gives need not be.
+void set_uniforms(const io::ManifestStage& stage, const StageBinding& binding, bool pattern, StageData& data) {
+    const std::string place = stage.place + ": uniforms";
+    const bool whole = !data.uniforms.empty() || !stage.uniforms_file.empty();
+    if (!stage.uniforms_file.empty()) {
+        const std::vector<unsigned char> bytes = io::read_bytes(stage.uniforms_file.string(), 1 << 20);
+        if (bytes.size() != binding.uniform_bytes)
+            throw InputError(fmt::format("{}: {} has {} bytes: the block of {} has {}", place,
+                                         io::shown(stage.uniforms_file.string()), bytes.size(), stage.stage,
+                                         binding.uniform_bytes));
+        data.uniforms = bytes;
+    }
+    data.uniforms.resize(binding.uniform_bytes);
+    if (!whole) set_size(binding, data);
+    for (const auto& [name, value] : stage.uniforms) set_uniform(binding, data, name, value, place);
+    if (whole) return;
+
+    std::vector<std::string> missing;
+    for (const UniformMember& m : binding.uniforms) {
+        const bool given = stage.uniforms.count(m.name) || m.name == "width" || m.name == "height" ||
+                           m.name.find("pad") != std::string::npos;
+        const bool from_pattern = pattern && (m.name == "samples" || m.name == "rotations" || m.name == "reach");
+        if (!given && !from_pattern) missing.push_back(m.name);
+    }
+    if (!missing.empty())
+        throw InputError(fmt::format("{}: missing: {}; give them by name, the block as file = \"...\", or a scene", place,
+                                     joined(missing)));
+}
+
+// ---- A sample pattern of one's own --------------------------------------------------------------------------------
+
+std::vector<float> given_weights(const StageData& data, std::size_t n) {
+    const Array* weights = find(data.inputs, "weights");
+    if (!weights || weights->dtype != DType::f32 || weights->bytes.size() != n * sizeof(float)) return {};
+    const float* w = floats(data, "weights");
+    return {w, w + n};
+}
+
+void replace(Bundle& bundle, Array array) {
+    std::erase_if(bundle.arrays, [&](const Array& a) { return a.name == array.name; });
+    bundle.arrays.push_back(std::move(array));
+}
+
+// [N][2] dx, dy or [N][3] dx, dy, weight instead of the table of rotations: whole texels from the projection of x.
+void set_pattern(const StageBinding& binding, const Array& pattern, const std::string& place, StageData& data) {
+    const bool shaped = pattern.shape.size() == 2 && (pattern.shape[1] == 2 || pattern.shape[1] == 3);
+    if (!shaped || pattern.shape[0] < 1 || pattern.shape[0] > 1 << 20)
+        throw InputError(fmt::format("{}: is {}: expected [N, 2] (dx, dy in texels) or [N, 3] (and the weight)", place,
+                                     shape_text(pattern.shape)));
+    const std::size_t n = std::size_t(pattern.shape[0]), columns = std::size_t(pattern.shape[1]);
+    const std::vector<double> values = numbers(pattern, place);
+    std::vector<float> weights = columns == 3 ? std::vector<float>(n) : given_weights(data, n);
+    if (weights.empty())
+        throw InputError(fmt::format("{}: has no third column, and there is no input \"weights\" of {}: expected the "
+                                     "texels that each sample stands for", place, n));
+    std::vector<std::int32_t> offsets(n);
+    double reach = 0;
+    for (std::size_t k = 0; k < n; ++k) {
+        for (std::size_t c = 0; c < 2; ++c) {
+            const double d = values[k * columns + c];
+            if (!(d == std::floor(d) && std::abs(d) <= 32767))
+                throw InputError(fmt::format("{}: row {}: {}: expected whole texels of at most 32767", place, k, d));
+            reach = std::max(reach, std::abs(d));
+            offsets[k] |= std::int32_t((std::uint32_t(std::int32_t(d)) & 0xffffu) << (16 * c));
+        }
+        if (columns == 3) weights[k] = float(values[k * columns + 2]);
+        if (!std::isfinite(weights[k]))
+            throw InputError(fmt::format("{}: row {}: the weight is not finite", place, k));
+    }
+    Bundle made;
+    replace(data.inputs, add(made, "offsets", {std::int64_t(n), 1}, offsets.data()));
+    replace(data.inputs, add(made, "weights", {std::int64_t(n)}, weights.data()));
+    const double samples = double(n), rotations = 1;
+    set_uniform(binding, data, "samples", {&samples, 1}, place);
+    set_uniform(binding, data, "rotations", {&rotations, 1}, place);
+    set_uniform(binding, data, "reach", {&reach, 1}, place);
+}
+
+// ---- Inputs -------------------------------------------------------------------------------------------------------
+
+int light_index(const Scene& scene, const std::string& name, const std::string& place) {
+    std::vector<std::string> names;
+    for (const Light& light : scene.lights) names.push_back(light.name);
+    const auto at = std::find(names.begin(), names.end(), name);
+    if (at != names.end()) return int(at - names.begin());
+    if (names.empty()) throw InputError(fmt::format("{}: \"{}\": the scene has no light", place, name));
+    throw InputError(fmt::format("{}: unknown light \"{}\"; the nearest known one is \"{}\"", place, name,
+                                 nearest_name(name, names)));
+}
+
+// "visibility.2", or "visibility.key" of a scene's light: one layer of an array of images; else -1.
+int layer_of(const std::string& name, const Slot& slot, const Scene* scene, const std::string& place) {
+    if (slot.kind != SlotKind::image_array || !name.starts_with(slot.name + ".")) return -1;
+    const std::string layer = name.substr(slot.name.size() + 1);
+    if (!layer.empty() && layer.size() < 6 && layer.find_first_not_of("0123456789") == std::string::npos)
+        return std::stoi(layer);
+    return scene ? light_index(*scene, layer, place) : -1;
+}
+
+// Layers that were dumped one by one, below each other.
+void add_layer(StageData& data, const Slot& slot, int layer, Array image, const std::string& place) {
+    const std::size_t bytes = image.bytes.size();
+    if (layer > 1024) throw InputError(fmt::format("{}: expected a layer below 1024", place));
+    if (!find(data.inputs, slot.name)) add(data.inputs, slot.name, slot.dtype, {0, data.size.y, data.size.x});
+    Array& array = *std::find_if(data.inputs.arrays.begin(), data.inputs.arrays.end(),
+                                 [&](const Array& a) { return a.name == slot.name; });
+    array.shape[0] = std::max<std::int64_t>(array.shape[0], layer + 1);
+    array.bytes.resize(std::size_t(array.shape[0]) * bytes);
+    std::copy(image.bytes.begin(), image.bytes.end(), array.bytes.begin() + std::ptrdiff_t(bytes * std::size_t(layer)));
+}
+
+void set_inputs(const io::ManifestStage& stage, const StageBinding& binding, const Scene* scene, StageCase& out) {
+    const bool takes_pattern = find_slot(binding.inputs, "offsets") && has_uniform(binding, "reach");
+    StageData& data = out.data;
+    std::map<std::string, int> layers;
+    for (const auto& [name, spec] : stage.inputs) {
+        const std::string place = slot_place(stage, "input", name);
+        if (takes_pattern && name == "pattern") continue;
+        const Slot* slot = find_slot(binding.inputs, name);
+        int layer = -1;
+        for (const Slot& s : binding.inputs) {
+            if (slot || (layer = layer_of(name, s, scene, place)) < 0) continue;
+            slot = &s;
+        }
+        if (!slot) {
+            std::vector<std::string> known = slot_names(binding.inputs);
+            if (takes_pattern) known.push_back("pattern");
+            throw InputError(fmt::format("{}: unknown input; the nearest known one is \"{}\"", place,
+                                         nearest_name(name, known)));
+        }
+        Array array = input_array(*slot, io::read_dump(spec), data.size, place, out.notes);
+        if (layer >= 0)
+            add_layer(data, *slot, layer, std::move(array), place);
+        else
+            replace(data.inputs, std::move(array));
+        if (layer >= 0) ++layers[slot->name];
+    }
+    for (const auto& [name, count] : layers)
+        if (count != at(data.inputs, name).shape[0])
+            throw InputError(fmt::format("{}: input.{}: {} of {} layers were dumped", stage.place, name, count,
+                                         at(data.inputs, name).shape[0]));
+    if (const auto pattern = stage.inputs.find("pattern"); takes_pattern && pattern != stage.inputs.end())
+        set_pattern(binding, io::read_dump(pattern->second).array, slot_place(stage, "input", "pattern"), data);
+
+    std::vector<std::string> missing;
+    for (const Slot& slot : binding.inputs)
+        if (!find(data.inputs, slot.name)) missing.push_back("input." + slot.name);
+    if (missing.empty()) return;
+    const bool buffers = std::any_of(binding.inputs.begin(), binding.inputs.end(), [&](const Slot& s) {
+        return s.kind == SlotKind::buffer && !find(data.inputs, s.name);
+    });
+    throw InputError(fmt::format("{}: missing: {}{}", stage.place, joined(missing),
+                                 buffers ? "; dump them, or name a scene, which gives buffers" : "; dump them"));
+}
+
+// The size of what was dumped at the outputs' size, where the manifest does not say it.
+glm::ivec2 size_of(const io::ManifestStage& stage, const StageBinding& binding) {
+    if (stage.width > 0 && stage.height > 0) return {stage.width, stage.height};
+    for (const auto* specs : {&stage.outputs, &stage.inputs})
+        for (const auto& [name, spec] : *specs) {
+            const bool output = specs == &stage.outputs;
+            const Slot* slot = find_slot(output ? binding.outputs : binding.inputs, name);
+            if (!slot || (!output && !slot->frame)) continue;
+            if (slot->kind == SlotKind::buffer || slot->kind == SlotKind::image_array) continue;
+            const std::string place = slot_place(stage, output ? "output" : "input", name);
+            return image_size(io::read_dump(spec).array, place);
+        }
+    throw InputError(stage.place + ": expected size = [width, height], or an output");
+}
+
+void read_outputs(const io::ManifestStage& stage, const StageBinding& binding, StageCase& out) {
+    if (stage.outputs.empty()) throw InputError(stage.place + ": has no output: expected what the device wrote");
+    for (const auto& [name, spec] : stage.outputs) {
+        const std::string place = slot_place(stage, "output", name);
+        const Slot* slot = find_slot(binding.outputs, name);
+        if (!slot)
+            throw InputError(fmt::format("{}: unknown output; the nearest known one is \"{}\"", place,
+                                         nearest_name(name, slot_names(binding.outputs))));
+        io::DumpedImage dump = io::read_dump(spec);
+        parity::Dumped dumped{name, {}, dump.stored, dump.channels & ((1u << slot->channels) - 1)};
+        if (dumped.channels == 0) throw InputError(place + ": none of the output's channels was dumped");
+        dumped.array = output_array(*slot, std::move(dump), out.data.size, place);
+        out.dumped.push_back(std::move(dumped));
+    }
+}
+
+// [height][width][n] of int32: what the device chose where an invocation had a choice.
+void read_choices(const io::ManifestStage& stage, StageCase& out) {
+    if (stage.choices.file.empty()) return;
+    const std::string place = stage.place + ": choices";
+    const Array array = io::read_dump(stage.choices).array;
+    if (image_size(array, place) != out.data.size) throw InputError(place + ": expected the size of the outputs");
+    for (double v : numbers(array, place)) {
+        if (!(v == std::floor(v) && std::abs(v) < 0x1p31))
+            throw InputError(fmt::format("{}: holds {}: expected whole numbers", place, v));
+        out.choices.push_back(std::int32_t(v));
+    }
+    out.choices_a_pixel = array.shape.size() == 3 ? int(array.shape[2]) : 1;
+}
+
+}  // namespace
+
+void choose_method(frame::Settings& settings, const std::string& stage) {
+    if (settings.method == frame::Method::reference) settings.method = frame::Method::rsm;
+    for (rsm::Gather gather : {rsm::Gather::disc, rsm::Gather::all, rsm::Gather::all_rays}) {
+        if (rsm::stage_name(gather) != stage) continue;
+        settings.method = frame::Method::rsm;
+        settings.rsm.gather = gather;
+    }
+}
+
+std::vector<StageData> dispatches(const Scene& scene, const frame::Settings& settings, const frame::Plan& plan,
+                                  const frame::Frame& frame, const frame::PlannedStage& stage) {
+    frame::Plan one = plan;
+    one.stages = {stage};
+    return parity::frame_data(scene, settings, one, frame);
+}
+
+std::string face_of(const StageData& data) {
+    for (const char* face : raster::face_names)
+        if (data.id.ends_with(std::string(".") + face)) return face;
+    return "";
+}
+
+CaseReader::CaseReader(const io::Manifest& manifest) {
+    if (!manifest.scene.empty()) scene_ = io::load_scene(manifest.scene.string(), frame::method_tables());
+}
+
+// Uniforms, patterns and geometry; images have to be dumped.
+StageData CaseReader::data_of_scene(const io::ManifestStage& stage, const StageBinding& binding) const {
+    Scene scene = *scene_;
+    const int light = stage.light.empty() ? -1 : light_index(scene, stage.light, stage.place);
+    if (stage.width > 0 && stage.height > 0) {
+        if (stage.stage != "rsm") scene.frame_size = {stage.width, stage.height};
+        if (stage.stage == "rsm" && light >= 0) scene.lights[std::size_t(light)].rsm_size = stage.width;
+    }
+    frame::Settings settings = frame::settings_of(scene);
+    choose_method(settings, stage.stage);
+    settings.pruning = false;
+    set_params(settings, stage, binding);
+
+    // Of a stage that runs once a light, and once a face, the manifest says which.
+    const frame::Plan plan = frame::plan(scene, settings);
+    std::vector<StageData> found;
+    std::vector<std::string> ids;
+    for (const frame::PlannedStage& planned : plan.stages) {
+        if (planned.name != stage.stage || (light >= 0 && planned.light != light)) continue;
+        for (StageData& data : dispatches(scene, settings, plan, {}, planned)) {
+            if (!stage.face.empty() && face_of(data) != stage.face) continue;
+            ids.push_back(data.label);
+            found.push_back(std::move(data));
+        }
+    }
+    if (found.empty())
+        throw InputError(fmt::format("{}: the scene runs no {}{}{}", stage.place, stage.stage,
+                                     stage.light.empty() ? "" : " of the light " + stage.light,
+                                     stage.face.empty() ? "" : ", face " + stage.face));
+    if (found.size() > 1)
+        throw InputError(fmt::format("{}: the scene runs it {} times: expected light, and face of a point light: {}",
+                                     stage.place, found.size(), joined(ids)));
+    StageData data = std::move(found[0]);
+    std::erase_if(data.inputs.arrays, [&](const Array& array) {
+        const Slot* slot = find_slot(binding.inputs, array.name);
+        return !slot || slot->kind != SlotKind::buffer;
+    });
+    return data;
+}
+
+StageCase CaseReader::read(const io::ManifestStage& stage) const {
+    StageCase out;
+    out.binding = &parity::find_binding(stage.stage, stage.place);
+    const StageBinding& binding = *out.binding;
+    if (scene_) {
+        out.data = data_of_scene(stage, binding);
+    } else {
+        for (const auto& [key, words] : stage.params)
+            if (!binding.raster || key != "reversed_z")
+                throw InputError(fmt::format("{}: params: {}: there is no scene whose settings it could replace",
+                                             stage.place, key));
+        out.data.stage = stage.stage;
+        out.data.label = stage.stage + (stage.light.empty() ? "" : " (" + stage.light + ")");
+        out.data.id = stage.stage + (stage.light.empty() ? "" : "." + file_name(stage.light));
+        if (!stage.face.empty()) out.data.id += "." + file_name(stage.face);
+        out.data.size = size_of(stage, binding);
+    }
+    out.data.reversed_z = reversed_z(stage, out.data.reversed_z);
+    if (!stage.label.empty()) out.data.label = stage.label;
+
+    set_uniforms(stage, binding, stage.inputs.count("pattern") > 0, out.data);
+    set_inputs(stage, binding, scene_ ? &*scene_ : nullptr, out);
+    read_outputs(stage, binding, out);
+    read_choices(stage, out);
+    return out;
+}
+
+}  // namespace plumb::cli

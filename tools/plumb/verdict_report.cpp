@@ -1,0 +1,195 @@
+#include "tools/plumb/verdict_report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "io/file.h"
+#include "tools/plumb/table.h"
+
+namespace plumb::cli {
+
+namespace {
+
+using parity::StageVerdict;
+using parity::Verdict;
+using parity::WorstPixel;
+
+Json number_json(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+std::string number_text(double value) { return std::isfinite(value) ? fmt::format("{:.3g}", value) : "none"; }
+
+std::string plural(std::int64_t n, const char* what) { return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s"); }
+
+std::string worst_text(const WorstPixel& w) {
+    return fmt::format("{},{} {}: expected {}, got {}, may differ by {}", w.pixel.x, w.pixel.y, component_text(w),
+                       exact_text(w.expected), exact_text(w.got), number_text(w.bound));
+}
+
+// The worst pixel of a stage on which not all is equal; else null.
+const WorstPixel* worst_of(const StageVerdict& v) {
+    return v.verdict == Verdict::equal || v.worst.empty() ? nullptr : &v.worst.front();
+}
+
+// The first values and the last: the way in, and where it came out.
+std::vector<TapValue> ends_of(const std::vector<TapValue>& values) {
+    constexpr std::size_t first = 16, last = 12;
+    if (values.size() <= first + last + 1) return values;
+    std::vector<TapValue> kept(values.begin(), values.begin() + first);
+    kept.push_back({"...", -1, {}, fmt::format("{} more: --json and --html list all", values.size() - first - last)});
+    kept.insert(kept.end(), values.end() - last, values.end());
+    return kept;
+}
+
+std::string worst_table(const StageVerdict& v) {
+    std::vector<std::vector<std::string>> rows;
+    for (const WorstPixel& w : v.worst) {
+        if (w.verdict == Verdict::equal) continue;
+        rows.push_back({fmt::format("{},{}", w.pixel.x, w.pixel.y), parity::verdict_name(w.verdict), component_text(w),
+                        exact_text(w.expected), exact_text(w.got), number_text(std::abs(w.got - w.expected)),
+                        number_text(w.bound)});
+    }
+    return format_table({{"pixel"},
+                         {"verdict"},
+                         {"output"},
+                         {"expected", Align::right},
+                         {"got", Align::right},
+                         {"difference", Align::right},
+                         {"allowed", Align::right}},
+                        rows, 2);
+}
+
+Json worst_json(const WorstPixel& w) {
+    return {{"pixel", {w.pixel.x, w.pixel.y}},
+            {"verdict", parity::verdict_name(w.verdict)},
+            {"output", w.output},
+            {"channel", w.channel},
+            {"expected", number_json(w.expected)},
+            {"got", number_json(w.got)},
+            {"bound", number_json(w.bound)},
+            {"excess", number_json(w.excess)}};
+}
+
+Json stage_json(const StageReport& stage) {
+    const StageVerdict& v = stage.verdict;
+    auto share = [&](Verdict verdict) {
+        return v.pixels > 0 ? double(v.count[std::size_t(verdict)]) / double(v.pixels) : 0.0;
+    };
+    Json counts, worst_pixels = Json::array();
+    for (int i = 0; i < parity::verdicts; ++i) counts[parity::verdict_name(Verdict(i))] = v.count[std::size_t(i)];
+    for (const WorstPixel& w : v.worst)
+        if (w.verdict != Verdict::equal) worst_pixels.push_back(worst_json(w));
+    const WorstPixel* worst = worst_of(v);
+    Json json = {{"name", v.label},
+                 {"stage", v.stage},
+                 {"id", v.id},
+                 {"verdict", parity::verdict_name(v.verdict)},
+                 {"passed", v.passed},
+                 {"reason", v.reason},
+                 {"equal", share(Verdict::equal)},
+                 {"within_bound", share(Verdict::within_bound)},
+                 {"ambiguous", share(Verdict::ambiguous)},
+                 {"wrong", share(Verdict::wrong)},
+                 {"pixels", v.pixels},
+                 {"counts", counts},
+                 {"worst", worst ? worst_json(*worst) : Json(nullptr)},
+                 {"worst_pixels", worst_pixels},
+                 {"notes", stage.notes},
+                 {"ms", v.ms}};
+    if (!stage.explanation.empty())
+        json["explain"] = explain_json({v.label, worst ? worst->pixel : glm::ivec2(0), stage.explanation});
+    return json;
+}
+
+
+
+}  // namespace
+
+bool ValidationReport::passed() const {
+    return std::all_of(stages.begin(), stages.end(), [](const StageReport& s) { return s.verdict.passed; });
+}
+
+Verdict ValidationReport::verdict() const {
+    Verdict worst = Verdict::equal;
+    for (const StageReport& s : stages) worst = std::max(worst, s.verdict.verdict);
+    return worst;
+}
+
+const StageReport* ValidationReport::first_failed() const {
+    const auto at = std::find_if(stages.begin(), stages.end(), [](const StageReport& s) { return !s.verdict.passed; });
+    return at == stages.end() ? nullptr : &*at;
+}
+
+std::string share_text(std::int64_t count, std::int64_t of) {
+    if (count == 0 || of == 0) return "0";
+    if (count == of) return "100 %";
+    const double percent = 100 * double(count) / double(of);
+    if (percent < 0.001) return "< 0.001 %";
+    if (percent > 99.999) return "> 99.999 %";
+    return fmt::format("{:.3f} %", percent);
+}
+
+std::string component_text(const WorstPixel& w) {
+    return w.channel < 0 || w.channel > 3 ? w.output : fmt::format("{}.{}", w.output, "xyzw"[w.channel]);
+}
+
+std::string validation_text(const ValidationReport& report) {
+    std::vector<std::vector<std::string>> rows;
+    for (const StageReport& s : report.stages) {
+        const StageVerdict& v = s.verdict;
+        std::vector<std::string> row = {v.label, parity::verdict_name(v.verdict)};
+        for (std::int64_t count : v.count) row.push_back(share_text(count, v.pixels));
+        row.push_back(fmt::format("{}", v.pixels));
+        row.push_back(milliseconds_text(v.ms));
+        const WorstPixel* worst = worst_of(v);
+        row.push_back(worst ? worst_text(*worst) : "");
+        rows.push_back(std::move(row));
+    }
+    std::string text = fmt::format("{}, held against the profile {}\n\n",
+                                   report.manifest.device.empty() ? io::shown(report.manifest.file.string())
+                                                                  : io::printable(report.manifest.device, 200),
+                                   report.profile);
+    text += format_table({{"stage"},
+                          {"verdict"},
+                          {"equal", Align::right},
+                          {"within bound", Align::right},
+                          {"ambiguous", Align::right},
+                          {"wrong", Align::right},
+                          {"pixels", Align::right},
+                          {"ms", Align::right},
+                          {"worst pixel"}},
+                         rows);
+    for (const StageReport& s : report.stages)
+        for (const std::string& note : s.notes) text += fmt::format("note: {}: {}\n", s.verdict.label, note);
+
+    // The first stage that fails is the one to look at.
+    const StageReport* failed = report.first_failed();
+    if (!failed) {
+        const bool equal = report.verdict() == Verdict::equal;
+        return text + (equal ? "\nagree: equal, to the bit\n" : "\nagree: nothing is wrong\n");
+    }
+    text += fmt::format("\nThe first stage that fails: {}\n{}", failed->verdict.label, worst_table(failed->verdict));
+    if (const WorstPixel* worst = worst_of(failed->verdict); worst && !failed->explanation.empty())
+        text += "\n" + explain_text({"explain: " + failed->verdict.label, worst->pixel, ends_of(failed->explanation)});
+    text += "\n";
+    for (const StageReport& s : report.stages)
+        if (!s.verdict.passed) text += fmt::format("disagree: {}: {}\n", s.verdict.label, s.verdict.reason);
+    return text;
+}
+
+Json validation_json(const ValidationReport& report) {
+    Json stages = Json::array();
+    for (const StageReport& s : report.stages) stages.push_back(stage_json(s));
+    const StageReport* failed = report.first_failed();
+    return {{"verdict", parity::verdict_name(report.verdict())},
+            {"passed", report.passed()},
+            {"manifest", report.manifest.file.string()},
+            {"device", report.manifest.device},
+            {"profile", report.profile},
+            {"max_ambiguous", report.max_ambiguous},
+            {"first_failed", failed ? Json(failed->verdict.label) : Json(nullptr)},
+            {"stages", stages}};
+}
+
+}  // namespace plumb::cli
