@@ -239,14 +239,14 @@ void conclude(const JudgeOptions& options, StageVerdict& v) {
         if (v.count[std::size_t(i)] > 0) v.verdict = Verdict(i);
     const std::int64_t wrong = v.count[int(Verdict::wrong)], ambiguous = v.count[int(Verdict::ambiguous)];
     const double share = v.pixels > 0 ? double(ambiguous) / double(v.pixels) : 0;
+    v.passed = wrong == 0 && !(share > options.max_ambiguous);
     if (v.pixels == 0)
-        v.reason = "no pixel was judged";
+        v.reason = "this dispatch writes no pixel: nothing to judge";
     else if (wrong > 0)
         v.reason = fmt::format("{} of {} pixels are wrong", wrong, v.pixels);
     else if (share > options.max_ambiguous)
         v.reason = fmt::format("{:.3g} % of the pixels are ambiguous, more than {:.3g} %: the comparison decides too "
                                "little", 100 * share, 100 * options.max_ambiguous);
-    v.passed = v.reason.empty();
 }
 
 }  // namespace

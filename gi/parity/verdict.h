@@ -42,9 +42,9 @@ struct StageVerdict {
     std::string stage, label, id;
     Verdict verdict = Verdict::equal;  // the worst of all pixels; ambiguous alone does not fail
     bool passed = false;               // nothing is wrong, and ambiguous is at most the limit
-    std::string reason;                // one sentence, where it did not pass
+    std::string reason;                // one sentence, where it did not pass, or decided nothing
     std::array<std::int64_t, verdicts> count{};
-    std::int64_t pixels = 0;           // that were judged
+    std::int64_t pixels = 0;           // that were judged; 0: the dispatch writes none, and passes
     std::vector<WorstPixel> worst;     // the worst of each verdict first; at most JudgeOptions::worst
     Image<std::uint8_t> map;           // [height][width]: Verdict; 255: not judged
     double ms = 0;
