@@ -1,0 +1,534 @@
+// Bounded by experiment: no device that keeps Vulkan's precision table leaves the bound, and small mistakes do.
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <set>
+#include <string>
+
+#include "core/detmath.h"
+#include "core/device_profile.h"
+#include "core/error.h"
+#include "core/outcomes.h"
+#include "core/tap.h"
+#include "gi/rsm/gather_kernel.h"
+#include "legal_device.h"
+#include "raster/light_kernel.h"
+#include "raster/surface_kernel.h"
+
+using namespace plumb;
+using namespace plumb::test;
+
+namespace {
+
+// ---- Expressions of the kernels, with the other forms that a shader may give them --------------------------------------
+
+template <class F>
+constexpr bool other_forms = std::is_same_v<F, Legal>;
+
+template <class F>
+bool other_form() {
+    if constexpr (other_forms<F>) return device.reorders && device.coin();
+    return false;
+}
+
+// Any two at a time.
+inline Legal sum_in_other_order(std::vector<Legal> terms) {
+    const int shape = device.random.below(4);
+    if (shape == 0) std::reverse(terms.begin(), terms.end());
+    if (shape == 1) std::sort(terms.begin(), terms.end(), [](Legal a, Legal b) { return abs(b) < abs(a); });
+    while (terms.size() > 1) {
+        const int last = int(terms.size()) - 1;
+        if (shape == 2) std::swap(terms[0], terms[std::size_t(device.random.below(last + 1))]);
+        const int j = shape > 1 ? 1 + device.random.below(last) : 1;
+        terms[0] = terms[0] + terms[std::size_t(j)];
+        terms.erase(terms.begin() + j);
+    }
+    return terms[0];
+}
+template <class F>
+F sum_of(const std::vector<F>& terms) {
+    if constexpr (other_forms<F>)
+        if (other_form<F>()) return sum_in_other_order(terms);
+    F sum = terms[0];
+    for (std::size_t i = 1; i < terms.size(); ++i) sum += terms[i];
+    return sum;
+}
+
+template <class F>
+vec3<F> vec(const float* in) {
+    return {F(in[0]), F(in[1]), F(in[2])};
+}
+template <class F>
+F dot(const vec3<F>& a, const vec3<F>& b) {
+    return sum_of<F>({a.x * b.x, a.y * b.y, a.z * b.z});
+}
+
+// A row of a matrix times (x, 1).
+template <class F>
+F row(const float* in) {
+    return sum_of<F>({F(in[0]) * F(in[4]), F(in[1]) * F(in[5]), F(in[2]) * F(in[6]), F(in[3])});
+}
+template <class F>
+F projected(const float* in) {
+    const float bottom[] = {in[7], in[8], in[9], 9, in[4], in[5], in[6]};
+    return row<F>(in) / row<F>(bottom);
+}
+
+// The x of a unit vector.
+template <class F>
+F normalised_x(const float* in) {
+    const vec3<F> v = vec<F>(in);
+    const F square = dot(v, v);
+    if constexpr (other_forms<F>) {
+        const int form = device.reorders ? device.random.below(3) : 0;
+        if (form == 1) return v.x * inverse_sqrt(square);
+        if (form == 2) return v.x * (F(1.0f) / sqrt(square));
+    }
+    return v.x / sqrt(square);
+}
+
+template <class F>
+F mixed(F a, F b, F c) {
+    return other_form<F>() ? a * (F(1.0f) - c) + b * c : a + c * (b - a);
+}
+template <class F>
+F bilinear(const float* in) {
+    const F u(std::abs(in[4])), v(std::abs(in[5]));
+    return mixed(mixed(F(in[0]), F(in[1]), u), mixed(F(in[2]), F(in[3]), u), v);
+}
+template <class F>
+F interpolated(const float* in) {
+    const F a(in[0]), b(in[1]), c(in[2]), l1(std::abs(in[3]) / 2), l2(std::abs(in[4]) / 2);
+    if (other_form<F>()) return sum_of<F>({(F(1.0f) - l1 - l2) * a, l1 * b, l2 * c});
+    return raster::interpolate<F>(a, b - a, c - a, {l1, l2});
+}
+
+// A spot's irradiance: direction, falloff, cosine, inverse square.
+template <class F>
+F light(const float* in) {
+    const raster::LightArgs spot{{3, 4, 5}, 0.2f, {-0.42426407f, -0.56568542f, -0.70710678f}, 1.7f, {7, 5, 3}, 0};
+    const vec3<F> x = vec<F>(in);
+    const vec3<F> v{F(spot.position[0]) - x.x, F(spot.position[1]) - x.y, F(spot.position[2]) - x.z};
+    const F square = dot(v, v);
+    F inverse = F(1.0f) / sqrt(square);
+    if constexpr (other_forms<F>)
+        if (device.reorders && device.coin()) inverse = inverse_sqrt(square);
+    const vec3<F> w{v.x * inverse, v.y * inverse, v.z * inverse}, axis = vec<F>(spot.direction);
+    const F falloff = raster::spot_falloff<F>(spot, -dot(w, axis));
+    const F cosine = max(F(0.0f), dot(vec<F>(in + 3), w));
+    if (other_form<F>()) return (F(7.0f) * falloff * cosine) / square;
+    return (F(7.0f) * falloff) * (cosine * inverse * inverse);
+}
+
+// VRSM (3.2) times a flux: in[0..2] x, [3..5] n, [6..8] x_p, [9..11] n_p.
+template <class F>
+F form(const float* in) {
+    NoTap tap;
+    const vec3<F> x = vec<F>(in), n = vec<F>(in + 3), x_p = vec<F>(in + 6), n_p = vec<F>(in + 9);
+    if (other_form<F>()) {
+        const vec3<F> d{x_p.x - x.x, x_p.y - x.y, x_p.z - x.z};
+        const F square = dot(d, d);
+        return max(F(0.0f), -dot(n_p, d)) * max(F(0.0f), dot(n, d)) / (square * square);
+    }
+    return rsm::form<F>(x, n, x_p, n_p, F(1e-37f), tap);
+}
+
+// 400 samples: the receiver, and for each the offset of its texel, some cancelling.
+template <class F>
+F gather_by(const float* in, float scale, int missing) {
+    std::vector<F> terms;
+    for (int k = 0; k < 400; ++k) {
+        if (k == missing) continue;
+        const float sample[12] = {in[0], in[1], in[2], 0.1f, -0.2f, 0.97f,
+                                  in[3 + k % 7], in[4 + k % 5], 2 + 0.01f * float(k % 13), 0.3f, 0.1f, -0.94f};
+        terms.push_back(F(in[(k * 5) % 12] * float(1 + k % 3)) * form<F>(sample));
+    }
+    return sum_of<F>(terms) * F(scale);
+}
+template <class F>
+F gather(const float* in) {
+    return gather_by<F>(in, 0.318309873f, -1);
+}
+
+// Nothing but the order of a sum, of which the largest term comes last and half cancels.
+template <class F>
+F long_sum(const float* in) {
+    std::vector<F> terms;
+    for (int k = 0; k < 99; ++k) terms.push_back(F(in[k % 12]) * F(float(1 + (k * k) % 31)));
+    terms.push_back(F(in[0]) * F(4096.0f));
+    return sum_of<F>(terms);
+}
+
+struct Expression {
+    const char* name;
+    float (*of_float)(const float*);
+    Bounded (*bounded)(const float*);
+    Legal (*legal)(const float*);
+    int inputs;
+};
+#define EXPRESSION(f, inputs) {#f, f<float>, f<Bounded>, f<Legal>, inputs}
+
+const Expression expressions[] = {EXPRESSION(row, 4000),          EXPRESSION(projected, 4000),
+                                  EXPRESSION(normalised_x, 4000), EXPRESSION(bilinear, 4000),
+                                  EXPRESSION(interpolated, 4000), EXPRESSION(light, 4000),
+                                  EXPRESSION(form, 4000),         EXPRESSION(long_sum, 200),
+                                  EXPRESSION(gather, 8)};
+constexpr int variants = 20 * roundings;
+
+std::vector<float> random_inputs(Random& random) {
+    std::vector<float> in;
+    for (int k = 0; k < 12; ++k) in.push_back(float(random.between(-1, 1)));
+    return in;
+}
+
+// The n-th kind of legal device.
+void choose_device(int n) {
+    device.rounding = Rounding(n % roundings);
+    device.contracts = n & 1, device.by_reciprocal = n & 2, device.flushes = n & 4, device.reorders = n % 5 != 0;
+    device.half_at = -1, device.operations = 0;
+}
+
+bool same_bits(float a, float b) { return std::memcmp(&a, &b, 4) == 0 || (a != a && b != b); }
+
+}  // namespace
+
+TEST_CASE("bounded: no legal device leaves the bound, and the bound is not far away", "[bounded]") {
+    long evaluations = 0;
+    for (const Expression& e : expressions) {
+        Random random(7);
+        double worst = 0;
+        for (int i = 0; i < e.inputs; ++i) {
+            const std::vector<float> in = random_inputs(random);
+            const Bounded b = e.bounded(in.data());
+            REQUIRE(same_bits(b.value, e.of_float(in.data())));
+            for (int n = 0; n < variants; ++n, ++evaluations) {
+                choose_device(n);
+                const double off = std::abs(double(e.legal(in.data()).value) - b.shadow);
+                if (!(off <= b.bound)) FAIL(e.name << " input " << i << " variant " << n << ": " << off << " > " << b.bound);
+                worst = std::max(worst, off / b.bound);
+            }
+        }
+        CAPTURE(e.name, worst);
+        CHECK(worst >= 0.1);  // so the bound is at most ten times what was found
+    }
+    CHECK(evaluations > 1000000);
+}
+
+TEST_CASE("bounded: no legal device leaves the bound of one operation, whatever its operands", "[bounded]") {
+    Random random(3);
+    auto any_float = [&] {
+        const std::uint32_t bits = random.next();
+        float x;
+        std::memcpy(&x, &bits, 4);
+        // A third around the ends of what is normal.
+        if (bits % 3 == 0) x = float(random.between(-4, 4)) * (bits & 64 ? 0x1p-126f : 0x1p125f);
+        return x;
+    };
+    for (int i = 0; i < 200000; ++i) {
+        const float a = any_float(), b = i % 7 == 0 ? a : any_float();
+        const Bounded x(a), y(b);
+        const Bounded bounded[] = {x + y, x - y, x * y, x / y, min(x, y), max(x, y), abs(x), sqrt(abs(y))};
+        const float of_float[] = {a + b, a - b, a * b, a / b, min(a, b), max(a, b), plumb::abs(a), sqrt(plumb::abs(b))};
+        for (int n = 0; n < 2 * roundings; ++n) {
+            choose_device(n % roundings);
+            device.flushes = n >= roundings, device.by_reciprocal = n & 1, device.contracts = false;
+            const Legal p(a), q(b);
+            const Legal legal[] = {p + q, p - q, p * q, p / q, min(p, q), max(p, q), abs(p), sqrt(abs(q))};
+            for (int k = 0; k < 8; ++k) {
+                if (!same_bits(bounded[k].value, of_float[k])) FAIL("value of operation " << k << ": " << a << ", " << b);
+                const double r = legal[k].value;
+                const bool inside = std::abs(r - bounded[k].shadow) <= bounded[k].bound ||
+                                    bounded[k].bound == INFINITY || r == bounded[k].shadow || a != a || b != b;
+                if (!inside) FAIL("operation " << k << " of " << a << ", " << b << ": " << r << " against "
+                                               << bounded[k].shadow << " +- " << bounded[k].bound);
+            }
+        }
+    }
+}
+
+TEST_CASE("bounded: what every device computes exactly has no bound of its own", "[bounded]") {
+    // Vulkan 1.3, "Precision of core SPIR-V instructions": a correctly rounded result is exact where it can be.
+    const Bounded third = Bounded(1.0f) / Bounded(3.0f), zero(0.0f);
+    CHECK((third * zero).exact());
+    CHECK((zero / third).exact());
+    CHECK((third + zero).bound == third.bound);
+    CHECK((third * Bounded(0.25f)).bound == third.bound / 4);
+    CHECK(Bounded(16777216).exact());
+    CHECK(Bounded(16777217).bound >= 1);
+    CHECK(max(zero, -third).exact());
+    CHECK(clamp(third + Bounded(2.0f), zero, Bounded(1.0f)).exact());
+    CHECK(floor(third).exact());
+    // 1 +- 0.5 squared is 0.25 .. 2.25.
+    CHECK((Bounded::within(1, 1, 0.5) * Bounded::within(1, 1, 0.5)).bound >= 1.25);
+    // The product by a power of two may be flushed.
+    CHECK((Bounded(0x1p-100f) * Bounded(0x1p-30f)).bound >= 0x1p-130);
+}
+
+TEST_CASE("bounded: a 16-bit intermediate leaves the bound", "[bounded]") {
+    // binary16 keeps 11 bits: its rounding moves a result by 2^-13 of it on average, the bound is near 2^-19.
+    const struct {
+        const Expression& of;
+        double least;  // share of those that move the result at all
+    } cases[] = {{expressions[0], 0.9}, {expressions[2], 0.9}, {expressions[4], 0.9}, {expressions[5], 0.9}, {expressions[6], 0.9}};
+    for (const auto& c : cases) {
+        Random random(11);
+        int moved = 0, outside = 0;
+        for (int i = 0; i < 4000; ++i) {
+            const std::vector<float> in = random_inputs(random);
+            const Bounded b = c.of.bounded(in.data());
+            if (b.exact()) continue;
+            choose_device(int(Rounding::nearest));
+            device.contracts = device.by_reciprocal = device.flushes = device.reorders = false;
+            const float right = c.of.legal(in.data()).value;
+            const int operations = device.operations;
+            device.operations = 0, device.half_at = device.random.below(operations);
+            const float wrong = c.of.legal(in.data()).value;
+            moved += std::abs(double(wrong) - right) > 1e-5 * std::abs(right);
+            outside += std::abs(double(wrong) - b.shadow) > b.bound && std::abs(double(wrong) - right) > 1e-5 * std::abs(right);
+        }
+        CAPTURE(c.of.name, moved, outside);
+        CHECK(moved > 800);
+        CHECK(outside > c.least * moved);
+    }
+}
+
+TEST_CASE("bounded: a gather with a constant off by 1e-4, or without one of 400 samples, is outside", "[bounded]") {
+    Random random(5);
+    for (int i = 0; i < 50; ++i) {
+        std::vector<float> in = random_inputs(random);
+        for (float& x : in) x = 0.2f + std::abs(x);
+        const Bounded right = gather<Bounded>(in.data());
+        CAPTURE(right.shadow, right.bound);
+        auto outside = [&](float wrong) { return std::abs(double(wrong) - right.shadow) > right.bound; };
+        CHECK_FALSE(outside(gather<float>(in.data())));
+        CHECK(outside(gather_by<float>(in.data(), 0.318309873f * 1.0001f, -1)));
+        CHECK(outside(gather_by<float>(in.data(), 0.318309873f, random.below(400))));
+    }
+}
+
+TEST_CASE("bounded: what may divide by 0, overflow or be no number can be anything", "[bounded]") {
+    const Bounded zero(0.0f), one(1.0f), large(3e38f), nan(NAN), infinite(INFINITY);
+    const Bounded small = one / Bounded(3.0f) - Bounded(0.333333333f);  // 0, as far as anybody knows
+    for (const Bounded& x : {one / zero, one / small, one / Bounded(1e-40f), large + large, large * large, infinite - infinite,
+                             infinite * zero, sqrt(-one), nan + one, infinite + one, zero / zero}) {
+        CAPTURE(x.value, x.shadow);
+        CHECK(x.bound == INFINITY);
+        CHECK((x + one).bound == INFINITY);
+        CHECK((x * zero).bound == INFINITY);
+        CHECK(sqrt(x).bound == INFINITY);
+        CHECK(min(x, one).bound == INFINITY);
+        // It can be held within a range, and then it may be anywhere in there; not so NaN.
+        const Bounded held = clamp(x, Bounded(2.0f), Bounded(5.0f));
+        CHECK(held.low() <= 2);
+        CHECK(held.high() >= 5);
+        CHECK((held.shadow != held.shadow || held.bound <= 3));
+        // No comparison with it is decided.
+        CHECK((x < one).slot != 0);
+        CHECK((x == x).slot != 0);
+    }
+    CHECK((infinite < one).slot == 0);
+    CHECK((Bounded(1e-40f) == zero).slot != 0);  // may be flushed
+    CHECK((Bounded(-0.0f) == zero).slot == 0);
+}
+
+// ---- Decisions --------------------------------------------------------------------------------------------------------
+
+namespace {
+
+// The shadow of each component of each outcome.
+std::vector<std::vector<double>> shadows(const std::vector<Outcome>& outcomes) {
+    std::vector<std::vector<double>> all;
+    for (const Outcome& o : outcomes) {
+        all.emplace_back();
+        for (const BoundedValue& v : o.values) all.back().push_back(v.shadow);
+    }
+    return all;
+}
+
+// 1 within a rounding or two: whether it is less than 1 is undecided.
+Bounded nearly_one() { return Bounded(1.0f) / Bounded(3.0f) * Bounded(3.0f); }
+
+// Texel (x / 1, y / 1): on a device a division by 1 may err.
+void project(float x, float y, std::vector<Bounded>& values) {
+    const raster::Projection map{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 0, 1}, 1e-6f, -1048576, 1048576, 8};
+    NoTap tap;
+    const ivec2<std::int32_t> texel = raster::project<Bounded>(map, {Bounded(x), Bounded(y), Bounded(0.0f)}, tap);
+    values.insert(values.end(), {Bounded(texel.x), Bounded(texel.y)});
+}
+
+}  // namespace
+
+TEST_CASE("decisions: a projection within the bound of a texel's border gives both texels", "[bounded]") {
+    std::vector<Outcome> out;
+    auto at = [&](float x, float y, std::vector<std::int32_t> choices = {}) {
+        enumerate_outcomes([&](std::vector<Bounded>& v) { project(x, y, v); }, most_outcomes, out, choices);
+        return shadows(out);
+    };
+    using Texels = std::vector<std::vector<double>>;
+    CHECK(at(2.5f, 1.5f) == Texels{{2, 1}});
+    CHECK(at(2, 1.5f) == Texels{{2, 1}, {1, 1}});
+    CHECK(at(neighbour(2, -1), 1.5f) == Texels{{1, 1}, {2, 1}});  // the float kernel's own comes first
+    CHECK(at(neighbour(2, -40), 1.5f) == Texels{{1, 1}});
+    CHECK(at(2, 3) == Texels{{2, 3}, {2, 2}, {1, 3}, {1, 2}});
+    for (const Outcome& o : out) {
+        CHECK_FALSE(o.ambiguous);
+        CHECK(o.values[0].bound == 0);
+    }
+
+    // A device that says what it chose is followed, if it may choose that.
+    CHECK(at(2, 1.5f, {1, 1}) == Texels{{1, 1}});
+    CHECK(at(2, 1.5f, {2, 1}) == Texels{{2, 1}});
+    CHECK(at(2, 1.5f, {3, 1}).empty());
+    CHECK(at(2, 1.5f, {1, 0}).empty());
+    CHECK(at(2.5f, 1.5f, {2, 1}) == Texels{{2, 1}});
+    CHECK(at(2, 3, {1}) == Texels{{1, 3}, {1, 2}});
+
+    // Too many texels to follow: one outcome, and nobody knows.
+    CHECK(at(1e7f, 1.5f) == Texels{{1048576, 1}});
+    enumerate_outcomes(
+        [&](std::vector<Bounded>& v) { v.push_back(Bounded(chosen(Bounded::within(4.5f, 4.5, 100)))); }, 32, out);
+    REQUIRE(out.size() == 1);
+    CHECK(out[0].ambiguous);
+}
+
+TEST_CASE("decisions: three undecided comparisons have eight outcomes, six of sixteen are widened", "[bounded]") {
+    auto kernel = [](int comparisons) {
+        return [=](std::vector<Bounded>& values) {
+            Bounded sum(0.0f);
+            for (int k = 0; k < comparisons; ++k)
+                sum += select(nearly_one() < Bounded(1.0f), Bounded(float(1 << k)), Bounded(0.0f));
+            values.push_back(sum);
+        };
+    };
+    std::vector<Outcome> out;
+    enumerate_outcomes(kernel(3), 32, out);
+    REQUIRE(out.size() == 8);
+    std::set<double> sums;
+    for (const Outcome& o : out) {
+        CHECK_FALSE(o.ambiguous);
+        CHECK(o.values[0].bound < 1e-5);
+        sums.insert(o.values[0].shadow);
+    }
+    CHECK(sums == std::set<double>{0, 1, 2, 3, 4, 5, 6, 7});
+    CHECK(out[0].values[0].shadow == (nearly_one().value < 1 ? 7 : 0));
+
+    for (int comparisons : {6, 20}) {
+        enumerate_outcomes(kernel(comparisons), 16, out);
+        REQUIRE(out.size() == 1);
+        CHECK_FALSE(out[0].ambiguous);
+        const BoundedValue v = out[0].values[0];
+        const double all = double((1 << comparisons) - 1);
+        CHECK(v.shadow - v.bound <= 0);
+        CHECK(v.shadow + v.bound >= all);
+        CHECK(v.bound <= 1.0001 * all);
+    }
+}
+
+TEST_CASE("decisions: only those that matter are followed, and those of another branch too", "[bounded]") {
+    std::vector<Outcome> out;
+    // One comparison that picks three values is one decision, also when it is negated.
+    enumerate_outcomes(
+        [](std::vector<Bounded>& v) {
+            const BoundedMask m = nearly_one() < Bounded(1.0f);
+            for (float x : {1.0f, 2.0f}) v.push_back(select(m, Bounded(x), Bounded(-x)));
+            v.push_back(select(!m, Bounded(-4.0f), Bounded(4.0f)));
+        },
+        32, out);
+    REQUIRE(out.size() == 2);
+    for (const auto& s : shadows(out)) CHECK((s == std::vector<double>{1, 2, 4} || s == std::vector<double>{-1, -2, -4}));
+
+    // false & undecided is false, true | undecided is true.
+    enumerate_outcomes(
+        [](std::vector<Bounded>& v) {
+            const BoundedMask m = nearly_one() < Bounded(1.0f), no = Bounded(2.0f) < Bounded(1.0f);
+            v = {select(no & m, Bounded(1.0f), Bounded(0.0f)), select(m & no, Bounded(1.0f), Bounded(0.0f)),
+                 select(!no | m, Bounded(1.0f), Bounded(0.0f)), select(m | !no, Bounded(1.0f), Bounded(0.0f))};
+        },
+        32, out);
+    CHECK(shadows(out) == std::vector<std::vector<double>>{{0, 0, 1, 1}});
+
+    // Of m & n three outcomes: n is asked where m holds.
+    int runs = 0;
+    enumerate_outcomes(
+        [&](std::vector<Bounded>& v) {
+            ++runs;
+            const BoundedMask m = nearly_one() < Bounded(1.0f), n = Bounded(1.0f) < nearly_one();
+            v.push_back(select(m & n, Bounded(1.0f), Bounded(0.0f)));
+        },
+        32, out);
+    CHECK(runs == 3);
+
+    // A branch that only a device takes has a choice of its own.
+    enumerate_outcomes(
+        [](std::vector<Bounded>& v) {
+            const bool own = nearly_one().value < 1;
+            if (any(nearly_one() < Bounded(1.0f)) == own) return v.push_back(Bounded(1.0f));
+            v.push_back(floor(nearly_one() * Bounded(8.0f)));
+        },
+        32, out);
+    REQUIRE(out.size() == 3);
+    CHECK(shadows(out)[0][0] == 1);
+    CHECK(std::abs(shadows(out)[1][0] - shadows(out)[2][0]) == 1);
+}
+
+TEST_CASE("decisions: an index or bits that hang on what is undecided make a widened outcome ambiguous", "[bounded]") {
+    std::vector<Outcome> out;
+    auto ambiguous = [&](auto&& kernel) {
+        enumerate_outcomes([&](std::vector<Bounded>& v) { v.push_back(kernel()); }, 1, out);
+        return out.size() == 1 && out[0].ambiguous;
+    };
+    using N = number<Bounded>;
+    CHECK(ambiguous([] { return Bounded(select(nearly_one() < Bounded(1.0f), 1, 2)); }));
+    CHECK_FALSE(ambiguous([] { return Bounded(select(nearly_one() < Bounded(1.0f), 2, 2)); }));
+    CHECK(ambiguous([] { return Bounded(N::truncate_to_index(nearly_one())); }));
+    CHECK(ambiguous([] { return Bounded(N::round_to_index(nearly_one() * Bounded(2.5f))); }));
+    CHECK(ambiguous([] { return N::from_bits(N::bits(nearly_one())); }));
+    CHECK(ambiguous([] { return Bounded(N::truncate_to_index(Bounded(INFINITY))); }));
+    CHECK_FALSE(ambiguous([] { return Bounded(N::round_to_index(nearly_one())); }));
+    CHECK_FALSE(ambiguous([] { return floor(nearly_one()); }));  // its bound is 1 then
+    CHECK(out[0].values[0].bound >= 1);
+}
+
+// ---- Device profiles --------------------------------------------------------------------------------------------------
+
+TEST_CASE("device profiles: the four that are known, and the name that was meant", "[bounded]") {
+    std::vector<std::string> names;
+    for (const DeviceProfile& d : device_profiles()) names.push_back(d.name);
+    CHECK(names == std::vector<std::string>{"ideal", "lavapipe-22.3-fma", "lavapipe-22.3-sse4.1", "swiftshader"});
+    const DeviceProfile& d = find_profile("lavapipe-22.3-sse4.1", "--profile");
+    CHECK(d.half_store == HalfStore::truncate);
+    CHECK_FALSE(d.half_store_either);
+    CHECK_FALSE(d.fused_raster);
+    CHECK(find_profile("lavapipe-22.3-fma", "--profile").fused_raster);
+    CHECK(find_profile("swiftshader", "--profile").subpixel_bits == 4);
+    try {
+        find_profile("swiftshade", "plumb.toml: device");
+        FAIL("accepted");
+    } catch (const InputError& e) {
+        CHECK(std::string(e.what()) ==
+              "plumb.toml: device: device profile \"swiftshade\" is unknown; did you mean \"swiftshader\"?");
+    }
+}
+
+TEST_CASE("device profiles: a scope sets what operations may err, and ends", "[bounded]") {
+    auto quotient = [] { return (Bounded(2.0f) / Bounded(3.0f)).bound; };
+    const double by_vulkan = quotient();
+    {
+        const PrecisionScope scope(find_profile("swiftshader", "").precision);
+        CHECK(quotient() < by_vulkan / 3);
+        CHECK((Bounded(1e-40f) * Bounded(0.7f)).bound < 1e-44);
+        // Bits of IEEE arithmetic stay inside.
+        Random random(9);
+        for (int i = 0; i < 20000; ++i) {
+            const std::vector<float> in = random_inputs(random);
+            for (const Expression& e : expressions) {
+                if (i >= e.inputs) continue;
+                const Bounded b = e.bounded(in.data());
+                if (!(std::abs(double(b.value) - b.shadow) <= b.bound)) FAIL(e.name);
+            }
+        }
+    }
+    CHECK(quotient() == by_vulkan);
+}
