@@ -65,8 +65,8 @@ inline float legal_result(double exact, double grant) {
         const double unit = exponent < -126 ? 0x1p-149 : __builtin_ldexp(1.0, exponent - 23);
         auto legal = [&](int k) { return __builtin_fabs(double(neighbour(f, k)) - exact) <= grant * unit; };
         int low = 0, high = 0;
-        while (low > -4 && legal(low - 1)) --low;
-        while (high < 4 && legal(high + 1)) ++high;
+        while (legal(low - 1)) --low;
+        while (legal(high + 1)) ++high;
         const bool positive = exact > 0;
         switch (device.rounding) {
             case Rounding::random: f = neighbour(f, low + device.random.below(high - low + 1)); break;
