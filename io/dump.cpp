@@ -121,23 +121,40 @@ class DumpReader {
         decode_record(encoding_, picks_, spec_.near_far, v);
     }
 
-    // How far each decoded number moves where the stored ones go to the next code: both up, both down, and crosswise.
+    // How far each decoded number moves where the stored ones go to the next code.
     void store_rounding(const double* from, const double* v, float* to) const {
         double moved_by[4] = {0, 0, 0, 0};
-        for (unsigned signs = 0; signs < (encoded_components(encoding_) == 2 ? 4u : 2u); ++signs) {
-            double record[4], w[4] = {0, 0, 0, 1};
-            std::copy_n(from, 4, record);
-            // The exponent of rgbe is no quantity that was rounded.
-            for (int c = 0; c < (encoding_ == Encoding::rgbe ? 3 : 4); ++c) {
-                const bool up = c == second_ ? (signs ^ signs >> 1) & 1 : signs & 1;
-                record[c] += (up ? 1 : -1) * texel_step(source_.kind, from, c);
-            }
-            decode(record, w);
-            for (int c = 0; c < components_; ++c) moved_by[c] = std::max(moved_by[c], std::fabs(w[c] - v[c]));
-        }
+        if (encoding_ == Encoding::srgb)
+            move_by_slope(from, moved_by);
+        else
+            move_by_codes(from, v, moved_by);
         // The result itself was rounded to float.
         for (int c = 0; c < components_; ++c)
             to[c] = std::isfinite(v[c]) ? float((moved_by[c] + std::fabs(v[c]) * 0x1p-24) * (1 + 0x1p-20)) : 0.0f;
+    }
+
+    // All up, all down, and of two numbers crosswise.
+    void move_by_codes(const double* from, const double* v, double* moved_by) const {
+        double record[4], w[4];
+        for (unsigned signs = 0; signs < (second_ < 0 ? 2u : 4u); ++signs) {
+            std::copy_n(from, 4, record);
+            // The exponent of rgbe is no quantity that was rounded.
+            for (int c = 0; c < (encoding_ == Encoding::rgbe ? 3 : source_.channels); ++c) {
+                const bool up = c == second_ ? (signs ^ signs >> 1) & 1 : signs & 1;
+                record[c] += (up ? 1 : -1) * texel_step(source_.kind, from, c);
+            }
+            std::fill_n(w, 3, 0.0), w[3] = 1;
+            decode(record, w);
+            for (int c = 0; c < components_; ++c) moved_by[c] = std::max(moved_by[c], std::fabs(w[c] - v[c]));
+        }
+    }
+
+    void move_by_slope(const double* from, double* moved_by) const {
+        for (std::size_t c = 0; c < picks_.size(); ++c) {
+            if (picks_[c].from >= 4) continue;
+            const double step = texel_step(source_.kind, from, picks_[c].from);
+            moved_by[c] = c < 3 ? step * srgb_slope(from[picks_[c].from] + step) : step;
+        }
     }
 
     void store(const double* v, std::size_t at) const {

@@ -47,7 +47,19 @@ double eye_depth(Encoding encoding, double d, double n, double f) {
     return std::isinf(f) ? n / (1 - d) : n / (1 - d * (1 - n / f));
 }
 
-double decode_srgb(double x) { return std::isfinite(x) ? compare::srgb_to_linear(x) : x; }
+// Codes of 8 and 16 bits, k / 65535 both, from a table: the curve costs a hundred times as much as the rest of a texel.
+double decode_srgb(double x) {
+    static const std::vector<double> table = [] {
+        std::vector<double> linear(65536);
+        for (std::size_t code = 0; code < linear.size(); ++code)
+            linear[code] = compare::srgb_to_linear(double(code) / 65535);
+        return linear;
+    }();
+    if (!std::isfinite(x)) return x;
+    const double code = std::floor(x * 65535 + 0.5);
+    if (code >= 0 && code <= 65535 && code / 65535 == x) return table[std::size_t(code)];
+    return compare::srgb_to_linear(x);
+}
 
 std::string channels_fault(const DumpSpec& spec, Encoding encoding) {
     if (spec.channels.empty()) return "";
@@ -97,7 +109,7 @@ std::optional<SpecFault> raw_fault(const DumpSpec& spec) {
     if (!spec.layer.empty()) return SpecFault{"layer", "raw files have none"};
     if (!spec.count && (spec.width < 1 || spec.height < 1))
         return SpecFault{spec.width < 1 ? "width" : "height",
-                         "expected 1 to 32767; a raw image needs both sides, a buffer count"};
+                         "expected at least 1; a raw image needs both sides, a buffer count"};
     const std::int64_t row = std::int64_t(spec.width) * format->bytes;
     if (spec.row_pitch && spec.row_pitch < row)
         return SpecFault{"row_pitch", fmt::format("{} texels of {} take {} bytes", spec.width, format->name, row)};
@@ -173,6 +185,13 @@ void decode_record(Encoding encoding, const std::vector<Pick>& picks, const std:
             v[1] = v[2] = 0, v[3] = 1;
             return;
     }
+}
+
+double srgb_slope(double x) {
+    // 2.4 / 1.055 s^1.4; the power lies below s^1.25 up to 1, below s^1.5 from there on. The straight part has 1
+    // / 12.92.
+    const double s = (std::max(x, 0.0) + 0.055) / 1.055, root = std::sqrt(s);
+    return std::max(2.4 / 1.055 * s * (s > 1 ? root : std::sqrt(root)), 1 / 12.92);
 }
 
 namespace {

@@ -47,6 +47,9 @@ std::vector<Pick> parse_channels(const std::string& channels);  // of a string t
 // Decodes one record of four in place. `picks` of component-wise encodings leave constants alone.
 void decode_record(Encoding encoding, const std::vector<Pick>& picks, const std::vector<double>& near_far, double* v);
 
+// At least the slope of the sRGB curve at an encoded x.
+double srgb_slope(double x);
+
 // How the device rounded what it wrote, seen through the decoding: a format that says so, or, where none does, one that
 // is at least as coarse, and that the rounding is to be told value by value.
 struct StoredAs {

@@ -17,6 +17,7 @@ namespace {
 using Kind = DocumentValue::Kind;
 
 constexpr int max_side = 32767;
+constexpr int max_rows = 1 << 20;  // of an input: layers lie one below the other
 constexpr std::size_t max_manifest_bytes = std::size_t(1) << 24;
 constexpr std::size_t max_numbers = 16;  // of a uniform or a parameter: a matrix
 
@@ -167,7 +168,7 @@ class ManifestReader {
             spec.vk_format.erase(0, prefix.size());
         constexpr std::int64_t max = std::numeric_limits<std::int64_t>::max();
         spec.width = int(reader.integer("width", 0, 1, max_side));
-        spec.height = int(reader.integer("height", 0, 1, max_side));
+        spec.height = int(reader.integer("height", 0, 1, is_output ? max_side : max_rows));
         spec.count = int(reader.integer("count", 0, 1, std::numeric_limits<int>::max()));
         spec.row_pitch = reader.integer("row_pitch", 0, 1, max);
         spec.offset = reader.integer("offset", 0, 0, max);

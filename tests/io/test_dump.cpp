@@ -435,6 +435,20 @@ TEST_CASE("dump: what a store moved lies within the rounding that is told", "[io
              write(to, unorm8(e.x), unorm8(e.y), unorm8(e.z), std::uint8_t(0));
              return glm::dvec3(linear(e.x), linear(e.y), linear(e.z));
          }},
+        {"R16G16B16A16_SFLOAT", "srgb", 8,
+         [&](std::int32_t i, void* to) {
+             const auto linear = [](double e) { return e <= 0.04045 ? e / 12.92 : std::pow((e + 0.055) / 1.055, 2.4); };
+             const glm::dvec3 e = 1.3 * glm::abs(random_unit(i));
+             write(to, half(e.x), half(e.y), half(e.z), half(0));
+             return glm::dvec3(linear(e.x), linear(e.y), linear(e.z));
+         }},
+        {"R8G8B8A8_UNORM", "srgb", 4,
+         [&](std::int32_t i, void* to) {
+             const auto linear = [](double e) { return e <= 0.04045 ? e / 12.92 : std::pow((e + 0.055) / 1.055, 2.4); };
+             const glm::dvec3 e = glm::abs(random_unit(i));
+             write(to, unorm8(e.x), unorm8(e.y), unorm8(e.z), std::uint8_t(0));
+             return glm::dvec3(linear(e.x), linear(e.y), linear(e.z));
+         }},
         {"A2B10G10R10_UNORM_PACK32", "biased", 4,
          [&](std::int32_t i, void* to) {
              const glm::dvec3 v = random_unit(i);
