@@ -4,10 +4,11 @@
 //     shadow  the same expression in double precision, along the branches of `value` or those that Decisions names
 //     bound   >= |r - shadow| for every r that a device may compute, and for r = value
 //
-// Legal is: every rounding that the precision table grants (core/device_profile.h; PrecisionScope), fused multiply-adds,
-// sums and products in any order, a / b as a (1 / b), v / |v| as v * inversesqrt, a (1 - c) + b c for a + c (b - a), and
-// denormals taken for 0. README.md derives the rules. Infinities and NaN have no precision on a GPU (Vulkan 1.3,
-// SignedZeroInfNanPreserve), so what may overflow or divide by 0 has an infinite bound, and a NaN may be anything.
+// Legal is: every rounding that the precision table grants (core/device_profile.h; PrecisionScope), fused
+// multiply-adds, sums and products in any order, a / b as a (1 / b), v / |v| as v * inversesqrt(v.v), mixes as
+// a (1 - c) + b c for a + c (b - a), and denormals taken for 0. README.md derives the rules. Infinities and NaN have no
+// precision on a GPU (Vulkan 1.3, SignedZeroInfNanPreserve), so what may overflow or divide by 0 has an infinite bound,
+// and a NaN may be anything.
 #pragma once
 
 #include "core/decisions.h"
@@ -54,12 +55,13 @@ struct Bounded {
     bool ambiguous = false;  // an undecided comparison went into it while nobody enumerated
     double shadow = 0;
     double bound = 0;
-    double magnitude = 0;    // read where additions > 0
+    double magnitude = 0;  // read where additions > 0
 
     Bounded() = default;
     Bounded(float x) : value(x), shadow(x) {}
     explicit Bounded(double x) : Bounded(within(float(x), x, 0)) {}
-    explicit Bounded(int x) : Bounded(within(float(x), x, double(float(x)) == x ? 0 : ulp_ratio * __builtin_fabs(x))) {}
+    explicit Bounded(int x)
+        : Bounded(within(float(x), x, double(float(x)) == x ? 0 : ulp_ratio * __builtin_fabs(double(x)))) {}
     // What is known to lie within `bound` of `shadow`: an attribute that a rasteriser interpolated, a dumped input that
     // was rounded.
     static Bounded within(float value, double shadow, double bound, bool ambiguous = false) {
@@ -89,8 +91,10 @@ struct Bounded {
         r.value = a.value * b.value, r.shadow = a.shadow * b.shadow, r.ambiguous = a.ambiguous || b.ambiguous;
         r.blend = a.additions || b.additions;
         r.bound = __builtin_fabs(a.shadow) * b.bound + __builtin_fabs(b.shadow) * a.bound + a.bound * b.bound;
-        // Every device has the exact product by a power of two, while all stays normal; and by 0.
-        if (!((a.scales() || b.scales()) && a.normal() && b.normal() && r.normal())) {
+        // Every device has the exact product by 0; and by a power of two, while all stays normal.
+        const bool exact = a.zero() || b.zero() ||
+                           ((a.scales() || b.scales()) && a.normal() && b.normal() && r.normal());
+        if (!exact) {
             const BoundedState& s = bounded_state;
             r.bound += s.multiply * r.size() + (a.size() + b.size() + s.flushed) * s.flushed + s.underflow;
         }
@@ -129,7 +133,8 @@ struct Bounded {
     friend BoundedMask operator>=(const Bounded& a, const Bounded& b) { return b <= a; }
     friend BoundedMask operator==(const Bounded& a, const Bounded& b) {
         const bool own = a.value == b.value;
-        if (a.high() < b.low() || a.low() > b.high() || (a.low() == a.high() && b.low() == a.low() && b.high() == a.low()))
+        if (a.high() < b.low() || a.low() > b.high() ||
+            (a.low() == a.high() && b.low() == a.low() && b.high() == a.low()))
             return own;
         return BoundedMask::undecided(own);
     }
@@ -153,8 +158,9 @@ struct Bounded {
         return bound == 0 && (bits << 12) == 0;
     }
 
-    // A sum of n terms t_i in any order errs by at most n - 1 roundings of sum |t_i|. Ours is charged for that: two sums
-    // of m and n additions, of total magnitudes M and N, have been charged m M + n N, and need (m + n + 1) (M + N).
+    // A sum of n terms t_i in any order errs by at most n - 1 roundings of sum |t_i|. Ours is charged for that: sums
+    // of m and n additions, of total magnitudes M and N, have been charged m M + n N; both together need
+    // (m + n + 1) (M + N).
     static Bounded sum(const Bounded& a, const Bounded& b, float value, double b_shadow) {
         const BoundedState& s = bounded_state;
         const bool ambiguous = a.ambiguous || b.ambiguous;
@@ -189,7 +195,8 @@ static_assert(sizeof(Bounded) == 32);
 
 Bounded undecided_select(BoundedMask m, const Bounded& a, const Bounded& b);
 PLUMB_INLINE Bounded select(BoundedMask m, const Bounded& a, const Bounded& b) {
-    if (m.slot == 0) [[likely]] return m.value ? a : b;
+    if (m.slot == 0) [[likely]]
+        return m.value ? a : b;
     return undecided_select(m, a, b);
 }
 PLUMB_INLINE std::int32_t select(BoundedMask m, std::int32_t a, std::int32_t b) {
@@ -291,7 +298,9 @@ struct number<Bounded> {
     }
 
   private:
-    static vec4<Bounded> exact(const vec4<float>& t) { return {Bounded(t.x), Bounded(t.y), Bounded(t.z), Bounded(t.w)}; }
+    static vec4<Bounded> exact(const vec4<float>& t) {
+        return {Bounded(t.x), Bounded(t.y), Bounded(t.z), Bounded(t.w)};
+    }
 };
 
 }  // namespace plumb

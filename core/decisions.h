@@ -11,8 +11,8 @@ namespace plumb {
 
 struct Precision;  // core/device_profile.h
 
-// The discrete choices of one invocation of a kernel. A kernel that runs while a Decisions is installed meets them in an
-// order of its own; each takes the option that the path names, and a new one takes the first, which is the float
+// The discrete choices of one invocation of a kernel. A kernel that runs while a Decisions is installed meets them in
+// an order of its own; each takes the option that the path names, and a new one takes the first, which is the float
 // kernel's. next_path() moves on to the next combination, depth first. Or they are not told apart: in `widen` mode a
 // select() gives the hull of both operands, and an index that is undecided makes the outcome ambiguous.
 class Decisions {

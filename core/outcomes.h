@@ -31,8 +31,8 @@ inline Outcome outcome_of(const std::vector<Bounded>& values, bool ambiguous) {
     return outcome;
 }
 
-// The first outcome is the float kernel's own. Where there are more than `most` there is one, with bounds that hold them
-// all; it is ambiguous where an index was undecided. There is none where `choices` are none that a device can make.
+// The first outcome is the float kernel's own. Where there are more than `most` there is one, with bounds that hold
+// them all; it is ambiguous where an index was undecided. Choices that no device can make have no outcome.
 template <class Run>
 void enumerate_outcomes(Run&& run, int most, std::vector<Outcome>& out, std::span<const std::int32_t> choices = {}) {
     Decisions decisions;

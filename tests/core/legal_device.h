@@ -30,11 +30,11 @@ inline constexpr int roundings = 6;
 struct LegalDevice {
     Random random{1};
     Rounding rounding = Rounding::nearest;
-    bool contracts = false;     // a * b + c
-    bool by_reciprocal = false; // a / b
+    bool contracts = false;      // a * b + c
+    bool by_reciprocal = false;  // a / b
     bool flushes = false;
-    bool reorders = false;      // other formulas and orders, where an expression offers them
-    int half_at = -1;           // the operation whose result is kept in 16 bits: a mistake, not legal
+    bool reorders = false;  // other formulas and orders, where an expression offers them
+    int half_at = -1;       // the operation whose result is kept in 16 bits: a mistake, not legal
     int operations = 0;
 
     bool coin() { return random.next() & 1; }
@@ -69,12 +69,23 @@ inline float legal_result(double exact, double grant) {
         while (legal(high + 1)) ++high;
         const bool positive = exact > 0;
         switch (device.rounding) {
-            case Rounding::random: f = neighbour(f, low + device.random.below(high - low + 1)); break;
-            case Rounding::up: f = neighbour(f, high); break;
-            case Rounding::down: f = neighbour(f, low); break;
-            case Rounding::to_zero: f = neighbour(f, positive ? low : high); break;
-            case Rounding::from_zero: f = neighbour(f, positive ? high : low); break;
-            case Rounding::nearest: break;
+            case Rounding::random:
+                f = neighbour(f, low + device.random.below(high - low + 1));
+                break;
+            case Rounding::up:
+                f = neighbour(f, high);
+                break;
+            case Rounding::down:
+                f = neighbour(f, low);
+                break;
+            case Rounding::to_zero:
+                f = neighbour(f, positive ? low : high);
+                break;
+            case Rounding::from_zero:
+                f = neighbour(f, positive ? high : low);
+                break;
+            case Rounding::nearest:
+                break;
         }
     }
     if (device.operations++ == device.half_at) {
@@ -98,8 +109,10 @@ struct Legal {
 
     friend Legal operator+(Legal a, Legal b) {
         double x = a.read(), y = b.read();
-        if (device.contracts && b.is_product && device.coin()) y = b.product;
-        else if (device.contracts && a.is_product && device.coin()) x = a.product;
+        if (device.contracts && b.is_product && device.coin())
+            y = b.product;
+        else if (device.contracts && a.is_product && device.coin())
+            x = a.product;
         return legal_result(x + y, 1);
     }
     friend Legal operator-(Legal a, Legal b) { return a + -b; }

@@ -22,7 +22,8 @@ using namespace plumb::test;
 
 namespace {
 
-// ---- Expressions of the kernels, with the other forms that a shader may give them --------------------------------------
+// ---- Expressions of the kernels, with the other forms that a shader may give them
+// --------------------------------------
 
 template <class F>
 constexpr bool other_forms = std::is_same_v<F, Legal>;
@@ -141,8 +142,9 @@ F gather_by(const float* in, float scale, int missing) {
     std::vector<F> terms;
     for (int k = 0; k < 400; ++k) {
         if (k == missing) continue;
-        const float sample[12] = {in[0], in[1], in[2], 0.1f, -0.2f, 0.97f,
-                                  in[3 + k % 7], in[4 + k % 5], 2 + 0.01f * float(k % 13), 0.3f, 0.1f, -0.94f};
+        const float sample[12] = {
+            in[0], in[1], in[2], 0.1f, -0.2f, 0.97f, in[3 + k % 7], in[4 + k % 5], 2 + 0.01f * float(k % 13),
+            0.3f,  0.1f,  -0.94f};
         terms.push_back(F(in[(k * 5) % 12] * float(1 + k % 3)) * form<F>(sample));
     }
     return sum_of<F>(terms) * F(scale);
@@ -168,13 +170,13 @@ struct Expression {
     Legal (*legal)(const float*);
     int inputs;
 };
-#define EXPRESSION(f, inputs) {#f, f<float>, f<Bounded>, f<Legal>, inputs}
+#define EXPRESSION(f, inputs) \
+    { #f, f < float>, f < Bounded>, f < Legal>, inputs }
 
-const Expression expressions[] = {EXPRESSION(row, 4000),          EXPRESSION(projected, 4000),
-                                  EXPRESSION(normalised_x, 4000), EXPRESSION(bilinear, 4000),
-                                  EXPRESSION(interpolated, 4000), EXPRESSION(light, 4000),
-                                  EXPRESSION(form, 4000),         EXPRESSION(long_sum, 200),
-                                  EXPRESSION(gather, 8)};
+const Expression expressions[] = {
+    EXPRESSION(row, 4000),      EXPRESSION(projected, 4000),    EXPRESSION(normalised_x, 4000),
+    EXPRESSION(bilinear, 4000), EXPRESSION(interpolated, 4000), EXPRESSION(light, 4000),
+    EXPRESSION(form, 4000),     EXPRESSION(long_sum, 200),      EXPRESSION(gather, 8)};
 constexpr int variants = 20 * roundings;
 
 std::vector<float> random_inputs(Random& random) {
@@ -206,7 +208,8 @@ TEST_CASE("bounded: no legal device leaves the bound, and the bound is not far a
             for (int n = 0; n < variants; ++n, ++evaluations) {
                 choose_device(n);
                 const double off = std::abs(double(e.legal(in.data()).value) - b.shadow);
-                if (!(off <= b.bound)) FAIL(e.name << " input " << i << " variant " << n << ": " << off << " > " << b.bound);
+                if (!(off <= b.bound))
+                    FAIL(e.name << " input " << i << " variant " << n << ": " << off << " > " << b.bound);
                 worst = std::max(worst, off / b.bound);
             }
         }
@@ -237,12 +240,14 @@ TEST_CASE("bounded: no legal device leaves the bound of one operation, whatever 
             const Legal p(a), q(b);
             const Legal legal[] = {p + q, p - q, p * q, p / q, min(p, q), max(p, q), abs(p), sqrt(abs(q))};
             for (int k = 0; k < 8; ++k) {
-                if (!same_bits(bounded[k].value, of_float[k])) FAIL("value of operation " << k << ": " << a << ", " << b);
+                if (!same_bits(bounded[k].value, of_float[k]))
+                    FAIL("value of operation " << k << ": " << a << ", " << b);
                 const double r = legal[k].value;
                 const bool inside = std::abs(r - bounded[k].shadow) <= bounded[k].bound ||
                                     bounded[k].bound == INFINITY || r == bounded[k].shadow || a != a || b != b;
-                if (!inside) FAIL("operation " << k << " of " << a << ", " << b << ": " << r << " against "
-                                               << bounded[k].shadow << " +- " << bounded[k].bound);
+                if (!inside)
+                    FAIL("operation " << k << " of " << a << ", " << b << ": " << r << " against " << bounded[k].shadow
+                                      << " +- " << bounded[k].bound);
             }
         }
     }
@@ -271,7 +276,11 @@ TEST_CASE("bounded: a 16-bit intermediate leaves the bound", "[bounded]") {
     const struct {
         const Expression& of;
         double least;  // share of those that move the result at all
-    } cases[] = {{expressions[0], 0.9}, {expressions[2], 0.9}, {expressions[4], 0.9}, {expressions[5], 0.9}, {expressions[6], 0.9}};
+    } cases[] = {{expressions[0], 0.9},
+                 {expressions[2], 0.9},
+                 {expressions[4], 0.9},
+                 {expressions[5], 0.9},
+                 {expressions[6], 0.9}};
     for (const auto& c : cases) {
         Random random(11);
         int moved = 0, outside = 0;
@@ -286,7 +295,8 @@ TEST_CASE("bounded: a 16-bit intermediate leaves the bound", "[bounded]") {
             device.operations = 0, device.half_at = device.random.below(operations);
             const float wrong = c.of.legal(in.data()).value;
             moved += std::abs(double(wrong) - right) > 1e-5 * std::abs(right);
-            outside += std::abs(double(wrong) - b.shadow) > b.bound && std::abs(double(wrong) - right) > 1e-5 * std::abs(right);
+            outside += std::abs(double(wrong) - b.shadow) > b.bound &&
+                       std::abs(double(wrong) - right) > 1e-5 * std::abs(right);
         }
         CAPTURE(c.of.name, moved, outside);
         CHECK(moved > 800);
@@ -319,7 +329,8 @@ TEST_CASE("bounded: pow, exp and logarithms hold what a driver may make of them"
     Random random(13);
     double worst[3] = {};
     for (int i = 0; i < 20000; ++i) {
-        const float a = float(random.between(0.003, i & 1 ? 1 : 40)), c = float(random.between(0.1, 1)), y = float(random.between(0.2, 3));
+        const float a = float(random.between(0.003, i & 1 ? 1 : 40)), c = float(random.between(0.1, 1)),
+                    y = float(random.between(0.2, 3));
         const Bounded x = Bounded(a) * Bounded(c);
         const Bounded bounded[] = {detmath::pow(x, Bounded(y)), detmath::exp2(-x), detmath::log2(x)};
         const float of_float[] = {detmath::pow(a * c, y), detmath::exp2(-(a * c)), detmath::log2(a * c)};
@@ -329,7 +340,8 @@ TEST_CASE("bounded: pow, exp and logarithms hold what a driver may make of them"
             const Legal legal[] = {exp2_of(Legal(y) * log2_of(p)), exp2_of(-p), log2_of(p)};
             for (int k = 0; k < 3; ++k) {
                 const double off = std::abs(double(legal[k].value) - bounded[k].shadow);
-                if (!(off <= bounded[k].bound)) FAIL(k << " of " << a * c << ", " << y << ": " << off << " > " << bounded[k].bound);
+                if (!(off <= bounded[k].bound))
+                    FAIL(k << " of " << a * c << ", " << y << ": " << off << " > " << bounded[k].bound);
                 REQUIRE(bounded[k].value == of_float[k]);
                 worst[k] = std::max(worst[k], off / bounded[k].bound);
             }
@@ -345,8 +357,9 @@ TEST_CASE("bounded: pow, exp and logarithms hold what a driver may make of them"
 TEST_CASE("bounded: what may divide by 0, overflow or be no number can be anything", "[bounded]") {
     const Bounded zero(0.0f), one(1.0f), large(3e38f), nan(NAN), infinite(INFINITY);
     const Bounded small = one / Bounded(3.0f) - Bounded(0.333333333f);  // 0, as far as anybody knows
-    for (const Bounded& x : {one / zero, one / small, one / Bounded(1e-40f), large + large, large * large, infinite - infinite,
-                             infinite * zero, sqrt(-one), nan + one, infinite + one, zero / zero}) {
+    for (const Bounded& x :
+         {one / zero, one / small, one / Bounded(1e-40f), large + large, large * large, infinite - infinite,
+          infinite * zero, sqrt(-one), nan + one, infinite + one, zero / zero}) {
         CAPTURE(x.value, x.shadow);
         CHECK(x.bound == INFINITY);
         CHECK((x + one).bound == INFINITY);
@@ -367,7 +380,8 @@ TEST_CASE("bounded: what may divide by 0, overflow or be no number can be anythi
     CHECK((Bounded(-0.0f) == zero).slot == 0);
 }
 
-// ---- Decisions --------------------------------------------------------------------------------------------------------
+// ---- Decisions
+// --------------------------------------------------------------------------------------------------------
 
 namespace {
 
@@ -421,8 +435,8 @@ TEST_CASE("decisions: a projection within the bound of a texel's border gives bo
 
     // Too many texels to follow: one outcome, and nobody knows.
     CHECK(at(1e7f, 1.5f) == Texels{{1048576, 1}});
-    enumerate_outcomes(
-        [&](std::vector<Bounded>& v) { v.push_back(Bounded(chosen(Bounded::within(4.5f, 4.5, 100)))); }, 32, out);
+    enumerate_outcomes([&](std::vector<Bounded>& v) { v.push_back(Bounded(chosen(Bounded::within(4.5f, 4.5, 100)))); },
+                       32, out);
     REQUIRE(out.size() == 1);
     CHECK(out[0].ambiguous);
 }
@@ -471,7 +485,8 @@ TEST_CASE("decisions: only those that matter are followed, and those of another 
         },
         32, out);
     REQUIRE(out.size() == 2);
-    for (const auto& s : shadows(out)) CHECK((s == std::vector<double>{1, 2, 4} || s == std::vector<double>{-1, -2, -4}));
+    for (const auto& s : shadows(out))
+        CHECK((s == std::vector<double>{1, 2, 4} || s == std::vector<double>{-1, -2, -4}));
 
     // false & undecided is false, true | undecided is true.
     enumerate_outcomes(
@@ -525,7 +540,8 @@ TEST_CASE("decisions: an index or bits that hang on what is undecided make a wid
     CHECK(out[0].values[0].bound >= 1);
 }
 
-// ---- Device profiles --------------------------------------------------------------------------------------------------
+// ---- Device profiles
+// --------------------------------------------------------------------------------------------------
 
 TEST_CASE("device profiles: the four that are known, and the name that was meant", "[bounded]") {
     std::vector<std::string> names;
