@@ -13,6 +13,7 @@
 #include "io/file.h"
 #include "io/manifest.h"
 #include "tools/plumb/cli.h"
+#include "tools/plumb/devices.h"
 #include "tools/plumb/export_readme.h"
 #include "tools/plumb/options.h"
 #include "tools/plumb/outputs.h"
@@ -47,20 +48,23 @@ struct Maker {
     Maker(const ExportOptions& given, const RunOptions& run, const DeviceProfile& device_profile)
         : options(run), profile(device_profile) {
         if (given.device.empty()) return;
+        require_vulkan("--device");
 #ifdef PLUMB_WITH_VULKAN
         try {
             device = std::make_unique<vulkan::Device>(vulkan::DeviceOptions{given.device, false});
         } catch (const vulkan::Error& error) {
             throw InputError(fmt::format("--device {}: {}", given.device, error.what()));
         }
-#else
-        throw InputError(fmt::format("--device {}: this program was built without Vulkan", given.device));
 #endif
     }
 
     Bundle operator()(const StageBinding& binding, const StageData& data) const {
 #ifdef PLUMB_WITH_VULKAN
-        if (device) return vulkan::run_twin(*device, binding, data).outputs;
+        try {
+            if (device) return vulkan::run_twin(*device, binding, data).outputs;
+        } catch (const vulkan::Error& error) {
+            throw InputError(fmt::format("{} on {}: {}", data.label, device->name(), error.what()));
+        }
 #endif
         Bundle outputs;
         binding.bind(data)->run(options, profile, outputs);
@@ -247,8 +251,7 @@ void add_export(CLI::App& program, Action& action) {
         ->type_name("F");
     command->add_option("--profile", given->profile, "how the device rounds that the outputs are meant for")
         ->type_name("P");
-    command->add_option("--device", given->device, "run the GLSL twins on this Vulkan device, and write what they wrote")
-        ->type_name("NAME");
+    add_device_option(*command, given->device);
     command->add_option("-o,--output", given->folder, "the folder to write to")->required()->type_name("DIR");
     add_common(*command, given->common);
     command->footer(

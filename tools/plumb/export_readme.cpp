@@ -29,7 +29,7 @@ std::vector<std::string> slot_row(const Slot& slot, const io::DumpSpec& spec, co
                                                           array ? shape_text(array->shape) : "");
     const std::string place = slot.kind == SlotKind::depth ? "-" : fmt::format("{}", slot.binding);
     return {place, slot.name, kind_text(slot.kind), size, spec.file.lexically_relative(folder).string(),
-            slot.unit.empty() ? slot.meaning : fmt::format("{}, {}", slot.meaning, slot.unit)};
+            slot.unit.empty() || slot.meaning.ends_with(slot.unit) ? slot.meaning : fmt::format("{}, {}", slot.meaning, slot.unit)};
 }
 
 std::string raster_text(const StageData& data) {

@@ -38,6 +38,7 @@ const std::vector<std::pair<std::string, std::vector<std::string>>> synonyms = {
     {"indirect", {"gi", "bounce"}},
     {"depth", {"zbuffer"}},
     {"map", {"rsm", "light"}},
+    {"rsm", {"map"}},
     {"id", {"ids", "object", "objects"}},
 };
 
@@ -218,6 +219,22 @@ const File* file_of(const Slot& slot, bool output, const std::vector<const File*
     return best;
 }
 
+// The light of a folder: ".key" of "rsm.disc.key".
+std::string light_of(const std::string& group) {
+    const StageBinding* binding = named_after(group);
+    return binding ? group.substr(binding->info.name.size()) : "";
+}
+
+// What several stages read may lie with one of them; a light's map with one of the same light.
+const File* shared_file(const Slot& slot, const std::vector<File>& files, const StageBinding& binding,
+                        const std::string& group) {
+    std::vector<const File*> near, far;
+    for (const File& file : files)
+        if (file.in && named_after(file.group)) (light_of(file.group) == light_of(group) ? near : far).push_back(&file);
+    if (slot.frame || slot.kind == SlotKind::buffer) near.insert(near.end(), far.begin(), far.end());
+    return file_of(slot, false, near, binding);
+}
+
 std::vector<unsigned char> block_of(const fs::path& folder, const StageBinding& binding, const std::vector<const File*>& files,
                                     fs::path& path) {
     for (const File* file : files) {
@@ -256,8 +273,8 @@ glm::ivec2 frame_size(const fs::path& folder, const StageBinding& binding, const
 }
 
 void add_stage(const fs::path& folder, const StageBinding& binding, const std::string& label,
-               const std::vector<const File*>& files, std::vector<glm::ivec2>& known, std::set<const File*>& used,
-               Start& start) {
+               const std::vector<const File*>& files, const std::vector<File>& all, std::vector<glm::ivec2>& known,
+               std::set<const File*>& used, Start& start) {
     io::ManifestStage stage;
     stage.stage = binding.info.name;
     stage.label = label;
@@ -273,6 +290,7 @@ void add_stage(const fs::path& folder, const StageBinding& binding, const std::s
         for (const Slot& slot : output ? binding.outputs : binding.inputs) {
             const std::string name = (output ? "output." : "input.") + slot.name;
             const File* file = file_of(slot, output, files, binding);
+            if (!file && !output) file = shared_file(slot, all, binding, label);
             io::DumpSpec spec;
             const bool formatted = file && (!file->raw || guess_raw(slot, *file, frame, spec));
             if (!formatted) {
@@ -320,12 +338,13 @@ Start guess(const fs::path& folder) {
     for (const bool raster : {false, true})
         for (const auto& [group, members] : groups)
             if (const StageBinding* binding = named_after(group); binding && binding->raster == raster)
-                add_stage(folder, *binding, group, members, known, used, start);
+                add_stage(folder, *binding, group, members, files, known, used, start);
     for (const auto& [group, members] : groups) {
         if (named_after(group)) continue;
         for (const StageBinding& binding : parity::bindings())
             if (written_by(binding, members))
-                add_stage(folder, binding, (group.empty() ? "" : group + ": ") + binding.info.name, members, known, used, start);
+                add_stage(folder, binding, (group.empty() ? "" : group + ": ") + binding.info.name, members, files, known,
+                          used, start);
     }
     for (const File& file : files)
         if (!used.count(&file)) start.unused.push_back(file.path.string());

@@ -27,7 +27,7 @@ td.n, th.n { text-align: right; font-variant-numeric: tabular-nums; }
 .v { font-weight: 600; padding: .1rem .5rem; border-radius: .3rem; white-space: nowrap; }
 .equal { background: #4d565c; color: #fff; } .within_bound { background: #0072b2; color: #fff; }
 .ambiguous { background: #f0e442; color: #222; } .wrong { background: #d55e00; color: #fff; }
-figure { display: inline-block; margin: 1rem 1rem 0 0; vertical-align: top; max-width: 100%; }
+figure { display: inline-block; margin: 1rem 1rem 0 0; vertical-align: top; max-width: min(100%, 37rem); }
 img { max-width: 100%; min-width: 16rem; image-rendering: pixelated; border: 1px solid var(--line); }
 figcaption { font-size: .85rem; } .note { background: var(--soft); padding: .2rem .7rem; }
 </style>
@@ -99,13 +99,14 @@ std::string section(const StageReport& stage, std::size_t index) {
     std::string html = fmt::format("<h2 id=\"stage{}\">{} {}</h2>\n", index, escaped(v.label), badge(v.verdict));
     if (!v.reason.empty()) html += fmt::format("<p>{}</p>\n", escaped(v.reason));
     for (const std::string& note : stage.notes) html += fmt::format("<p class=\"note\">{}</p>\n", escaped(note));
+    html += table_of_worst(v);
     html += picture(stage.map, v.id + ".verdict",
                     "The verdict of each pixel: grey equal, blue within bound, yellow ambiguous, red wrong, black not "
                     "judged. White frames: the worst pixels.");
     html += picture(stage.error, v.id + ".error",
                     "The largest |got - expected| of a pixel's components, of the largest value expected: black 0, then "
                     "from 1e-8 of it to white, all of it, by the logarithm; NaN red.");
-    return html + table_of_worst(v) + table_of_taps(stage);
+    return html + table_of_taps(stage);
 }
 
 }  // namespace

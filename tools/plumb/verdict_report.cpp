@@ -20,8 +20,6 @@ Json number_json(double value) { return std::isfinite(value) ? Json(value) : Jso
 
 std::string number_text(double value) { return std::isfinite(value) ? fmt::format("{:.3g}", value) : "none"; }
 
-std::string plural(std::int64_t n, const char* what) { return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s"); }
-
 std::string worst_text(const WorstPixel& w) {
     return fmt::format("{},{} {}: expected {}, got {}, may differ by {}", w.pixel.x, w.pixel.y, component_text(w),
                        exact_text(w.expected), exact_text(w.got), number_text(w.bound));
@@ -101,8 +99,6 @@ Json stage_json(const StageReport& stage) {
         json["explain"] = explain_json({v.label, worst ? worst->pixel : glm::ivec2(0), stage.explanation});
     return json;
 }
-
-
 
 }  // namespace
 
