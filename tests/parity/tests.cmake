@@ -12,6 +12,10 @@ if(TARGET test_parity)
       add_dependencies(test_parity ${shaders})
     endif()
   endforeach()
+  # lavapipe rasterises otherwise on a processor without fused multiply-adds: a device of its own.
+  add_test(NAME parity_without_fma COMMAND test_parity "device raster*")
+  set_tests_properties(parity_without_fma PROPERTIES LABELS vulkan SKIP_REGULAR_EXPRESSION "SKIPPED: " TIMEOUT 600
+    ENVIRONMENT GALLIUM_OVERRIDE_CPU_CAPS=sse4.1)
 else()
   add_test(NAME parity COMMAND ${CMAKE_COMMAND} -E echo "SKIPPED: built without Vulkan (libvulkan-dev)")
 endif()
