@@ -22,23 +22,23 @@ PLUMB_INLINE double farther(double middle, double a, double b) {
     return to_a >= to_b || to_a != to_a ? to_a : to_b;
 }
 
-// Of 2^e, and alike of e^e.
+// Of 2^e. Another base takes a product with a rounded constant, before or after: one unit and a half.
 PLUMB_INLINE double exp2_grant(double size, double e) {
     return size * (bounded_state.exp2 + bounded_state.exp2_slope * abs(e));
 }
 PLUMB_INLINE double log2_grant(double size) { return max(size * bounded_state.log2, bounded_state.log2_absolute); }
 
 // A bound of zero says that the argument is exact, also where f(x) - f(x) would be infinity - infinity.
-#define PLUMB_MONOTONE(f, grant)                                                                                 \
-    PLUMB_INLINE Bounded f(const Bounded& x) {                                                                   \
-        const double shadow = host::f(x.shadow);                                                                 \
-        const double reach = x.bound > 0 ? farther(shadow, host::f(x.low()), host::f(x.high())) : 0;             \
-        const double size = abs(shadow) + reach;                                                                 \
-        return bounded(f(x.value), shadow, reach, grant, x.ambiguous);                                           \
+#define PLUMB_MONOTONE(f, grant)                                                                     \
+    PLUMB_INLINE Bounded f(const Bounded& x) {                                                       \
+        const double shadow = host::f(x.shadow);                                                     \
+        const double reach = x.bound > 0 ? farther(shadow, host::f(x.low()), host::f(x.high())) : 0; \
+        const double size = abs(shadow) + reach;                                                     \
+        return bounded(f(x.value), shadow, reach, grant, x.ambiguous);                               \
     }
-PLUMB_MONOTONE(exp, exp2_grant(size, x.size()))
+PLUMB_MONOTONE(exp, exp2_grant(size, 1.4427 * x.size()) + 1.5 * bounded_state.multiply * x.size() * size)
 PLUMB_MONOTONE(exp2, exp2_grant(size, x.size()))
-PLUMB_MONOTONE(log, log2_grant(size))
+PLUMB_MONOTONE(log, log2_grant(size) + 1.5 * bounded_state.multiply * size)
 PLUMB_MONOTONE(log2, log2_grant(size))
 #undef PLUMB_MONOTONE
 

@@ -319,7 +319,8 @@ TEST_CASE("bounded: a gather with a constant off by 1e-4, or without one of 400 
 }
 
 TEST_CASE("bounded: pow, exp and logarithms hold what a driver may make of them", "[bounded]") {
-    // Vulkan 1.3: exp2 and exp 3 + 2 |x| units, log2 3 units outside [0.5, 2] and 2^-21 inside, pow by exp2(y log2 x).
+    // Vulkan 1.3: exp2 3 + 2 |x| units, log2 3 units outside [0.5, 2] and 2^-21 inside; pow by exp2(y log2 x), exp and
+    // log by a factor.
     auto exp2_of = [](Legal x) { return Legal(legal_result(host::exp2(x.read()), 3 + 2 * std::abs(x.read()))); };
     auto log2_of = [](Legal x) {
         const double exact = host::log2(x.read());
@@ -327,18 +328,21 @@ TEST_CASE("bounded: pow, exp and logarithms hold what a driver may make of them"
         return Legal(float(exact + device.random.between(-1, 1) * (0x1p-21 - 0x1p-25 * std::abs(exact))));
     };
     Random random(13);
-    double worst[3] = {};
+    double worst[5] = {};
     for (int i = 0; i < 20000; ++i) {
         const float a = float(random.between(0.003, i & 1 ? 1 : 40)), c = float(random.between(0.1, 1)),
                     y = float(random.between(0.2, 3));
         const Bounded x = Bounded(a) * Bounded(c);
-        const Bounded bounded[] = {detmath::pow(x, Bounded(y)), detmath::exp2(-x), detmath::log2(x)};
-        const float of_float[] = {detmath::pow(a * c, y), detmath::exp2(-(a * c)), detmath::log2(a * c)};
+        const Bounded bounded[] = {detmath::pow(x, Bounded(y)), detmath::exp2(-x), detmath::log2(x), detmath::exp(-x),
+                                   detmath::log(x)};
+        const float of_float[] = {detmath::pow(a * c, y), detmath::exp2(-(a * c)), detmath::log2(a * c),
+                                  detmath::exp(-(a * c)), detmath::log(a * c)};
         for (int n = 0; n < 2 * roundings; ++n) {
             choose_device(n);
             const Legal p = Legal(a) * Legal(c);
-            const Legal legal[] = {exp2_of(Legal(y) * log2_of(p)), exp2_of(-p), log2_of(p)};
-            for (int k = 0; k < 3; ++k) {
+            const Legal legal[] = {exp2_of(Legal(y) * log2_of(p)), exp2_of(-p), log2_of(p),
+                                   exp2_of(Legal(1.44269502f) * -p), log2_of(p) * Legal(0.693147182f)};
+            for (int k = 0; k < 5; ++k) {
                 const double off = std::abs(double(legal[k].value) - bounded[k].shadow);
                 if (!(off <= bounded[k].bound))
                     FAIL(k << " of " << a * c << ", " << y << ": " << off << " > " << bounded[k].bound);
