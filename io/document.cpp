@@ -45,7 +45,7 @@ DocumentValue from_toml(const toml::node& node) {
         std::vector<std::pair<toml::source_position, std::string>> order;
         for (const auto& [key, element] : *table) order.emplace_back(key.source().begin, key.str());
         std::sort(order.begin(), order.end());
-        for (const auto& [position, key] : order) value.table.emplace_back(key, from_toml(*table->get(key)));
+        for (const auto& [position, key] : order) value.table.push_back({key, from_toml(*table->get(key))});
     }
     return value;
 }
@@ -68,7 +68,7 @@ DocumentValue from_json(const GltfJson& json, const std::string& pointer) {
     } else if (json.is_object()) {
         value.kind = Kind::table;
         for (const auto& [key, element] : json.items())
-            value.table.emplace_back(key, from_json(element, pointer + "/" + key));
+            value.table.push_back({key, from_json(element, pointer + "/" + key)});
     }
     return value;
 }

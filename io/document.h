@@ -3,12 +3,13 @@
 
 #include <cstdint>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "core/fields.h"
 
 namespace plumb::io {
+
+struct DocumentEntry;
 
 struct DocumentValue {
     enum class Kind { number, flag, text, list, table, other };
@@ -19,8 +20,13 @@ struct DocumentValue {
     bool flag = false;
     std::string text;
     std::vector<DocumentValue> list;
-    std::vector<std::pair<std::string, DocumentValue>> table;  // in the order of the file
-    std::string place;                                         // "line 12" of TOML, "/stage/0/size" of JSON
+    std::vector<DocumentEntry> table;  // in the order of the file
+    std::string place;                 // "line 12" of TOML, "/stage/0/size" of JSON
+};
+
+struct DocumentEntry {
+    std::string key;
+    DocumentValue value;
 };
 
 // By the name's extension: .json, else TOML. Throws InputError of one line for what neither parser takes, for values

@@ -335,7 +335,8 @@ TEST_CASE("dump files: raw files that are not as they are described", "[io][dump
     };
     for (const auto& [spec, parts] : cases) {
         CAPTURE(parts[0]);
-        require_message(error_of([&] { read_dump(spec); }), parts);
+        const DumpSpec& wrong = spec;
+        require_message(error_of([&] { read_dump(wrong); }), parts);
     }
     // Cut at every byte.
     for (std::size_t n = 0; n < 64; ++n) {
@@ -414,7 +415,8 @@ TEST_CASE("dump files: files of another kind, and headers that promise too much"
         CAPTURE(name);
         std::vector<std::string> all = parts;
         all.insert(all.end(), {folder / name, "m.toml: line 7"});
-        require_message(error_of([&] { read_dump(picture(folder.put(name, bytes))); }), all);
+        const std::string path = folder.put(name, bytes);
+        require_message(error_of([&] { read_dump(picture(path)); }), all);
     }
     require_message(error_of([&] { read_dump(picture(folder / "sub.exr")); }),
                     {"sub.exr", "not a regular file", "m.toml: line 7"});

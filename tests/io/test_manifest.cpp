@@ -458,7 +458,8 @@ TEST_CASE("manifest: what is wrong is named in one line", "[io][manifest][robust
         CAPTURE(text.substr(0, 300));
         std::vector<std::string> all = parts;
         all.push_back(folder / "bad.toml");
-        require_message(error_of([&] { read_manifest(folder.put("bad.toml", text)); }), all);
+        const std::string path = folder.put("bad.toml", text);
+        require_message(error_of([&] { read_manifest(path); }), all);
     }
     CHECK(cases.size() >= 60);
 }
@@ -488,7 +489,8 @@ TEST_CASE("manifest: JSON that is wrong is named by its place", "[io][manifest][
         CAPTURE(text.substr(0, 300));
         std::vector<std::string> all = parts;
         all.push_back(folder / "bad.json");
-        require_message(error_of([&] { read_manifest(folder.put("bad.json", text)); }), all);
+        const std::string path = folder.put("bad.json", text);
+        require_message(error_of([&] { read_manifest(path); }), all);
     }
 }
 
