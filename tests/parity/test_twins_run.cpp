@@ -5,11 +5,13 @@
 #include <cmath>
 #include <iostream>
 
+#include "core/error.h"
 #include "core/formats.h"
 #include "gi/parity/stages.h"
 #include "io/scene_file.h"
 #include "io/scenes/generate.h"
 #include "tests/parity/twin_data.h"
+#include "tools/vulkan/batches.h"
 #include "tools/vulkan/profile.h"
 #include "tools/vulkan/runner.h"
 #include "tools/vulkan/shader.h"
@@ -86,6 +88,22 @@ TEST_CASE("twins: every compute stage gives the kernel's bits on lavapipe", "[tw
             }
         }
     check_silence(*device);
+}
+
+// What would be missed if outputs were not read back, or inputs not sent.
+TEST_CASE("twins: one input that is off by one unit in the last place is seen", "[twins][vulkan]") {
+    const vulkan::Device* device = lavapipe();
+    if (!device) return;
+    StageData data = test::direct_case({37, 23}, "direct");
+    const Bundle ours = run_here(binding_of(data), data);
+    Array& position = data.inputs.arrays[0];
+    REQUIRE(position.name == "position");
+    auto* x = reinterpret_cast<float*>(position.bytes.data()) + 4 * 45;
+    *x = std::nextafter(*x, 10.0f);
+    const vulkan::TwinResult theirs = vulkan::run_twin(*device, binding_of(data), data);
+    const std::size_t components = different(ours.arrays[0], theirs.outputs.arrays[0]);
+    CHECK(components > 0);
+    CHECK(components <= 3);  // of that one pixel
 }
 
 // Expected: lavapipe of Mesa 22.3 stores 16-bit floats towards zero (HalfStore::truncate).
@@ -197,6 +215,50 @@ TEST_CASE("twins: every stage of a frame gives the kernel's bits on lavapipe", "
             }
         }
     check_silence(*device);
+}
+
+// Expected: every batch has the same vertices as the whole, and the numbers of its triangles.
+TEST_CASE("twins: a draw in batches gives the bits of one draw", "[twins][vulkan]") {
+    const vulkan::Device* device = lavapipe();
+    if (!device) return;
+    const std::vector<StageData> frame = frame_of({"shapes", {120, 90}});
+    for (const StageData& data : frame) {
+        const StageBinding& binding = binding_of(data);
+        if (!binding.raster) continue;
+        INFO(data.id);
+        const std::int64_t vertices = at(data.inputs, "vertices").shape[0];
+        const vulkan::TwinResult whole = vulkan::run_twin(*device, binding, data);
+        for (std::int64_t batches : {2, 7}) {
+            const std::size_t bytes = std::size_t(vertices / batches) * 8 * sizeof(float);
+            const vulkan::TwinResult parts = vulkan::run_twin(*device, binding, data, {.largest_buffer = bytes});
+            for (std::size_t i = 0; i < whole.outputs.arrays.size(); ++i)
+                CHECK(different(whole.outputs.arrays[i], parts.outputs.arrays[i]) == 0);
+        }
+    }
+    check_silence(*device);
+}
+
+TEST_CASE("twins: batches cover every triangle once, each with its own vertices", "[twins]") {
+    // A fan around vertex 0: every batch has it.
+    std::vector<std::int32_t> triangles;
+    for (std::int32_t t = 0; t < 10; ++t) triangles.insert(triangles.end(), {0, t + 1, t + 2});
+    const vulkan::Batches whole = vulkan::split_draw(triangles, 12, 12);
+    REQUIRE(whole.list.size() == 1);
+    CHECK(whole.list[0].count == 10);
+    CHECK(whole.triangles.empty());
+
+    const vulkan::Batches split = vulkan::split_draw(triangles, 12, 6);
+    CHECK(split.list.size() > 1);
+    std::uint32_t next = 0;
+    for (const vulkan::Batch& batch : split.list) {
+        CHECK(batch.first == next);
+        CHECK(batch.vertices.size() <= 6);
+        for (std::size_t i = 3 * batch.first; i < 3 * (batch.first + batch.count); ++i)
+            CHECK(batch.vertices.at(std::size_t(split.triangles[i])) == triangles[i]);
+        next += batch.count;
+    }
+    CHECK(next == 10);
+    CHECK_THROWS_AS(vulkan::split_draw(triangles, 11, 6), InputError);  // vertex 11 is out of range
 }
 
 std::string refusal(const vulkan::Device& device, const StageBinding& binding, const StageData& data,

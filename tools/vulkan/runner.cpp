@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "tools/vulkan/batches.h"
 #include "tools/vulkan/compute.h"
 #include "tools/vulkan/graphics.h"
 #include "tools/vulkan/taps.h"
@@ -63,6 +64,11 @@ void check_input(const StageData& data, const Slot& slot, const Array& array) {
                                 dtype_name(array.dtype), shape_text(array.shape)));
 }
 
+// Whether a raster stage's buffer may have a row a vertex.
+bool is_of_vertices(const Slot& slot) {
+    return slot.name == "vertices" || slot.name == "tangents" || slot.name == "clip_positions";
+}
+
 }  // namespace
 
 // Everything on the device. Lists are reserved before they grow: `resources` points into them.
@@ -73,8 +79,9 @@ struct PreparedTwin::Parts {
     const RunTwin options;
     const VkExtent2D size;
     const bool reversed_z;
-    Bundle outputs;  // as they are before anything is written
-    std::uint32_t vertices = 0;
+    Bundle outputs;             // as they are before anything is written
+    Batches batches;            // of a raster stage
+    std::int64_t vertices = 0;  // of all of them
 
     Twin twin;    // of the compute or the fragment stage
     Spirv spirv;  // what runs of it
@@ -82,8 +89,9 @@ struct PreparedTwin::Parts {
     std::vector<Buffer> buffers;
     std::vector<Image> textures, stored;  // stored: outputs of a compute stage
     TapBuffer taps;
-    std::vector<Resource> resources;
-    DescriptorSet set;
+    std::vector<Resource> resources;              // that every batch sees
+    std::vector<std::vector<Resource>> of_batch;  // and its own
+    std::vector<DescriptorSet> sets;              // one a batch, one of a compute stage
     ComputePipeline compute;
     Targets targets;
     GraphicsPipeline graphics;
@@ -97,7 +105,10 @@ struct PreparedTwin::Parts {
     VkShaderStageFlags stages() const { return binding.raster ? raster_stages : compute_stage; }
     void choose_spirv();
     void upload(const StageData& data);
-    void add_buffer(std::uint32_t at, VkDescriptorType type, const void* bytes, std::size_t n);
+    void split(const StageData& data);
+    void add_buffer(std::vector<Resource>& to, std::uint32_t at, VkDescriptorType type, const void* bytes,
+                    std::size_t n);
+    void add_input_buffer(const Slot& slot, const Array& array);
     void add_outputs();
     void bind_all();
     void make_pipelines();
@@ -117,6 +128,7 @@ PreparedTwin::Parts::Parts(const Device& d, const StageBinding& b, const StageDa
         throw Error(fmt::format("{}: pixel {},{} lies outside of {} x {}", label, o.tap->x, o.tap->y, data.size.x,
                                 data.size.y));
     choose_spirv();
+    split(data);
     upload(data);
     add_outputs();
     bind_all();
@@ -135,27 +147,62 @@ void PreparedTwin::Parts::choose_spirv() {
             fmt::format("Vulkan: {} has no fragmentStoresAndAtomics, which taps of {} need", device.name(), label));
 }
 
-void PreparedTwin::Parts::add_buffer(std::uint32_t at, VkDescriptorType type, const void* bytes, std::size_t n) {
+void PreparedTwin::Parts::split(const StageData& data) {
+    batches.list = {Batch{}};
+    if (binding.raster) {
+        const Array& triangles = at(data.inputs, "triangles");
+        std::size_t row = 1;  // bytes of a vertex in the largest of its buffers
+        for (const Slot& slot : binding.inputs) {
+            const Array& array = at(data.inputs, slot.name);
+            if (!is_of_vertices(slot) || array.bytes.empty()) continue;
+            vertices = std::max(vertices, array.shape[0]);
+            row = std::max(row, array.bytes.size() / std::size_t(array.shape[0]));
+        }
+        const std::size_t most =
+            options.largest_buffer > 0 ? options.largest_buffer : std::size_t(device.limits().maxStorageBufferRange);
+        batches =
+            split_draw({reinterpret_cast<const std::int32_t*>(triangles.bytes.data()), triangles.bytes.size() / 4},
+                       std::size_t(vertices), most / row);
+    }
+    of_batch.resize(batches.list.size());
+}
+
+void PreparedTwin::Parts::add_buffer(std::vector<Resource>& to, std::uint32_t at, VkDescriptorType type,
+                                     const void* bytes, std::size_t n) {
     const bool uniform = type == VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
     buffers.push_back(device_buffer(device, bytes, n,
                                     uniform ? VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT : VK_BUFFER_USAGE_STORAGE_BUFFER_BIT));
-    resources.push_back({.binding = at, .type = type, .stages = stages(), .buffer = &buffers.back()});
+    to.push_back({.binding = at, .type = type, .stages = stages(), .buffer = &buffers.back()});
+}
+
+void PreparedTwin::Parts::add_input_buffer(const Slot& slot, const Array& array) {
+    constexpr VkDescriptorType storage = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+    const std::uint32_t at = std::uint32_t(slot.binding);
+    const bool whole = batches.triangles.empty();
+    if (!whole && slot.name == "triangles")
+        return add_buffer(resources, at, storage, batches.triangles.data(), 4 * batches.triangles.size());
+    // Tangents have one row where no map reads them.
+    if (whole || !is_of_vertices(slot) || array.shape[0] < vertices)
+        return add_buffer(resources, at, storage, array.bytes.data(), array.bytes.size());
+    for (std::size_t i = 0; i < batches.list.size(); ++i) {
+        const auto rows = gather_rows(array, batches.list[i].vertices);
+        add_buffer(of_batch[i], at, storage, rows.data(), rows.size());
+    }
 }
 
 void PreparedTwin::Parts::upload(const StageData& data) {
-    buffers.reserve(binding.inputs.size() + 1);
+    buffers.reserve(1 + binding.inputs.size() * batches.list.size());
     textures.reserve(binding.inputs.size());
     sampler = make_sampler(device, VK_FILTER_NEAREST, VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
                            VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE);
     if (!data.uniforms.empty())
-        add_buffer(uniform_binding, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, data.uniforms.data(), data.uniforms.size());
+        add_buffer(resources, uniform_binding, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, data.uniforms.data(),
+                   data.uniforms.size());
     for (const Slot& slot : binding.inputs) {
         const Array& array = at(data.inputs, slot.name);
         check_input(data, slot, array);
-        if (slot.name == "triangles") vertices = std::uint32_t(array.bytes.size() / sizeof(std::int32_t));
         if (slot.kind == SlotKind::buffer) {
-            add_buffer(std::uint32_t(slot.binding), VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, array.bytes.data(),
-                       array.bytes.size());
+            add_input_buffer(slot, array);
             continue;
         }
         const bool layered = slot.kind == SlotKind::image_array;
@@ -205,15 +252,20 @@ void PreparedTwin::Parts::bind_all() {
         const VkShaderStageFlags where = binding.raster ? VK_SHADER_STAGE_FRAGMENT_BIT : VK_SHADER_STAGE_COMPUTE_BIT;
         resources.push_back({.binding = tap_binding, .stages = where, .buffer = &taps.buffer()});
     }
-    for (std::uint32_t declared : declared_bindings(spirv))
-        if (std::none_of(resources.begin(), resources.end(), [&](const Resource& r) { return r.binding == declared; }))
-            throw Error(fmt::format("{}: the twin reads binding {}, which the stage does not bind", label, declared));
-    set = make_descriptor_set(device, resources);
+    for (std::size_t i = 0; i < of_batch.size(); ++i) {
+        std::vector<Resource> all = resources;
+        all.insert(all.end(), of_batch[i].begin(), of_batch[i].end());
+        for (std::uint32_t declared : declared_bindings(spirv))
+            if (std::none_of(all.begin(), all.end(), [&](const Resource& r) { return r.binding == declared; }))
+                throw Error(
+                    fmt::format("{}: the twin reads binding {}, which the stage does not bind", label, declared));
+        sets.push_back(make_descriptor_set(device, all));
+    }
 }
 
 void PreparedTwin::Parts::make_pipelines() {
     if (!binding.raster) {
-        compute = make_compute_pipeline(device, make_shader(device, spirv, binding.twin), set.layout.get());
+        compute = make_compute_pipeline(device, make_shader(device, spirv, binding.twin), sets[0].layout.get());
         return;
     }
     const auto words = [](std::span<const std::uint32_t> s) { return Spirv(s.begin(), s.end()); };
@@ -221,18 +273,22 @@ void PreparedTwin::Parts::make_pipelines() {
     how.vertex_shader = words(find_twin(binding.twin + ".vert").spirv);
     how.fragment_shader = spirv;
     how.name = binding.twin;
-    how.set = set.layout.get();
+    how.set = sets[0].layout.get();
     how.depth_test = reversed_z ? VK_COMPARE_OP_GREATER : VK_COMPARE_OP_LESS;
     graphics = make_graphics_pipeline(device, targets, how);
 }
 
 void PreparedTwin::Parts::record() {
     commands = device.record([&](VkCommandBuffer to) {
-        if (!binding.raster) return compute.dispatch(to, set.set, size);
+        if (!binding.raster) return compute.dispatch(to, sets[0].set, size);
         targets.begin(to);
         graphics.bind(to);
-        vkCmdBindDescriptorSets(to, VK_PIPELINE_BIND_POINT_GRAPHICS, graphics.layout.get(), 0, 1, &set.set, 0, nullptr);
-        if (vertices > 0) vkCmdDraw(to, vertices, 1, 0, 0);
+        for (std::size_t i = 0; i < sets.size(); ++i) {
+            const Batch& batch = batches.list[i];
+            vkCmdBindDescriptorSets(to, VK_PIPELINE_BIND_POINT_GRAPHICS, graphics.layout.get(), 0, 1, &sets[i].set, 0,
+                                    nullptr);
+            if (batch.count > 0) vkCmdDraw(to, 3 * batch.count, 1, 3 * batch.first, 0);
+        }
         targets.end(to);
         full_barrier(to);
     });
