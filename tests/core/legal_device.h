@@ -142,6 +142,7 @@ inline Legal sqrt(Legal a) {
 inline Legal min(Legal a, Legal b) { return plumb::min(a.value, b.value); }
 inline Legal max(Legal a, Legal b) { return plumb::max(a.value, b.value); }
 inline Legal abs(Legal a) { return plumb::abs(a.value); }
+inline Legal floor(Legal a) { return plumb::floor(a.value); }
 
 }  // namespace plumb::test
 
@@ -151,6 +152,7 @@ struct number<test::Legal> {
     using mask = bool;
     using index = std::int32_t;
     static constexpr int width = 1;
+    static index truncate_to_index(test::Legal x) { return number<float>::truncate_to_index(x.value); }
 };
 }  // namespace plumb
 
