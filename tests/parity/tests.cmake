@@ -20,3 +20,10 @@ else()
   add_test(NAME parity COMMAND ${CMAKE_COMMAND} -E echo "SKIPPED: built without Vulkan (libvulkan-dev)")
 endif()
 set_tests_properties(parity PROPERTIES LABELS vulkan SKIP_REGULAR_EXPRESSION "SKIPPED: " TIMEOUT 600)
+
+# Errors planted in twins, all of which the judge must find, and legal changes, none of which it may call wrong.
+if(TARGET plumb_mutants)
+  add_test(NAME mutants COMMAND plumb_mutants --lists ${PROJECT_SOURCE_DIR}/tests/parity/mutants
+    --least-wrong 200 --least-a-stage 20 --least-legal 80)
+  set_tests_properties(mutants PROPERTIES LABELS vulkan SKIP_REGULAR_EXPRESSION "SKIPPED: " TIMEOUT 600)
+endif()

@@ -9,6 +9,7 @@
 #include "gi/parity/stages.h"
 #include "io/scene_file.h"
 #include "tools/mutants/panels.h"
+#include "tools/mutants/ties.h"
 
 namespace plumb::mutants {
 namespace {
@@ -60,11 +61,18 @@ void append_cornell(const std::filesystem::path& source, std::vector<Dispatch>& 
     const Lit lit = execute(scene, settings);
     append("cornell", lit, settings, {"gbuffer", "rsm", "shadow", "direct", "rsm.disc", "compose"}, out);
 
-    frame::Settings other = settings;
-    other.shadow.mode = direct::ShadowMode::hard;
-    append("cornell, hard", lit, other, {"shadow"}, out);
-    other.shadow.mode = direct::ShadowMode::density, other.shadow.variant = direct::ShadowVariant::published;
-    append("cornell, published", lit, other, {"shadow"}, out);
+    frame::Settings hard = settings, published = settings;
+    hard.shadow.mode = direct::ShadowMode::hard, hard.shadow.max_slope = 1.5f;
+    published.shadow.variant = direct::ShadowVariant::published;
+    append("cornell, hard", lit, hard, {"shadow"}, out);
+    append("cornell, published", lit, published, {"shadow"}, out);
+
+    // Ties, for the lights that have one map.
+    std::vector<Dispatch> tied;
+    append("cornell with ties", lit, settings, {"shadow", "rsm.disc"}, tied);
+    append("cornell with ties, hard", lit, hard, {"shadow"}, tied);
+    for (Dispatch& d : tied)
+        if (d.data.id.find(".bulb.") == std::string::npos) plant_ties(d.data), out.push_back(std::move(d));
 
     // Every texel of a small map.
     for (Light& light : scene.lights) light.rsm_size = 16;

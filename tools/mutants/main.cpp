@@ -3,12 +3,18 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <cstdio>
+#include <functional>
+#include <future>
 #include <map>
+#include <thread>
 
 #include "core/error.h"
+#include "core/parallel.h"
 #include "tools/mutants/trial.h"
 
 using namespace plumb;
@@ -21,17 +27,19 @@ struct Options {
     std::string device = "llvmpipe";
     std::vector<std::string> only, stages;
     bool list = false, sensitivity = false;
-    int least_wrong = 0, least_legal = 0, least_a_stage = 0;
+    int threads = 0, least_wrong = 0, least_legal = 0, least_a_stage = 0;
 };
 
+bool wanted(const Options& options, const std::string& stage) {
+    return options.stages.empty() ||
+           std::find(options.stages.begin(), options.stages.end(), stage) != options.stages.end();
+}
 bool wanted(const Options& options, const Mutant& mutant) {
-    const auto any = [](const std::vector<std::string>& words, const std::string& name) {
-        return words.empty() || std::any_of(words.begin(), words.end(),
-                                            [&](const std::string& w) { return name.find(w) != std::string::npos; });
-    };
-    const bool stage = options.stages.empty() ||
-                       std::find(options.stages.begin(), options.stages.end(), mutant.stage) != options.stages.end();
-    return stage && any(options.only, mutant.name) && (mutant.kind == Kind::scale) == options.sensitivity;
+    const bool named = options.only.empty() ||
+                       std::any_of(options.only.begin(), options.only.end(), [&](const std::string& word) {
+                           return mutant.name.find(word) != std::string::npos;
+                       });
+    return named && wanted(options, mutant.stage) && (mutant.kind == Kind::scale) == options.sensitivity;
 }
 
 // How many mutants of each kind got each verdict, in all and a stage.
@@ -89,44 +97,71 @@ bool enough(const Options& options, const Matrix& matrix) {
     return ok;
 }
 
+// Calls one(court, i) for i = 0 .. n - 1, each court on a thread of its own, and tell(i, result) in order.
+template <class Result>
+void on_all(const std::vector<Court>& courts, std::size_t n, const std::function<Result(const Court&, std::size_t)>& one,
+            const std::function<void(std::size_t, const Result&)>& tell) {
+    std::vector<std::promise<Result>> promises(n);
+    std::atomic<std::size_t> next = 0;
+    std::vector<std::jthread> threads;
+    for (const Court& court : courts)
+        threads.emplace_back([&, n] {
+            for (std::size_t i; (i = next++) < n;) {
+                try {
+                    promises[i].set_value(one(court, i));
+                } catch (...) {
+                    next = n;
+                    promises[i].set_exception(std::current_exception());
+                }
+            }
+        });
+    for (std::size_t i = 0; i < n; ++i) tell(i, promises[i].get_future().get());
+}
+
 // The twins themselves must pass, or nothing that follows means anything.
-bool try_unmutated(const Options& options, const Court& court) {
+bool try_unmutated(const Options& options, const std::vector<Court>& courts, const std::vector<Dispatch>& all) {
+    std::vector<std::string> stages;
+    for (const Dispatch& d : all)
+        if (std::find(stages.begin(), stages.end(), d.data.stage) == stages.end() && wanted(options, d.data.stage))
+            stages.push_back(d.data.stage);
     bool ok = true;
-    for (const std::string& stage : court.stages()) {
-        if (!options.stages.empty() &&
-            std::find(options.stages.begin(), options.stages.end(), stage) == options.stages.end())
-            continue;
-        const Trial trial = court.unmutated(stage);
-        fmt::print("{:12} unmutated {}: {}\n", parity::verdict_name(trial.verdict), stage, described(trial));
-        ok = ok && trial.passed;
-    }
+    on_all<Trial>(
+        courts, stages.size(), [&](const Court& court, std::size_t i) { return court.unmutated(stages[i]); },
+        [&](std::size_t i, const Trial& trial) {
+            fmt::print("{:12} unmutated {}: {}\n", parity::verdict_name(trial.verdict), stages[i], described(trial));
+            ok = ok && trial.passed;
+        });
     return ok;
 }
 
-bool try_all(const Options& options, const Court& court, const std::vector<Mutant>& mutants) {
+bool try_all(const Options& options, const std::vector<Court>& courts, const std::vector<Mutant>& mutants) {
     Matrix matrix;
     int misses = 0, alarms = 0;
-    for (const Mutant& mutant : mutants) {
-        const Trial trial = court(mutant, mutant.kind == Kind::wrong);
+    const auto tell = [&](std::size_t i, const Trial& trial) {
+        const Mutant& mutant = mutants[i];
         matrix.add(mutant, trial.verdict);
         const bool ok = right(mutant, trial);
         if (!ok) ++(mutant.kind == Kind::wrong ? misses : alarms);
         fmt::print("{:12} {} {}{}: {}\n", parity::verdict_name(trial.verdict), kind_name(mutant.kind), mutant.name,
                    ok ? "" : mutant.kind == Kind::wrong ? " MISSED" : " FALSE ALARM", described(trial));
         std::fflush(stdout);
-    }
+    };
+    on_all<Trial>(
+        courts, mutants.size(),
+        [&](const Court& court, std::size_t i) { return court(mutants[i], mutants[i].kind == Kind::wrong); }, tell);
     matrix.print();
     fmt::print("\n{} misses, {} false alarms\n", misses, alarms);
     return enough(options, matrix) && misses == 0 && alarms == 0;
 }
 
-void measure_sensitivity(const Court& court, const std::vector<Mutant>& mutants) {
-    fmt::print("\n| stage | what is multiplied by 1 + e | smallest e that is wrong |\n|---|---|---|\n");
-    for (const Mutant& mutant : mutants) {
-        const double e = smallest_error(court, mutant);
-        fmt::print("| {} | {} | {} |\n", mutant.stage, mutant.name, e > 0 ? fmt::format("{:.1e}", e) : "above 0.1");
-        std::fflush(stdout);
-    }
+void measure_sensitivity(const std::vector<Court>& courts, const std::vector<Mutant>& mutants) {
+    fmt::print("\n| what is multiplied by 1 + e | smallest e that is wrong |\n|---|---|\n");
+    on_all<double>(
+        courts, mutants.size(), [&](const Court& court, std::size_t i) { return smallest_error(court, mutants[i]); },
+        [&](std::size_t i, const double& e) {
+            fmt::print("| {} | {} |\n", mutants[i].name, e > 0 ? fmt::format("{:.1e}", e) : "above 0.1");
+            std::fflush(stdout);
+        });
 }
 
 int run(const Options& options) {
@@ -138,27 +173,31 @@ int run(const Options& options) {
     for (Mutant& mutant : read_mutants(options.lists))
         if (wanted(options, mutant)) mutants.push_back(std::move(mutant));
     if (options.list) {
-        for (const Mutant& m : mutants) fmt::print("{} {} {} {}\n", kind_name(m.kind), m.stage, m.name, m.file);
+        for (const Mutant& m : mutants) fmt::print("{} {} {}\n", kind_name(m.kind), m.name, m.file);
         return 0;
     }
 
-    std::unique_ptr<vulkan::Device> device;
+    const auto start = std::chrono::steady_clock::now();
+    std::vector<std::unique_ptr<vulkan::Device>> devices;
     try {
-        device = std::make_unique<vulkan::Device>(vulkan::DeviceOptions{options.device, false});
+        for (int i = 0; i < thread_count(options.threads); ++i)
+            devices.push_back(std::make_unique<vulkan::Device>(vulkan::DeviceOptions{options.device, false}));
     } catch (const vulkan::Error& e) {
         fmt::print("SKIPPED: {}\n", e.what());
         return 0;
     }
-    const auto start = std::chrono::steady_clock::now();
     const TwinCompiler compiler(options.glslang, options.source);
-    const Court court(*device, compiler, dispatches(options.source));
-    bool ok = try_unmutated(options, court);
+    const std::vector<Dispatch> all = dispatches(options.source);
+    std::vector<Court> courts;
+    for (const auto& device : devices) courts.emplace_back(*device, compiler, all);
+
+    bool ok = try_unmutated(options, courts, all);
     if (options.sensitivity)
-        measure_sensitivity(court, mutants);
+        measure_sensitivity(courts, mutants);
     else
-        ok = try_all(options, court, mutants) && ok;
+        ok = try_all(options, courts, mutants) && ok;
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-    fmt::print("{} on {} in {:.1f} s\n", ok ? "as it should be" : "FAILED", device->name(), seconds.count());
+    fmt::print("{} on {} in {:.1f} s\n", ok ? "as it should be" : "FAILED", devices.front()->name(), seconds.count());
     return ok ? 0 : 1;
 }
 
@@ -172,6 +211,7 @@ int main(int argc, char** argv) {
     app.add_option("--device", o.device, "part of the name of a Vulkan device");
     app.add_option("--only", o.only, "mutants with this in their names");
     app.add_option("--stage", o.stages, "mutants of this stage");
+    app.add_option("--threads", o.threads, "0: all processors");
     app.add_option("--least-wrong", o.least_wrong, "fail below so many wrong mutants");
     app.add_option("--least-a-stage", o.least_a_stage, "fail where a stage has fewer wrong mutants");
     app.add_option("--least-legal", o.least_legal, "fail below so many legal variants");

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <cstring>
 #include <fstream>
 #include <sstream>
 
@@ -112,44 +113,48 @@ std::string edited(const Mutant& mutant, const std::string& text, double scale) 
 }
 
 TwinCompiler::TwinCompiler(std::string glslang, fs::path source) : glslang_(std::move(glslang)), source_(source) {
-    overlay_ = fs::temp_directory_path() / fmt::format("plumb_mutants_{}", getpid());
-    fs::remove_all(overlay_);
-    fs::create_directories(overlay_);
+    directory_ = fs::temp_directory_path() / fmt::format("plumb_mutants_{}", getpid());
+    fs::remove_all(directory_);
+    fs::create_directories(directory_);
 }
 
 TwinCompiler::~TwinCompiler() {
     std::error_code ignored;
-    fs::remove_all(overlay_, ignored);
+    fs::remove_all(directory_, ignored);
+}
+
+fs::path TwinCompiler::new_overlay() const {
+    const fs::path overlay = directory_ / std::to_string(overlays_++);
+    fs::create_directories(overlay);
+    return overlay;
 }
 
 std::vector<std::uint32_t> TwinCompiler::compile(const StageBinding& binding) const {
-    return compile_file(source_ / main_file(binding), binding.info.name);
+    return compile_file(new_overlay(), source_ / main_file(binding), binding.info.name);
 }
 
+// The mutated file lies in an overlay of its own, which is searched before the source.
 std::vector<std::uint32_t> TwinCompiler::compile(const StageBinding& binding, const Mutant& mutant, double scale) const {
     const std::string text = with_prelude(edited(mutant, text_of(source_ / mutant.file, mutant.place), scale));
-    const fs::path file = overlay_ / mutant.file;
+    const fs::path overlay = new_overlay(), file = overlay / mutant.file;
     fs::create_directories(file.parent_path());
     std::ofstream(file, std::ios::binary) << text;
     const bool is_main = mutant.file == main_file(binding);
-    std::vector<std::uint32_t> spirv =
-        compile_file(is_main ? file : source_ / main_file(binding), mutant.place + ": " + mutant.name);
-    fs::remove(file);
-    return spirv;
+    return compile_file(overlay, is_main ? file : source_ / main_file(binding), mutant.place + ": " + mutant.name);
 }
 
-std::vector<std::uint32_t> TwinCompiler::compile_file(const fs::path& file, const std::string& name) const {
-    const fs::path spirv = overlay_ / "out.spv", log = overlay_ / "log";
+std::vector<std::uint32_t> TwinCompiler::compile_file(const fs::path& overlay, const fs::path& file,
+                                                      const std::string& name) const {
+    const fs::path spirv = overlay / "out.spv", log = overlay / "log";
     const std::string command =
         fmt::format("{} -V --quiet --target-env vulkan1.1 {} {} -o {} {} > {} 2>&1", quoted(glslang_),
-                    quoted("-I" + overlay_.string()), quoted("-I" + source_.string()), quoted(spirv.string()),
+                    quoted("-I" + overlay.string()), quoted("-I" + source_.string()), quoted(spirv.string()),
                     quoted(file.string()), quoted(log.string()));
-    fs::remove(spirv);
     if (std::system(command.c_str()) != 0 || !fs::exists(spirv))
         throw InputError(fmt::format("{}: does not compile: {}", name, text_of(log, name)));
     const std::string bytes = text_of(spirv, name);
     std::vector<std::uint32_t> words(bytes.size() / 4);
-    std::copy_n(bytes.data(), words.size() * 4, reinterpret_cast<char*>(words.data()));
+    std::memcpy(words.data(), bytes.data(), words.size() * 4);
     return words;
 }
 

@@ -11,6 +11,7 @@
 // `replace` may call what prelude.glsl offers: half precision, fused and truncated arithmetic.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -35,7 +36,7 @@ struct Mutant {
 // of one name, and for a file that is not there.
 std::vector<Mutant> read_mutants(const std::filesystem::path& folder);
 
-// Compiles twins, as they are and mutated, in a directory of its own, which goes with it.
+// Compiles twins, as they are and mutated, in a directory of its own, which goes with it. Threads may share one.
 class TwinCompiler {
   public:
     TwinCompiler(std::string glslang, std::filesystem::path source);
@@ -49,10 +50,13 @@ class TwinCompiler {
     std::vector<std::uint32_t> compile(const StageBinding& binding, const Mutant& mutant, double scale = 1) const;
 
   private:
-    std::vector<std::uint32_t> compile_file(const std::filesystem::path& file, const std::string& name) const;
+    std::vector<std::uint32_t> compile_file(const std::filesystem::path& overlay, const std::filesystem::path& file,
+                                            const std::string& name) const;
+    std::filesystem::path new_overlay() const;
 
     std::string glslang_;
-    std::filesystem::path source_, overlay_;
+    std::filesystem::path source_, directory_;
+    mutable std::atomic<int> overlays_ = 0;
 };
 
 // `text` with the edit. Throws InputError where `find` does not stand as often as it must.

@@ -15,11 +15,10 @@ Texture noise(const std::string& name, int width, int height, std::uint32_t seed
     return t;
 }
 
-// Normals that lean to all sides: blue stays high.
+// Normals that lean to all sides: blue stays high. Marked as sRGB, which a normal map is never read as.
 Texture bumps(int width, int height) {
     Texture t = noise("bumps", width, height, 71);
     for (std::size_t i = 0; i < t.texels.size(); ++i) t.texels.data()[i] = (t.texels.data()[i] & 0xff3fffffu) | 0x00c00000u;
-    t.srgb = false;
     return t;
 }
 

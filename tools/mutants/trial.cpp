@@ -1,23 +1,16 @@
 #include "tools/mutants/trial.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/error.h"
-#include "core/host_math.h"
 #include "gi/parity/stages.h"
 #include "tools/vulkan/runner.h"
 
 namespace plumb::mutants {
 
-Court::Court(const vulkan::Device& device, const TwinCompiler& compiler, std::vector<Dispatch> dispatches)
-    : device_(device), compiler_(compiler), dispatches_(std::move(dispatches)) {}
-
-std::vector<std::string> Court::stages() const {
-    std::vector<std::string> names;
-    for (const Dispatch& d : dispatches_)
-        if (std::find(names.begin(), names.end(), d.data.stage) == names.end()) names.push_back(d.data.stage);
-    return names;
-}
+Court::Court(const vulkan::Device& device, const TwinCompiler& compiler, const std::vector<Dispatch>& dispatches)
+    : device_(device), compiler_(compiler), dispatches_(dispatches) {}
 
 Trial Court::unmutated(const std::string& stage) const {
     const StageBinding& binding = parity::find_binding(stage, "plumb_mutants");
@@ -37,10 +30,14 @@ Trial Court::run(const StageBinding& binding, std::span<const std::uint32_t> spi
         options.spirv = spirv;
         vulkan::TwinResult result = vulkan::run_twin(device_, binding, dispatch.data, options);
         std::vector<parity::Dumped> dumped;
-        for (const Slot& slot : binding.outputs) dumped.push_back({slot.name, std::move(plumb::at(result.outputs, slot.name))});
+        for (Array& array : result.outputs.arrays) {
+            const std::string name = array.name;
+            dumped.push_back({name, std::move(array)});
+        }
 
         parity::JudgeOptions judge;
         judge.profile = find_profile("ideal", "plumb_mutants");
+        judge.run.threads = 1;
         const parity::StageVerdict verdict = parity::judge(binding, dispatch.data, dumped, judge);
         const double pixels = double(std::max<std::int64_t>(verdict.pixels, 1));
         ++trial.runs;

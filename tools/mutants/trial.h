@@ -21,24 +21,22 @@ struct Trial {
     int runs = 0;
 };
 
+// One thread's: all that it is given must outlive it.
 class Court {
   public:
-    Court(const vulkan::Device& device, const TwinCompiler& compiler, std::vector<Dispatch> dispatches);
+    Court(const vulkan::Device& device, const TwinCompiler& compiler, const std::vector<Dispatch>& dispatches);
 
     // The twin as it is.
     Trial unmutated(const std::string& stage) const;
     // until_wrong: stop at the first dispatch that is wrong.
     Trial operator()(const Mutant& mutant, bool until_wrong, double scale = 1) const;
 
-    // The stages that have dispatches, in their order.
-    std::vector<std::string> stages() const;
-
   private:
     Trial run(const StageBinding& binding, std::span<const std::uint32_t> spirv, bool until_wrong) const;
 
     const vulkan::Device& device_;
     const TwinCompiler& compiler_;
-    std::vector<Dispatch> dispatches_;
+    const std::vector<Dispatch>& dispatches_;
 };
 
 // The smallest e for which a factor of 1 + e is found to be wrong, to within a tenth; 0 where not even 0.1 is.

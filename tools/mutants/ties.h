@@ -1,0 +1,13 @@
+// Points on which a legal device may decide otherwise: half of a picture's.
+#pragma once
+
+#include "core/binding.h"
+
+namespace plumb::mutants {
+
+// Moves points of a dispatch of shadow or rsm.disc: a quarter of them to where they project on to the border of two
+// texels of the map, and (shadow) a quarter to where the comparison with the map's depth is a tie; both to within a few
+// roundings.
+void plant_ties(StageData& data);
+
+}  // namespace plumb::mutants
