@@ -1,0 +1,134 @@
+// Every stage against its twin on a device: the same inputs, in turns, wall clock. What is timed is one dispatch or draw
+// with all buffers in place, from submission to completion; ours is one run of the stage into memory that is kept.
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <exception>
+#include <iostream>
+#include <memory>
+
+#include "core/error.h"
+#include "core/parallel.h"
+#include "gi/parity/stages.h"
+#include "io/scene_file.h"
+#include "raster/light_view.h"
+#include "raster/workspace.h"
+#include "tools/bench_raster/measure.h"
+#include "tools/vulkan/runner.h"
+
+namespace plumb::bench {
+namespace {
+
+struct Options {
+    std::string device = "llvmpipe";
+    std::vector<std::string> scenes{"data/scenes/cornell/cornell.toml", "data/scenes/atrium/atrium.toml"};
+    int width = 1024, height = 1024, runs = 7;
+    RunOptions run;
+};
+
+// What differs between ours and theirs, in 32-bit words.
+std::size_t differing(const Bundle& ours, const Bundle& theirs) {
+    std::size_t n = 0;
+    for (const Array& a : ours.arrays) {
+        const Array& b = at(theirs, a.name);
+        for (std::size_t i = 0; i < a.bytes.size() && i < b.bytes.size(); i += 4)
+            n += std::memcmp(&a.bytes[i], &b.bytes[i], 4) != 0;
+    }
+    return n;
+}
+
+// The stage as a frame runs it: raster stages by their tiles, with memory that is kept.
+struct Ours {
+    const Scene& scene;
+    const frame::Settings& settings;
+    Geometry geometry;
+    raster::Surfaces surfaces;
+    raster::Workspace workspace;
+    raster::GBuffer gbuffer;
+    raster::Rsm rsm;
+
+    Ours(const Scene& s, const frame::Settings& t)
+        : scene(s), settings(t), geometry(flatten(s)), surfaces(raster::prepare(s, geometry)) {}
+
+    void draw_gbuffer(const RunOptions& run) {
+        const glm::ivec2 size = scene.frame_size;
+        const View view = make_view(scene.camera, double(size.x) / size.y, scene.convention, size);
+        raster::draw_gbuffer(geometry, surfaces, view, size, raster::Layout::fp32, run, gbuffer, {}, &workspace);
+    }
+    void draw_rsm(const Light& light, const RunOptions& run) {
+        glm::vec3 low(0), high(0);
+        bounds(geometry, low, high);
+        raster::draw_rsm(geometry, surfaces, light, raster::light_views(light, low, high)[0], raster::Layout::fp32, run,
+                         rsm, &workspace);
+    }
+};
+
+void measure(const vulkan::Device& device, const std::string& file, const Options& options) {
+    Scene scene = io::load_scene(file, frame::method_tables());
+    scene.frame_size = {options.width, options.height};
+    frame::Settings settings = frame::settings_of(scene);
+    settings.layout = raster::Layout::fp32;
+    const frame::Plan plan = frame::plan(scene, settings);
+    const frame::Frame frame = frame::execute(scene, settings, plan, options.run);
+    Ours ours(scene, settings);
+    const DeviceProfile ideal;
+    std::string last;
+    for (const StageData& data : parity::frame_data(scene, settings, plan, frame)) {
+        // Of the dispatches of one stage the first stands for all.
+        if (data.stage == last) continue;
+        last = data.stage;
+        const StageBinding& binding = parity::find_binding(data.stage, "bench twins");
+        const std::unique_ptr<BoundStage> bound = binding.bind(data);
+        vulkan::PreparedTwin twin(device, binding, data);
+        Bundle outputs;
+        auto run_ours = [&] {
+            if (data.stage == "gbuffer") return clock_ms([&] { ours.draw_gbuffer(options.run); });
+            if (data.stage == "rsm") return clock_ms([&] { ours.draw_rsm(scene.lights[0], options.run); });
+            return clock_ms([&] { bound->run(options.run, ideal, outputs); });
+        };
+        const std::vector<Times> times = interleave(options.runs, {run_ours, [&] { return twin.submit(); }});
+        std::string note = "the same bits";
+        if (!binding.raster) {
+            const std::size_t n = differing(outputs, twin.read().outputs);
+            if (n > 0) note = fmt::format("{} words differ", n);
+        } else {
+            note = "drawn";
+        }
+        fmt::print("| {} | {} | {} x {} | {:.2f} | {:.2f} | {:.2f} | {} |\n", scene.name, data.label, data.size.x,
+                   data.size.y, times[0].median(), times[1].median(), times[1].median() / times[0].median(), note);
+        std::cout.flush();
+    }
+}
+
+}  // namespace
+}  // namespace plumb::bench
+
+int main(int argc, char** argv) {
+    using namespace plumb;
+    bench::Options options;
+    std::string isa = "auto";
+    CLI::App app("Times every stage of a frame against its twin on a device, with the same inputs and in turns",
+                 "tools/bench twins");
+    app.add_option("--against-device", options.device, "a part of the device's name (llvmpipe)");
+    app.add_option("--scenes", options.scenes, "scene files (cornell and atrium)")->delimiter(',');
+    app.add_option("--width", options.width, "pixels (1024)")->check(CLI::Range(1, 16384));
+    app.add_option("--height", options.height, "pixels (1024)")->check(CLI::Range(1, 16384));
+    app.add_option("--runs", options.runs, "runs of each side, in turns (7)")->check(CLI::Range(1, 1000));
+    app.add_option("--threads", options.run.threads, "of ours; 0: all processors (0)")->check(CLI::Range(0, 1024));
+    app.add_option("--isa", isa, "auto, scalar, sse, avx2 or avx512 (auto)");
+    CLI11_PARSE(app, argc, argv);
+    try {
+        options.run.isa = parse_isa(isa);
+        const vulkan::Device device({.name = options.device});
+        fmt::print("{}; {} threads of ours\n\n", device.name(), thread_count(options.run.threads));
+        fmt::print("| scene | stage | pixels | ours, ms | twin, ms | twin / ours | results |\n|---|---|---|---|---|---|---|\n");
+        for (const std::string& scene : options.scenes) bench::measure(device, scene, options);
+        return 0;
+    } catch (const InputError& error) {
+        std::cerr << "bench twins: " << error.what() << "\n";
+        return 2;
+    } catch (const std::exception& error) {
+        std::cerr << "bench twins: " << error.what() << "\n";
+        return 1;
+    }
+}
