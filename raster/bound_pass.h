@@ -2,6 +2,7 @@
 //
 // Pass is a small struct made from StageData and the scene that it draws. It offers
 //
+//     args                                                         the kernel's
 //     static constexpr int components                              of its targets of floats, which come first
 //     std::vector<double> indices(std::int32_t triangle) const     of its targets of indices, which follow
 //     void target(Bundle& outputs)                                 where resolve() writes
@@ -150,14 +151,19 @@ class BoundPass final : public BoundStage {
                a.fused_raster == b.fused_raster && a.snap_uncertainty == b.snap_uncertainty;
     }
 
+    static LegalTriangle exact(std::int32_t triangle, const glm::vec2& l, double z) {
+        LegalTriangle t{};
+        t.triangle = triangle, t.bounded = true;
+        t.l1 = {l.x, l.x}, t.l2 = {l.y, l.y}, t.z = {z, z}, t.l = l;
+        return t;
+    }
     LegalTriangle empty_pixel() const {
         const double clear = data_.reversed_z ? 0 : 1;
-        return {-1, false, true, {0, 0}, {0, 0}, {clear, clear}, {0, 0}, {}};
+        return exact(-1, {0, 0}, clear);
     }
     LegalTriangle own(const VisibilityBuffer& seen, glm::ivec2 pixel) const {
-        const glm::vec2 l = seen.barycentrics(pixel.x, pixel.y);
-        const double z = seen.depth(pixel.x, pixel.y);
-        return {seen.triangle(pixel.x, pixel.y), false, true, {l.x, l.x}, {l.y, l.y}, {z, z}, l, {}};
+        return exact(seen.triangle(pixel.x, pixel.y), seen.barycentrics(pixel.x, pixel.y),
+                     seen.depth(pixel.x, pixel.y));
     }
 
     // Appends what the kernel makes of a triangle at the pixel.
@@ -177,7 +183,7 @@ class BoundPass final : public BoundStage {
                     values.assign(components.begin(), components.end());
                 },
                 most_outcomes, ways, choices);
-        if (t.triangle >= 0 && t.bounded && t.rounding > 0) tighten(pixel, t, ways);
+        if (t.triangle >= 0 && t.bounded && t.rounding.x > 0) tighten(t, ways);
         for (Outcome& way : ways) {
             // An undecided index is one of a texture's levels: it leaves position and depth alone.
             if (way.ambiguous)
@@ -191,24 +197,37 @@ class BoundPass final : public BoundStage {
 
     // Two barycentrics that go together say more than two intervals. Position and depth are projective maps of the window:
     // their extremes over the box lie at its corners. So do a normal's, but for the second order of its division by its
-    // length, where no map bends it and its side is decided.
-    void tighten(glm::ivec2 pixel, const LegalTriangle& t, std::vector<Outcome>& ways) const {
-        NoTap tap;
-        auto about = [&](const Interval& i, float value) { return Bounded::within(value, i.middle(), t.rounding); };
-        const vec2<Bounded> l{about(t.l1, float(t.l1.middle())), about(t.l2, float(t.l2.middle()))};
-        const auto middle = pass_.template pixel<Bounded>(pixel, t.triangle, l, tap);
-        double reach[7] = {};
+    // length, where vertices have one and no map bends it.
+    void tighten(const LegalTriangle& t, std::vector<Outcome>& ways) const {
+        auto about = [](const Interval& i, double bound) {
+            return Bounded::within(float(i.middle()), i.middle(), bound);
+        };
+        const auto middle = smooth_values<Bounded>(t.triangle, {about(t.l1, t.rounding.x), about(t.l2, t.rounding.y)});
+        double reach[smooth] = {};
         for (const glm::dvec2& corner : t.corner) {
-            const auto at = pass_.template pixel<double>(pixel, t.triangle, vec2<double>(corner), tap);
-            for (std::size_t c = 0; c < 7; ++c) reach[c] = std::max(reach[c], std::abs(at[c] - middle[c].shadow));
+            const auto at = smooth_values<double>(t.triangle, vec2<double>(corner));
+            for (std::size_t c = 0; c < smooth; ++c) reach[c] = std::max(reach[c], std::abs(at[c] - middle[c].shadow));
         }
         const double turn = std::max({reach[4], reach[5], reach[6]});
         const auto material = std::size_t(scene_.geometry.material[std::size_t(t.triangle)]);
-        const bool smooth = ways.size() == 1 && scene_.surfaces.materials[material * record_stride + 10] == 0;
+        const bool bent = scene_.surfaces.materials[material * record_stride + 10] > 0;
+        const bool given = middle[4].shadow != 0 || middle[5].shadow != 0 || middle[6].shadow != 0;
         for (Outcome& way : ways)
-            for (std::size_t c = 0; c < (smooth ? 7u : 4u); ++c)
+            for (std::size_t c = 0; c < (given && !bent ? smooth : 4); ++c)
                 way.values[c].bound = std::min(way.values[c].bound,
                                                reach[c] + middle[c].bound + (c < 4 ? 0 : 4 * turn * turn));
+    }
+
+    // Position, linear depth, and the interpolated normal, unit, of either side: as surface() has them.
+    static constexpr std::size_t smooth = 7;
+    template <class F>
+    std::array<F, smooth> smooth_values(std::int32_t triangle, const vec2<F>& l) const {
+        const Corners<F> k = fetch_corners<F>(pass_.args.surfaces, triangle);
+        auto at = [&](const vec4<F>& a, const vec4<F>& b, const vec4<F>& c) {
+            return interpolate3(xyz<F>(a), minus3(xyz<F>(b), xyz<F>(a)), minus3(xyz<F>(c), xyz<F>(a)), l);
+        };
+        const vec3<F> x = at(k.a.p, k.b.p, k.c.p), n = normalised(at(k.a.n, k.b.n, k.c.n));
+        return {x.x, x.y, x.z, linear_depth(pass_.args.eye, pass_.args.forward, x), n.x, n.y, n.z};
     }
 
     static constexpr double infinity = std::numeric_limits<double>::infinity();

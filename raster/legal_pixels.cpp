@@ -17,13 +17,25 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 // What a device's floats may cost (assumed: no specification says), in parts of the largest coordinate. A window
 // coordinate is x / w, scaled and shifted: 2.5, 0.5 and 0.5 units in the last place. A plane a0 + x dadx + y dady has
-// three roundings of its largest term, which is as good as a displacement.
+// as many roundings of its largest term, and each plane its own: as good as a displacement, another one for each.
 constexpr double float_slack = 0x1p-21;
 // And each interpolated value errs by a few units in the last place of the largest corner's.
 constexpr double float_ulps = 4 * 0x1p-24;
 
 // The narrower a triangle is, the less is known of where in it a pixel lies; from here on, nothing.
 constexpr double too_narrow = 0.5;
+
+constexpr int many = 9;  // open edges: no neighbour makes up for them
+
+bool before(const glm::vec4& a, const glm::vec4& b) {
+    return std::lexicographical_compare(&a.x, &a.x + 4, &b.x, &b.x + 4);
+}
+
+// Whether the two meet in an edge, which has the same ends in both, and the centre lies within all their other edges:
+// one of them covers it, wherever the ends go.
+bool cover_together(const LegalTriangle& a, const LegalTriangle& b) {
+    return a.open == 1 && b.open == 1 && a.edge[0] == b.edge[0] && a.edge[1] == b.edge[1] && a.right != b.right;
+}
 
 double support(const glm::dvec2& n, double slack) { return slack * (std::abs(n.x) + std::abs(n.y)); }
 
@@ -63,23 +75,28 @@ LegalPixels::Polygon LegalPixels::polygon(std::int32_t triangle) const {
     const glm::vec4 corners[3] = {scene_.clip_positions[t.x], scene_.clip_positions[t.y], scene_.clip_positions[t.z]};
     Polygon p;
     if (outside_frame(corners)) return p;
-    const ClipPolygon seen = clip(volume_, corners);
-    double largest = 0;
-    for (const glm::vec4& c : corners)
-        for (int k = 0; k < 4; ++k) largest = std::max(largest, std::abs(double(c[k])));
     const double side = std::max(size_.x, size_.y);
     double perimeter = 0, area = 0, slack = 0;
-    p.count = seen.count;
-    for (int i = 0; i < seen.count; ++i) {
-        const ClipVertex& v = seen.vertices[i];
-        const glm::dvec4& c = v.position;
-        const bool given = v.barycentrics.x + v.barycentrics.y == std::max(v.barycentrics.x, v.barycentrics.y) &&
-                           (v.barycentrics.x + v.barycentrics.y == 0 || v.barycentrics.x + v.barycentrics.y == 1);
-        Corner& corner = p.corner[i];
+    auto add = [&](const glm::dvec4& c, double clip_error) {
+        Corner& corner = p.corner[p.count++];
         corner = {(c.x / c.w + 1) * 0.5 * size_.x, (c.y / c.w + 1) * 0.5 * size_.y, c.z / c.w, 1 / c.w, 0};
-        corner.slack = snapping_ + float_slack * std::max({side, std::abs(corner.x), std::abs(corner.y)});
-        if (!given) corner.slack += float_slack * side * largest / c.w;
+        corner.slack = snapping_ + float_slack * std::max({side, std::abs(corner.x), std::abs(corner.y)}) +
+                       clip_error * side / c.w;
         slack = std::max(slack, corner.slack);
+    };
+    if (inside(volume_, corners[0]) && inside(volume_, corners[1]) && inside(volume_, corners[2])) {
+        for (const glm::vec4& c : corners) add(glm::dvec4(c), 0);
+    } else {
+        p.clipped = true;
+        double largest = 0;
+        for (const glm::vec4& c : corners)
+            for (int k = 0; k < 4; ++k) largest = std::max(largest, std::abs(double(c[k])));
+        const ClipPolygon seen = clip(volume_, corners);
+        for (int i = 0; i < seen.count; ++i) {
+            const glm::dvec2 l = seen.vertices[i].barycentrics;
+            const bool given = l == glm::dvec2(0, 0) || l == glm::dvec2(1, 0) || l == glm::dvec2(0, 1);
+            add(seen.vertices[i].position, given ? 0 : 2 * float_slack * largest);
+        }
     }
     for (int i = 0; i < p.count; ++i) {
         const Corner &a = p.corner[i], &b = p.corner[(i + 1) % p.count], &o = p.corner[0];
@@ -185,16 +202,16 @@ void LegalPixels::bound_values(const Polygon& p, glm::dvec2 centre, LegalTriangl
         largest_inverse_w = std::max(largest_inverse_w, p.corner[i].inverse_w);
     }
     const double excess = out.sure ? 1 : (1 + 2 * p.narrowness) / (1 - p.narrowness);
-    const double reach = slack_at(p, centre) * excess + float_slack * std::max(size_.x, size_.y);
+    const double reach = slack_at(p, centre) * excess;
 
     // All three values are projective maps of the window: along an axis they are monotone, and their extremes over a
     // box lie at its corners.
     const glm::uvec3& t = scene_.geometry.triangles[std::size_t(out.triangle)];
     const glm::dvec4 clip[3] = {glm::dvec4(scene_.clip_positions[t.x]), glm::dvec4(scene_.clip_positions[t.y]),
                                 glm::dvec4(scene_.clip_positions[t.z])};
+    // Beside them the planes that a device may interpolate, of l1 / w, l2 / w and 1 / w.
     const Interval empty{infinity, -infinity};
-    Interval l1 = empty, l2 = empty, z = empty;
-    double inverse_w = infinity;
+    Interval l1 = empty, l2 = empty, z = empty, plane[3] = {empty, empty, empty};
     for (int k = 0; k < 4; ++k) {
         const glm::dvec2 at = centre + reach * glm::dvec2(k & 1 ? 1 : -1, k & 2 ? 1 : -1);
         glm::dvec3 corner[3];
@@ -209,13 +226,20 @@ void LegalPixels::bound_values(const Polygon& p, glm::dvec2 centre, LegalTriangl
         widen(l1, v[0]), widen(l2, v[1]), widen(z, v[2]);
         out.corner[k] = {v[0], v[1]};
         const double w = clip[0].w * (1 - v[0] - v[1]) + clip[1].w * v[0] + clip[2].w * v[1];
-        inverse_w = std::min(inverse_w, 1 / w);
+        widen(plane[0], v[0] / w), widen(plane[1], v[1] / w), widen(plane[2], 1 / w);
     }
-    out.rounding = float_ulps * std::max(1.0, largest_inverse_w / inverse_w);
-    out.l1 = {l1.low - out.rounding, l1.high + out.rounding};
-    out.l2 = {l2.low - out.rounding, l2.high + out.rounding};
-    out.z = {std::clamp(z.low - float_ulps * largest_z, 0.0, 1.0),
-             std::clamp(z.high + float_ulps * largest_z, 0.0, 1.0)};
+    const double rounded_at = float_slack * std::max(size_.x, size_.y) / reach, w = 1 / plane[2].low;
+    for (int k = 0; k < 2; ++k) {
+        const Interval& l = k ? l2 : l1;
+        const double size = std::max(std::abs(l.low), std::abs(l.high));
+        out.rounding[k] = float_ulps * std::max(1.0, largest_inverse_w * w) +
+                          rounded_at * w * (plane[k].high - plane[k].low + size * (plane[2].high - plane[2].low));
+    }
+    out.l1 = {l1.low - out.rounding.x, l1.high + out.rounding.x};
+    out.l2 = {l2.low - out.rounding.y, l2.high + out.rounding.y};
+    const double z_rounding = float_ulps * largest_z + rounded_at * (z.high - z.low);
+    out.z = {std::clamp(z.low - z_rounding, 0.0, 1.0),
+             std::clamp(z.high + z_rounding, 0.0, 1.0)};
     out.l = {float(out.l1.middle()), float(out.l2.middle())};
 }
 
@@ -231,6 +255,7 @@ bool LegalPixels::judge(const Entry& entry, glm::dvec2 centre, LegalTriangle& ou
     }
     out.triangle = entry.triangle;
     out.sure = area != 0;
+    out.open = p.clipped ? many : 0;
     for (int i = 0; i < p.count; ++i) {
         const Corner &a = p.corner[i], &b = p.corner[(i + 1) % p.count];
         const glm::dvec2 n = (area < 0 ? -1.0 : 1.0) * glm::dvec2(a.y - b.y, b.x - a.x);
@@ -248,8 +273,16 @@ bool LegalPixels::judge(const Entry& entry, glm::dvec2 centre, LegalTriangle& ou
 
         // The slack of an edge beside the centre is that of its ends, as far as each is from there.
         const double s = std::clamp(((centre.x - a.x) * (b.x - a.x) + (centre.y - a.y) * (b.y - a.y)) / length2, 0., 1.);
-        if (!(-along(a) > support(n, a.slack + s * (b.slack - a.slack)))) out.sure = false;
+        if (-along(a) > support(n, a.slack + s * (b.slack - a.slack))) continue;
+        out.sure = false;
+        ++out.open;
+        const glm::uvec3& t = scene_.geometry.triangles[std::size_t(entry.triangle)];
+        out.edge[0] = scene_.clip_positions[t[i % 3]], out.edge[1] = scene_.clip_positions[t[(i + 1) % 3]];
+        const bool swap = before(out.edge[1], out.edge[0]);
+        if (swap) std::swap(out.edge[0], out.edge[1]);
+        out.right = (area > 0) != swap;
     }
+    if (area == 0) out.open = many;
 
     bound_values(p, centre, out);
     return passes_mask(out);
@@ -259,7 +292,7 @@ bool LegalPixels::judge(const Entry& entry, glm::dvec2 centre, LegalTriangle& ou
 bool LegalPixels::passes_mask(LegalTriangle& t) const {
     if (!scene_.surfaces.masked[std::size_t(scene_.geometry.material[std::size_t(t.triangle)])]) return true;
     if (!t.bounded) {
-        t.sure = false;
+        t.sure = false, t.open = many;
         return true;
     }
     std::vector<Outcome> outcomes;
@@ -273,7 +306,7 @@ bool LegalPixels::passes_mask(LegalTriangle& t) const {
     for (const Outcome& o : outcomes) {
         const BoundedValue& v = o.values[0];
         may = may || o.ambiguous || v.shadow + v.bound > 0;
-        if (o.ambiguous || v.shadow - v.bound < 1) t.sure = false;
+        if (o.ambiguous || v.shadow - v.bound < 1) t.sure = false, t.open = many;
     }
     return may;
 }
@@ -296,6 +329,10 @@ void LegalPixels::at(glm::ivec2 pixel, std::vector<LegalTriangle>& out, bool& no
         out.push_back(t);
         if (t.sure) nothing = false, wall = std::min(wall, far_end(t));
     }
+    for (std::size_t i = 0; i < out.size(); ++i)
+        for (std::size_t j = 0; j < i; ++j)
+            if (cover_together(out[i], out[j]))
+                nothing = false, wall = std::min(wall, std::max(far_end(out[i]), far_end(out[j])));
     std::erase_if(out, [&](const LegalTriangle& t) { return near_end(t) > wall; });
 }
 

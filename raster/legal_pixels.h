@@ -24,13 +24,18 @@ struct LegalTriangle {
     std::int32_t triangle;
     bool sure;        // covers the pixel's centre wherever its vertices are placed
     bool bounded;     // false: it is so narrow that nothing can be said of its values
+    // How many of its edges may leave the centre outside, and the ends of one, in an order of their own; which side of it
+    // the triangle lies on.
+    int open;
+    glm::vec4 edge[2];
+    bool right;
     Interval l1, l2;  // barycentrics of the whole triangle, perspective-correct
     Interval z;       // of the depth buffer
     glm::vec2 l;      // one value of the barycentrics
     // The barycentrics go together: they are those of a point in a box about the pixel's centre, of which these are the
-    // corners', and each is off by a rounding besides.
+    // corners'; besides, each is off by roundings of its own.
     glm::dvec2 corner[4];
-    double rounding = 0;
+    glm::dvec2 rounding;
 };
 
 class LegalPixels {
@@ -56,6 +61,7 @@ class LegalPixels {
     struct Polygon {
         Corner corner[ClipPolygon::capacity];
         int count = 0;
+        bool clipped = false;
         double narrowness = 0;  // slack over width: README.md's G
     };
     Polygon polygon(std::int32_t triangle) const;
