@@ -22,7 +22,8 @@ install(DIRECTORY core raster gi io DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/plum
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
 
 configure_package_config_file(cmake/plumblineConfig.cmake.in ${CMAKE_BINARY_DIR}/package/plumblineConfig.cmake
-  INSTALL_DESTINATION ${package_dir})
+  INSTALL_DESTINATION ${package_dir} PATH_VARS CMAKE_INSTALL_BINDIR)
 write_basic_package_version_file(${CMAKE_BINARY_DIR}/package/plumblineConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${CMAKE_BINARY_DIR}/package/plumblineConfig.cmake ${CMAKE_BINARY_DIR}/package/plumblineConfigVersion.cmake
+  cmake/PlumblineValidate.cmake
   DESTINATION ${package_dir})

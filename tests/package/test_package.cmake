@@ -21,7 +21,7 @@ endfunction()
 
 step(${CMAKE_COMMAND} --install ${BUILD} --prefix ${temporary}/prefix)
 step(${CMAKE_COMMAND} -S ${here}/consumer -B ${temporary}/build -G ${GENERATOR} -D CMAKE_PREFIX_PATH=${temporary}/prefix
-  -D CMAKE_CXX_COMPILER=${COMPILER} -D CMAKE_BUILD_TYPE=${CONFIG})
+  -D CMAKE_CXX_COMPILER=${COMPILER} -D CMAKE_BUILD_TYPE=${CONFIG} -D SCENE=${temporary}/scene/cornell.toml)
 
 # Nothing that was installed, and nothing the consumer was told, may lead back to the build or the source tree.
 file(GLOB_RECURSE package_files ${temporary}/prefix/*.cmake)
@@ -44,6 +44,15 @@ message("the consumer gathered ${output}")
 if(NOT output STREQUAL "2.000000\n")
   file(REMOVE_RECURSE ${temporary})
   message(FATAL_ERROR "expected 2.000000: see consumer.cpp")
+endif()
+
+# Its test suite, in which a validation passes and another one fails as it should.
+step(${temporary}/prefix/bin/plumb make-scene cornell -o ${temporary}/scene)
+step(${CMAKE_CTEST_COMMAND} --test-dir ${temporary}/build --output-on-failure)
+message("${output}")
+if(NOT output MATCHES "100% tests passed, 0 tests failed out of 4" OR NOT EXISTS ${temporary}/build/compose_is_right.html)
+  file(REMOVE_RECURSE ${temporary})
+  message(FATAL_ERROR "expected 4 tests of the consumer to pass")
 endif()
 foreach(installed IN ITEMS bin/plumb share/doc/plumbline/LICENSE)
   if(NOT EXISTS ${temporary}/prefix/${installed})
