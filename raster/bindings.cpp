@@ -117,7 +117,7 @@ std::vector<Slot> surface_slots() {
         buffer("materials", 4, DType::f32, 4, "W/m2",
                "[material][16]: reflectance, alpha; emission, alpha cutoff; rows of textures (base, emission, normal), "
                "scale of the normal; padding"),
-        buffer("tangents", 5, DType::f32, 4, "", "[vertex]: tangent, side of the bitangent; zeros where no map reads it"),
+        buffer("tangents", 5, DType::f32, 4, "", "[vertex]: tangent, side of the bitangent; zeros where none is read"),
         buffer("textures", 6, DType::i32, 4, "",
                "[row]: first texel, width, height, 1 nearest | 2 sRGB | 4 wrap u | 16 wrap v | 64 levels; 0 is white"),
         buffer("texels", 7, DType::i32, 1, "", "RGBA8 texels of all textures and levels"),

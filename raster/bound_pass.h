@@ -56,8 +56,8 @@ class BoundPass final : public BoundStage {
         std::memcpy(outputs.arrays.back().bytes.data(), depth.data(), depth.size() * sizeof(float));
     }
 
-    // A device that interpolates by planes is expected to draw our bits: only its arithmetic may differ. Of any other it
-    // is only known how far it may place a vertex.
+    // A device that interpolates by planes is expected to draw our bits: only its arithmetic may differ. Of any other
+    // it is only known how far it may place a vertex.
     void outcomes(glm::ivec2 pixel, const DeviceProfile& profile, std::span<const float> got,
                   std::span<const std::int32_t> choices, std::vector<Outcome>& out) const override {
         FpEnvironment environment;
@@ -195,9 +195,9 @@ class BoundPass final : public BoundStage {
         }
     }
 
-    // Two barycentrics that go together say more than two intervals. Position and depth are projective maps of the window:
-    // their extremes over the box lie at its corners. So do a normal's, but for the second order of its division by its
-    // length, where vertices have one and no map bends it.
+    // Two barycentrics that go together say more than two intervals. Position and depth are projective maps of the
+    // window: their extremes over the box lie at its corners. So do a normal's, but for the second order of its division
+    // by its length, where vertices have one and no map bends it.
     void tighten(const LegalTriangle& t, std::vector<Outcome>& ways) const {
         auto about = [](const Interval& i, double bound) {
             return Bounded::within(float(i.middle()), i.middle(), bound);

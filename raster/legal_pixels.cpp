@@ -272,7 +272,8 @@ bool LegalPixels::judge(const Entry& entry, glm::dvec2 centre, LegalTriangle& ou
         if (low > 0 || high < 0) return false;
 
         // The slack of an edge beside the centre is that of its ends, as far as each is from there.
-        const double s = std::clamp(((centre.x - a.x) * (b.x - a.x) + (centre.y - a.y) * (b.y - a.y)) / length2, 0., 1.);
+        const double along_edge = (centre.x - a.x) * (b.x - a.x) + (centre.y - a.y) * (b.y - a.y);
+        const double s = std::clamp(along_edge / length2, 0.0, 1.0);
         if (-along(a) > support(n, a.slack + s * (b.slack - a.slack))) continue;
         out.sure = false;
         ++out.open;
@@ -298,7 +299,8 @@ bool LegalPixels::passes_mask(LegalTriangle& t) const {
     std::vector<Outcome> outcomes;
     enumerate_outcomes(
         [&](std::vector<Bounded>& values) {
-            const BoundedMask passes = passes_alpha<Bounded>(masks_, t.triangle, {t.l1.bounded(t.l.x), t.l2.bounded(t.l.y)});
+            const vec2<Bounded> l{t.l1.bounded(t.l.x), t.l2.bounded(t.l.y)};
+            const BoundedMask passes = passes_alpha<Bounded>(masks_, t.triangle, l);
             values.push_back(select(passes, Bounded(1.0f), Bounded(0.0f)));
         },
         most_outcomes, outcomes);

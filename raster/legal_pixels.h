@@ -24,8 +24,8 @@ struct LegalTriangle {
     std::int32_t triangle;
     bool sure;        // covers the pixel's centre wherever its vertices are placed
     bool bounded;     // false: it is so narrow that nothing can be said of its values
-    // How many of its edges may leave the centre outside, and the ends of one, in an order of their own; which side of it
-    // the triangle lies on.
+    // How many of its edges may leave the centre outside, and the ends of one, in an order of their own; which side of
+    // it the triangle lies on.
     int open;
     glm::vec4 edge[2];
     bool right;

@@ -56,8 +56,8 @@ struct TextureFilter<Bounded> {
         void widen(double v) { low = min(v, low), high = max(v, high); }
     };
 
-    static Bounded hull(const TextureArgs& in, std::int32_t row, const vec2<Bounded>& uv, std::int32_t curve, int channel,
-                        float value) {
+    static Bounded hull(const TextureArgs& in, std::int32_t row, const vec2<Bounded>& uv, std::int32_t curve,
+                        int channel, float value) {
         const std::int32_t* r = in.rows + 4 * std::ptrdiff_t(row);
         const bool nearest = r[3] & flag_nearest;
         const TexelSpan u(uv.x, r[1], (r[3] >> wrap_u_shift) & 3, nearest);

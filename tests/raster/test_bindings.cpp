@@ -326,8 +326,8 @@ TEST_CASE("legal pixels: our own pictures are legal on our own branch", "[bindin
 namespace {
 
 // Each vertex goes up to half a step of the snapping grid away, and is snapped from there by up to another half: within
-// the one step that the profile grants. What lies at one place goes to one place. What has to be clipped stays: a device
-// places what is left after clipping.
+// the one step that the profile grants. What lies at one place goes to one place. What has to be clipped stays: a
+// device places what is left after clipping.
 StageData with_moved_vertices(const Fixture& f, StageData data) {
     for (Array& a : data.inputs.arrays) {
         if (a.name != "clip_positions") continue;
@@ -520,7 +520,8 @@ TEST_CASE("texture over Bounded: the hull of all places within the bound", "[bin
         std::vector<double> above(steps + 1);
         for (int j = 0; j <= steps; ++j)
             for (int i = 0; i <= steps; ++i) {
-                const vec2<float> uv{float(u + radius * (2.0 * i / steps - 1)), float(v + radius * (2.0 * j / steps - 1))};
+                auto along = [&](double middle, int k) { return float(middle + radius * (2.0 * k / steps - 1)); };
+                const vec2<float> uv{along(u, i), along(v, j)};
                 const vec3<float> c = TextureFilter<float>::rgb(in, 0, uv, false, tap);
                 REQUIRE(std::abs(c.x - hull.x.shadow) <= hull.x.bound);
                 REQUIRE(std::abs(c.y - hull.y.shadow) <= hull.y.bound);
