@@ -39,8 +39,9 @@ DeviceProfile swiftshader() {
     d.name = "swiftshader";
     d.driver = "SwiftShader";
     d.subpixel_bits = 4;
-    // Assumed, not probed: its interpolation, and how its 16-bit stores and filters round.
-    d.interpolation = Interpolation::ideal;
+    d.interpolation = Interpolation::snapped_planes;
+    d.snap_uncertainty = 0;  // its window positions are emulated to the bit
+    // Assumed, not probed: how its 16-bit stores and filters round.
     d.precision = correctly_rounded();
     return d;
 }

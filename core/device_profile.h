@@ -26,7 +26,8 @@ struct Precision {
 
 enum class Interpolation : int {
     ideal,           // from exact edge functions
-    plane_equation,  // a0 + dadx x + dady y in float, anchored at the framebuffer's origin (gi/parity/README.md)
+    plane_equation,  // a0 + dadx x + dady y in float, anchored at the framebuffer's origin (raster/README.md)
+    snapped_planes,  // the same through the snapped corners, anchored at one of them
 };
 
 struct DeviceProfile {
