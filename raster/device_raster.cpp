@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
+#include "raster/device_polygon.h"
 #include "raster/device_triangle.h"
 
 namespace plumb::raster {
@@ -16,9 +17,10 @@ constexpr int band_rows = 32;
 constexpr int chunk_triangles = 4096;
 
 // What consecutive triangles leave to draw, and which of it touches which band of rows:
-// entries[start[b]..start[b + 1]), in drawing order.
+// entries[start[b]..start[b + 1]), in drawing order. Shape is DeviceTriangle or DevicePolygon.
+template <class Shape>
 struct Chunk {
-    std::vector<DeviceTriangle> triangles;
+    std::vector<Shape> shapes;
     std::vector<std::uint32_t> start, entries;
 };
 
@@ -26,17 +28,19 @@ struct Chunk {
 struct Rows {
     int first, last;
 };
-Rows touched_rows(const DeviceTriangle& t, int first, int last) {
-    const int low = std::min({t.y[0], t.y[1], t.y[2]}), high = std::max({t.y[0], t.y[1], t.y[2]});
+template <class Shape>
+Rows touched_rows(const Shape& s, int first, int last) {
+    const int low = *std::min_element(s.y, s.y + s.count), high = *std::max_element(s.y, s.y + s.count);
     return {std::max(first, (low + 255) >> 8), std::min(last, (high >> 8) + 1)};
 }
 
-void sort_into_bands(Chunk& chunk, int height) {
+template <class Shape>
+void sort_into_bands(Chunk<Shape>& chunk, int height) {
     const int bands = (height + band_rows - 1) / band_rows;
     chunk.start.assign(std::size_t(bands) + 2, 0);
     auto for_each_band = [&](auto&& visit) {
-        for (std::size_t i = 0; i < chunk.triangles.size(); ++i) {
-            const Rows rows = touched_rows(chunk.triangles[i], 0, height);
+        for (std::size_t i = 0; i < chunk.shapes.size(); ++i) {
+            const Rows rows = touched_rows(chunk.shapes[i], 0, height);
             for (int b = rows.first / band_rows; b <= (rows.last - 1) / band_rows; ++b) visit(std::size_t(b), i);
         }
     };
@@ -56,63 +60,76 @@ struct Drawing {
     const std::int32_t* masked = nullptr;  // [material]; null: no material has an alpha mask
     SurfaceArgs masks{};
 
-    bool is_masked(const DeviceTriangle& t) const {
-        return masked && masked[geometry.material[std::size_t(t.triangle)]] != 0;
+    bool is_masked(std::int32_t triangle) const {
+        return masked && masked[geometry.material[std::size_t(triangle)]] != 0;
     }
 };
 
 // Not inlined: its arithmetic must not move out of its caller's FlushedDenormals.
-__attribute__((noinline)) void set_up(const Drawing& in, int first, int last, Chunk& chunk) {
+template <class Shape>
+__attribute__((noinline)) void set_up(const Drawing& in, int first, int last, Chunk<Shape>& chunk) {
     for (int i = first; i < last; ++i) {
         const glm::uvec3& t = in.geometry.triangles[std::size_t(i)];
         const glm::vec4 corners[3] = {in.clip_positions[t.x], in.clip_positions[t.y], in.clip_positions[t.z]};
-        append_device_triangle(chunk.triangles, corners, i, in.size, in.profile);
+        append_device_shape(chunk.shapes, corners, i, in.size, in.profile);
     }
     sort_into_bands(chunk, in.size.y);
 }
 
-// Draws one triangle into rows [first, last): depth, and who won it, row by row from `first` on.
-void draw_triangle(const Drawing& in, const DeviceTriangle& t, int first, int last, VisibilityBuffer& out,
-                   std::vector<const DeviceTriangle*>& winner) {
-    const ScreenTriangle corners = screen_corners(t);
-    const bool clockwise = area2(corners) > 0, fma = in.profile.fused_raster, masked = in.is_masked(t);
-    const int low = std::min({t.x[0], t.x[1], t.x[2]}), high = std::max({t.x[0], t.x[1], t.x[2]});
-    const Rows rows = touched_rows(t, first, last);
+// Draws one shape into rows [first, last): depth, and who won it, row by row from `first` on.
+template <class Shape>
+void draw_shape(const Drawing& in, const Shape& s, int first, int last, VisibilityBuffer& out,
+                std::vector<const Shape*>& winner) {
+    const bool fma = in.profile.fused_raster, masked = in.is_masked(s.triangle);
+    const Rows rows = touched_rows(s, first, last);
     for (int y = rows.first; y < rows.last; ++y) {
-        const EdgeRow edges[3] = {edge_row(corners, clockwise, 0, y), edge_row(corners, clockwise, 1, y),
-                                  edge_row(corners, clockwise, 2, y)};
-        std::int64_t begin = std::max(0, (low + 255) >> 8), end = std::min(in.size.x - 1, high >> 8);
-        covered_columns(edges, begin, end);
-        for (int x = int(begin); x <= int(end); ++x) {
-            const float depth = depth_at(t, x, y, fma);
+        int begin, end;
+        covered_columns(s, y, in.size.x, begin, end);
+        for (int x = begin; x <= end; ++x) {
+            const float depth = depth_at(s, x, y, fma);
             float& nearest = out.depth(x, y);
             if (!(in.reversed_z ? depth > nearest : depth < nearest)) continue;
-            if (masked && !passes_alpha<float>(in.masks, t.triangle, barycentrics_at(t, x, y, fma))) continue;
+            if (masked && !passes_alpha<float>(in.masks, s.triangle, barycentrics_at(s, x, y, fma))) continue;
             nearest = depth;
-            winner[std::size_t(y - first) * std::size_t(in.size.x) + std::size_t(x)] = &t;
+            winner[std::size_t(y - first) * std::size_t(in.size.x) + std::size_t(x)] = &s;
         }
     }
 }
 
-__attribute__((noinline)) void draw_band(const Drawing& in, const std::vector<Chunk>& chunks, int first, int last,
+template <class Shape>
+__attribute__((noinline)) void draw_band(const Drawing& in, const std::vector<Chunk<Shape>>& chunks, int first, int last,
                                          VisibilityBuffer& out) {
     const std::size_t band = std::size_t(first / band_rows);
-    std::vector<const DeviceTriangle*> winner(std::size_t(last - first) * std::size_t(in.size.x));
+    std::vector<const Shape*> winner(std::size_t(last - first) * std::size_t(in.size.x));
     for (int y = first; y < last; ++y)
         for (int x = 0; x < in.size.x; ++x) out.depth(x, y) = in.reversed_z ? 0.0f : 1.0f;
-    for (const Chunk& chunk : chunks)
+    for (const Chunk<Shape>& chunk : chunks)
         for (std::uint32_t k = chunk.start[band]; k < chunk.start[band + 1]; ++k)
-            draw_triangle(in, chunk.triangles[chunk.entries[k]], first, last, out, winner);
+            draw_shape(in, chunk.shapes[chunk.entries[k]], first, last, out, winner);
 
     for (int y = first; y < last; ++y) {
         for (int x = 0; x < in.size.x; ++x) {
-            const DeviceTriangle* t = winner[std::size_t(y - first) * std::size_t(in.size.x) + std::size_t(x)];
-            out.triangle(x, y) = t ? t->triangle : -1;
-            const glm::vec2 l = t ? barycentrics_at(*t, x, y, in.profile.fused_raster) : glm::vec2(0);
+            const Shape* s = winner[std::size_t(y - first) * std::size_t(in.size.x) + std::size_t(x)];
+            out.triangle(x, y) = s ? s->triangle : -1;
+            const glm::vec2 l = s ? barycentrics_at(*s, x, y, in.profile.fused_raster) : glm::vec2(0);
             // Compilers give NaN this sign or that.
             out.barycentrics(x, y) = {l.x == l.x ? l.x : __builtin_nanf(""), l.y == l.y ? l.y : __builtin_nanf("")};
         }
     }
+}
+
+template <class Shape>
+void draw(const Drawing& drawing, const RunOptions& options, VisibilityBuffer& out) {
+    const int n = int(drawing.geometry.triangles.size());
+    std::vector<Chunk<Shape>> chunks(std::size_t((n + chunk_triangles - 1) / chunk_triangles));
+    parallel_bands(n, chunk_triangles, options.threads, [&](int first, int last) {
+        const FlushedDenormals flushed;
+        set_up(drawing, first, last, chunks[std::size_t(first / chunk_triangles)]);
+    });
+    parallel_bands(drawing.size.y, band_rows, options, [&](int first, int last) {
+        const FlushedDenormals flushed;
+        draw_band(drawing, chunks, first, last, out);
+    });
 }
 
 void check_finite(const Buffer<glm::vec4>& positions) {
@@ -141,17 +158,10 @@ void draw_device_visibility(const Geometry& geometry, const Surfaces* surfaces,
         drawing.masked = surfaces->masked.data();
         drawing.masks = surface_args(geometry, *surfaces, View());
     }
-
-    const int n = int(geometry.triangles.size());
-    std::vector<Chunk> chunks(std::size_t((n + chunk_triangles - 1) / chunk_triangles));
-    parallel_bands(n, chunk_triangles, options.threads, [&](int first, int last) {
-        const FlushedDenormals flushed;
-        set_up(drawing, first, last, chunks[std::size_t(first / chunk_triangles)]);
-    });
-    parallel_bands(size.y, band_rows, options, [&](int first, int last) {
-        const FlushedDenormals flushed;
-        draw_band(drawing, chunks, first, last, out);
-    });
+    if (profile.interpolation == Interpolation::snapped_planes)
+        draw<DevicePolygon>(drawing, options, out);
+    else
+        draw<DeviceTriangle>(drawing, options, out);
 }
 
 }  // namespace plumb::raster

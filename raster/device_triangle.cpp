@@ -85,13 +85,6 @@ std::int32_t snapped(float window, int subpixel_bits) {
     return number<float>::round_to_index((window - 0.5f) * grid) * (256 >> subpixel_bits);
 }
 
-// Whether there is a pixel centre between the extremes, within 0..side - 1; false for numbers out of any frame.
-bool meets_centre(const std::int32_t c[3], int side) {
-    const std::int32_t low = std::min({c[0], c[1], c[2]}), high = std::max({c[0], c[1], c[2]});
-    if (low < -(1 << 24) || high > 1 << 24) return false;
-    return std::max(0, (low + 255) >> 8) <= std::min(side - 1, high >> 8);
-}
-
 // The plane through a value at each corner. Its gradient is taken between unsnapped corners, its value at the
 // framebuffer's origin from the first corner's.
 struct PlaneSetup {
@@ -123,7 +116,7 @@ void append(std::vector<DeviceTriangle>& out, const DeviceVertex& a, const Devic
         t.x[i] = snapped(corners[i]->x, profile.subpixel_bits);
         t.y[i] = snapped(corners[i]->y, profile.subpixel_bits);
     }
-    if (!meets_centre(t.x, size.x) || !meets_centre(t.y, size.y) || area2(screen_corners(t)) == 0) return;
+    if (!meets_centre(t.x, 3, size.x) || !meets_centre(t.y, 3, size.y) || area2(screen_corners(t)) == 0) return;
     const PlaneSetup setup(a, b, c);
     t.depth = setup.through(a.z, b.z, c.z);
     t.inverse_w = setup.through(a.inverse_w, b.inverse_w, c.inverse_w);
@@ -139,8 +132,25 @@ void append(std::vector<DeviceTriangle>& out, const DeviceVertex& a, const Devic
 
 }  // namespace
 
-void append_device_triangle(std::vector<DeviceTriangle>& out, const glm::vec4 corners[3], std::int32_t triangle,
-                            glm::ivec2 size, const DeviceProfile& profile) {
+bool meets_centre(const std::int32_t* c, int n, int side) {
+    const std::int32_t low = *std::min_element(c, c + n), high = *std::max_element(c, c + n);
+    if (low < -(1 << 24) || high > 1 << 24) return false;
+    return std::max(0, (low + 255) >> 8) <= std::min(side - 1, high >> 8);
+}
+
+void covered_columns(const DeviceTriangle& t, int row, int width, int& first, int& last) {
+    const ScreenTriangle corners = screen_corners(t);
+    const bool clockwise = area2(corners) > 0;
+    const EdgeRow edges[3] = {edge_row(corners, clockwise, 0, row), edge_row(corners, clockwise, 1, row),
+                              edge_row(corners, clockwise, 2, row)};
+    const int low = std::min({t.x[0], t.x[1], t.x[2]}), high = std::max({t.x[0], t.x[1], t.x[2]});
+    std::int64_t begin = std::max(0, (low + 255) >> 8), end = std::min(width - 1, high >> 8);
+    covered_columns(edges, begin, end);
+    first = int(begin), last = int(end);
+}
+
+void append_device_shape(std::vector<DeviceTriangle>& out, const glm::vec4 corners[3], std::int32_t triangle,
+                         glm::ivec2 size, const DeviceProfile& profile) {
     unsigned any = 0, all = ~0u;
     for (int i = 0; i < 3; ++i) any |= planes_beyond(corners[i]), all &= planes_beyond(corners[i]);
     if (all) return;

@@ -1,7 +1,5 @@
-// What a device's profile makes of a triangle before any pixel: clipping, window positions, snapped corners, planes.
-//
-// The arithmetic is that of Mesa's llvmpipe, in float and in its order (README.md, "Devices": formulas and evidence).
-// Call these functions within FlushedDenormals: the device takes denormals for 0 in every stage of its drawing.
+// What a device makes of a triangle before any pixel, where planes go through unsnapped window positions: Mesa's
+// llvmpipe, in float and in its order (README.md, "Devices": formulas and evidence; device_polygon.h is another). Call these functions within FlushedDenormals: the device takes denormals for 0 in every stage of its drawing.
 #pragma once
 
 #include <xmmintrin.h>
@@ -39,6 +37,7 @@ PLUMB_INLINE float at(const Plane& p, int x, int y, bool fma) {
 
 // A triangle, or a piece of a clipped one.
 struct DeviceTriangle {
+    static constexpr int count = 3;
     std::int32_t x[3], y[3];   // 1/256 pixel, multiples of the profile's grid
     Plane depth;               // of the depth buffer
     Plane inverse_w, l1, l2;   // l1 and l2 are divided by w
@@ -64,9 +63,16 @@ inline ScreenTriangle screen_corners(const DeviceTriangle& t) {
     return s;
 }
 
+// Whether there is a pixel centre between the extremes of n coordinates, in 1/256 pixel, within 0..side - 1; false for
+// numbers out of any frame.
+bool meets_centre(const std::int32_t* c, int n, int side);
+
+// The columns [first, last] of a row that the triangle covers; empty: first > last.
+void covered_columns(const DeviceTriangle& t, int row, int width, int& first, int& last);
+
 // Appends what may be seen of a triangle, in the order in which the device draws it: itself, or the pieces of its
 // clipped polygon. What has no area or no pixel centre in its box is left out.
-void append_device_triangle(std::vector<DeviceTriangle>& out, const glm::vec4 corners[3], std::int32_t triangle,
-                            glm::ivec2 size, const DeviceProfile& profile);
+void append_device_shape(std::vector<DeviceTriangle>& out, const glm::vec4 corners[3], std::int32_t triangle,
+                         glm::ivec2 size, const DeviceProfile& profile);
 
 }  // namespace plumb::raster

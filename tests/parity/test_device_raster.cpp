@@ -1,11 +1,13 @@
 // The rasterizer of a device's profile against the device itself, bit by bit: which triangle each pixel sees, its depth
 // and its barycentric coordinates. Expected everywhere: no difference. PLUMB_FULL=1 draws some 800,000 triangles and
-// the large scenes; GALLIUM_OVERRIDE_CPU_CAPS=sse4.1 makes lavapipe the device without fused multiply-adds.
+// the large scenes; GALLIUM_OVERRIDE_CPU_CAPS=sse4.1 makes lavapipe the device without fused multiply-adds, and
+// VK_ICD_FILENAMES names SwiftShader's driver.
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cstdlib>
 #include <cstring>
 #include <iostream>
+#include <optional>
 
 #include "core/camera.h"
 #include "io/scene_model.h"
@@ -25,28 +27,34 @@ using raster::test::Random;
 
 bool full() { return std::getenv("PLUMB_FULL") != nullptr; }
 
-bool no_lavapipe() {
-    for (const std::string& name : vulkan::device_names())
-        if (name.find("llvmpipe") != std::string::npos) return false;
-    std::cout << "SKIPPED: no lavapipe here (mesa-vulkan-drivers)\n";
-    return true;
-}
-
-DeviceProfile lavapipe() {
+// The first device whose rasterizer is known, and its profile.
+struct Known {
+    std::string device;
+    DeviceProfile profile;
+};
+std::optional<Known> known_device() {
     const char* caps = std::getenv("GALLIUM_OVERRIDE_CPU_CAPS");
     const bool fused = !caps && __builtin_cpu_supports("fma");
-    return find_profile(fused ? "lavapipe-22.3-fma" : "lavapipe-22.3-sse4.1", "test");
+    for (const std::string& name : vulkan::device_names()) {
+        if (name.find("llvmpipe") != std::string::npos)
+            return Known{"llvmpipe", find_profile(fused ? "lavapipe-22.3-fma" : "lavapipe-22.3-sse4.1", "test")};
+        if (name.find("SwiftShader") != std::string::npos) return Known{"SwiftShader", find_profile("swiftshader", "test")};
+    }
+    std::cout << "SKIPPED: neither lavapipe (mesa-vulkan-drivers) nor SwiftShader here\n";
+    return std::nullopt;
 }
 
 // A device that draws triangles into targets of one size.
 struct Peer {
     const vulkan::Device& device;
+    DeviceProfile profile;
     glm::ivec2 size;
     bool reversed_z;
     vulkan::Targets targets;
     vulkan::GraphicsPipeline pipeline;
 
-    Peer(const vulkan::Device& on, glm::ivec2 frame, bool reversed) : device(on), size(frame), reversed_z(reversed) {
+    Peer(const vulkan::Device& on, const DeviceProfile& known, glm::ivec2 frame, bool reversed)
+        : device(on), profile(known), size(frame), reversed_z(reversed) {
         targets = vulkan::make_targets(device, {std::uint32_t(size.x), std::uint32_t(size.y)},
                                        {VK_FORMAT_R32_SINT, VK_FORMAT_R32G32_SFLOAT});
         if (reversed_z) targets.clear.back().depthStencil.depth = 0;
@@ -83,7 +91,7 @@ struct Peer {
 };
 
 // Three corners a triangle.
-VisibilityBuffer draw_here(const std::vector<glm::vec4>& corners, bool reversed_z, glm::ivec2 size) {
+VisibilityBuffer draw_here(const Peer& peer, const std::vector<glm::vec4>& corners) {
     Geometry geometry;
     Buffer<glm::vec4> positions(corners.size());
     std::copy(corners.begin(), corners.end(), positions.begin());
@@ -92,7 +100,7 @@ VisibilityBuffer draw_here(const std::vector<glm::vec4>& corners, bool reversed_
     geometry.material.assign(geometry.triangles.size(), 0);
     geometry.object.assign(geometry.triangles.size(), 0);
     VisibilityBuffer out;
-    raster::draw_device_visibility(geometry, nullptr, positions, reversed_z, size, lavapipe(), {}, out);
+    raster::draw_device_visibility(geometry, nullptr, positions, peer.reversed_z, peer.size, peer.profile, {}, out);
     return out;
 }
 
@@ -134,7 +142,7 @@ Differences compare(const VisibilityBuffer& theirs, const VisibilityBuffer& ours
 void check_none(const Peer& peer, const std::vector<glm::vec4>& corners, const std::string& what,
                 std::int64_t& covered) {
     const VisibilityBuffer theirs = peer.draw(corners);
-    const Differences d = compare(theirs, draw_here(corners, peer.reversed_z, peer.size));
+    const Differences d = compare(theirs, draw_here(peer, corners));
     covered += d.covered;
     INFO(what << ": " << corners.size() / 3 << " triangles, " << d.covered << " pixels covered; different: id " << d.id
               << ", depth " << d.depth << ", l1 or l2 " << d.l << "; first: " << d.first);
@@ -257,12 +265,13 @@ Corners mesh(Random& random, glm::ivec2 size, int cells) {
     return out;
 }
 
-TEST_CASE("device raster: random triangles are lavapipe's to the bit", "[parity][raster]") {
-    if (no_lavapipe()) return;
-    const vulkan::Device device({.name = "llvmpipe"});
+TEST_CASE("device raster: random triangles are the device's to the bit", "[parity][raster]") {
+    const std::optional<Known> known = known_device();
+    if (!known) return;
+    const vulkan::Device device({.name = known->device});
     std::int64_t drawn = 0, covered = 0;
     for (const glm::ivec2 size : {glm::ivec2(256, 256), glm::ivec2(1000, 562), glm::ivec2(1024, 1024)}) {
-        const Peer peer(device, size, size.x == 256);
+        const Peer peer(device, known->profile, size, size.x == 256);
         Random random(std::uint64_t(size.x));
         for (const Kind& kind : kinds) {
             // Small triangles many at once; large ones few, so that most of them are seen.
@@ -286,9 +295,10 @@ TEST_CASE("device raster: random triangles are lavapipe's to the bit", "[parity]
 
 // ---- scenes -----------------------------------------------------------------------------------------------------------
 
-TEST_CASE("device raster: scenes are lavapipe's to the bit", "[parity][raster]") {
-    if (no_lavapipe()) return;
-    const vulkan::Device device({.name = "llvmpipe"});
+TEST_CASE("device raster: scenes are the device's to the bit", "[parity][raster]") {
+    const std::optional<Known> known = known_device();
+    if (!known) return;
+    const vulkan::Device device({.name = known->device});
     std::vector<std::string> names = {"cornell", "box"};
     if (full()) names.insert(names.end(), {"shapes", "atrium", "city", "rooms", "hall"});
     for (const std::string& name : names) {
@@ -301,7 +311,7 @@ TEST_CASE("device raster: scenes are lavapipe's to the bit", "[parity][raster]")
             for (const glm::uvec3& t : geometry.triangles)
                 for (int i = 0; i < 3; ++i) corners.push_back(positions[t[i]]);
             std::int64_t covered = 0;
-            check_none(Peer(device, size, view.reversed_z), corners, name, covered);
+            check_none(Peer(device, known->profile, size, view.reversed_z), corners, name, covered);
             CHECK(covered > size.x * size.y / 20);
         }
     }
@@ -309,11 +319,11 @@ TEST_CASE("device raster: scenes are lavapipe's to the bit", "[parity][raster]")
 
 // ---- whole passes -----------------------------------------------------------------------------------------------------
 
-void check_pass(const vulkan::Device& device, const StageBinding& binding, const StageData& data,
-                const std::string& what) {
+void check_pass(const vulkan::Device& device, const DeviceProfile& profile, const StageBinding& binding,
+                const StageData& data, const std::string& what) {
     const Bundle theirs = vulkan::run_twin(device, binding, data).outputs;
     Bundle ours;
-    binding.bind(data)->run({}, lavapipe(), ours);
+    binding.bind(data)->run({}, profile, ours);
     REQUIRE(theirs.arrays.size() == ours.arrays.size());
     for (const Array& a : ours.arrays) {
         const Array& b = at(theirs, a.name);
@@ -330,11 +340,12 @@ void check_pass(const vulkan::Device& device, const StageBinding& binding, const
 }
 
 // Pixels in which another triangle is seen where every material is taken to be whole.
-std::int64_t cut_away(const Geometry& geometry, const raster::Surfaces& surfaces, const View& view, glm::ivec2 size) {
+std::int64_t cut_away(const Geometry& geometry, const raster::Surfaces& surfaces, const View& view, glm::ivec2 size,
+                      const DeviceProfile& profile) {
     const Buffer<glm::vec4> positions = raster::clip_positions(geometry, view, 0);
     VisibilityBuffer masked, whole;
-    raster::draw_device_visibility(geometry, &surfaces, positions, view.reversed_z, size, lavapipe(), {}, masked);
-    raster::draw_device_visibility(geometry, nullptr, positions, view.reversed_z, size, lavapipe(), {}, whole);
+    raster::draw_device_visibility(geometry, &surfaces, positions, view.reversed_z, size, profile, {}, masked);
+    raster::draw_device_visibility(geometry, nullptr, positions, view.reversed_z, size, profile, {}, whole);
     std::int64_t n = 0;
     for (std::size_t i = 0; i < whole.triangle.size(); ++i)
         n += masked.triangle.texels[i] != whole.triangle.texels[i];
@@ -343,9 +354,10 @@ std::int64_t cut_away(const Geometry& geometry, const raster::Surfaces& surfaces
 
 // The atrium has leaves that an alpha mask cuts out: their fragments, judged through l1 and l2, have to fall away in the
 // same pixels.
-TEST_CASE("device raster: whole passes are lavapipe's to the bit", "[parity][raster]") {
-    if (no_lavapipe()) return;
-    const vulkan::Device device({.name = "llvmpipe"});
+TEST_CASE("device raster: whole passes are the device's to the bit", "[parity][raster]") {
+    const std::optional<Known> known = known_device();
+    if (!known) return;
+    const vulkan::Device device({.name = known->device});
     std::vector<std::string> names = {"cornell", "atrium"};
     if (full()) names.insert(names.end(), {"box", "shapes", "city", "rooms", "hall"});
     for (const std::string& name : names) {
@@ -356,15 +368,15 @@ TEST_CASE("device raster: whole passes are lavapipe's to the bit", "[parity][ras
         const raster::Surfaces surfaces = raster::prepare(scene, geometry);
         const glm::ivec2 size(500, 281);
         const View view = make_view(scene.camera, double(size.x) / size.y);
-        check_pass(device, raster::gbuffer_binding(), raster::gbuffer_data(geometry, surfaces, view, size),
+        check_pass(device, known->profile, raster::gbuffer_binding(), raster::gbuffer_data(geometry, surfaces, view, size),
                    name + ": gbuffer");
-        if (name == "atrium") CHECK(cut_away(geometry, surfaces, view, size) > 500);
+        if (name == "atrium") CHECK(cut_away(geometry, surfaces, view, size, known->profile) > 500);
         glm::vec3 low, high;
         REQUIRE(bounds(geometry, low, high));
         for (Light light : scene.lights) {
             light.rsm_size = 256;
             for (const View& seen_by : raster::light_views(light, low, high))
-                check_pass(device, raster::rsm_binding(), raster::rsm_data(geometry, surfaces, light, seen_by),
+                check_pass(device, known->profile, raster::rsm_binding(), raster::rsm_data(geometry, surfaces, light, seen_by),
                            name + ": rsm of " + light.name);
         }
     }

@@ -23,6 +23,13 @@ DeviceProfile planes(bool fused, int subpixel_bits = 8) {
     return p;
 }
 
+// SwiftShader's.
+DeviceProfile snapped_planes() {
+    DeviceProfile p = planes(false, 4);
+    p.interpolation = Interpolation::snapped_planes;
+    return p;
+}
+
 struct Soup {
     Geometry geometry;
     Buffer<glm::vec4> clip;
@@ -115,12 +122,12 @@ TEST_CASE("device raster: a mesh covers every pixel once", "[raster][device]") {
             const double y = 2.6 * (j + random.between(-0.3, 0.3)) / cells - 1.3;
             grid.push_back({float(x * w), float(y * w), float(0.5 * w), float(w)});
         }
-    for (bool fused : {false, true}) {
+    for (const DeviceProfile& profile : {planes(false), planes(true), snapped_planes()}) {
         Image<int> count(size.x, size.y, 0);
         auto draw_alone = [&](int a, int b, int c) {
             Soup soup;
             soup.add(grid[std::size_t(a)], grid[std::size_t(b)], grid[std::size_t(c)]);
-            const VisibilityBuffer out = soup.draw(size, planes(fused));
+            const VisibilityBuffer out = soup.draw(size, profile);
             for (std::size_t i = 0; i < count.size(); ++i) count.texels[i] += out.triangle.texels[i] == 0;
         };
         for (int j = 0; j < cells; ++j)
@@ -133,46 +140,54 @@ TEST_CASE("device raster: a mesh covers every pixel once", "[raster][device]") {
     }
 }
 
-// Expected: what lavapipe of Mesa 22.3.6 gave with and without fma (GALLIUM_OVERRIDE_CPU_CAPS=sse4.1). The second
+// Expected: what lavapipe of Mesa 22.3.6 gave with and without fma (GALLIUM_OVERRIDE_CPU_CAPS=sse4.1), and SwiftShader,
+// which snaps to 1/16 pixel. The second
 // triangle's first corner is behind the near plane and beyond two sides.
-TEST_CASE("device raster: numbers that lavapipe gave", "[raster][device]") {
+TEST_CASE("device raster: numbers that lavapipe and SwiftShader gave", "[raster][device]") {
     const glm::vec4 b{1.9f, -0.2f, 1.3f, 2.3f}, c{-0.1f, 0.6f, 0.4f, 0.7f};
     Soup whole, clipped;
     whole.add({-0.7f, -0.9f, 0.3f, 1.1f}, b, c);
     clipped.add({-0.7f, -0.9f, -0.3f, 0.1f}, b, c);
     constexpr glm::ivec2 small{100, 75}, large{1000, 562};
+    const DeviceProfile fma = planes(true), no_fma = planes(false), snapped = snapped_planes();
     struct Expected {
         const Soup& soup;
         glm::ivec2 size;
-        bool fused;
+        const DeviceProfile& profile;
         int x, y;
         float depth, l1, l2;
     };
     const Expected expected[] = {
-        {whole, small, true, 40, 30, 0x1.ad3a08p-2f, 0x1.83d986p-4f, 0x1.b435e4p-2f},
-        {whole, small, true, 47, 59, 0x1.175d42p-1f, 0x1.8af166p-5f, 0x1.c82c8p-1f},
-        {whole, small, true, 64, 33, 0x1.f897d4p-2f, 0x1.601a02p-2f, 0x1.5de498p-2f},
-        {whole, small, false, 40, 30, 0x1.ad3a08p-2f, 0x1.83d986p-4f, 0x1.b435e6p-2f},
-        {whole, small, false, 47, 59, 0x1.175d42p-1f, 0x1.8af15ep-5f, 0x1.c82c7ep-1f},
-        {whole, small, false, 64, 33, 0x1.f897d4p-2f, 0x1.601a04p-2f, 0x1.5de498p-2f},
-        {whole, large, true, 400, 225, 0x1.aa7966p-2f, 0x1.7b3d02p-4f, 0x1.ad7aaap-2f},
-        {whole, large, true, 470, 442, 0x1.15e8eap-1f, 0x1.7e93b4p-5f, 0x1.c558fap-1f},
-        {whole, large, true, 640, 247, 0x1.f5988p-2f, 0x1.5def56p-2f, 0x1.52f98cp-2f},
-        {whole, large, false, 400, 225, 0x1.aa7966p-2f, 0x1.7b3d06p-4f, 0x1.ad7aa6p-2f},
-        {whole, large, false, 470, 442, 0x1.15e8e8p-1f, 0x1.7e93b8p-5f, 0x1.c558f4p-1f},
-        {whole, large, false, 640, 247, 0x1.f5988p-2f, 0x1.5def58p-2f, 0x1.52f98cp-2f},
-        {clipped, small, true, 40, 30, 0x1.55830cp-2f, 0x1.d742dep-4f, 0x1.deaep-2f},
-        {clipped, small, true, 47, 59, 0x1.101ebcp-1f, 0x1.c8068cp-5f, 0x1.ba3926p-1f},
-        {clipped, small, true, 64, 33, 0x1.ccf672p-2f, 0x1.23ee32p-2f, 0x1.97d024p-2f},
-        {clipped, small, true, 70, 20, 0x1.98bf22p-2f, 0x1.adb6d6p-2f, 0x1.492496p-4f},
-        {clipped, small, false, 40, 30, 0x1.55830cp-2f, 0x1.d742dep-4f, 0x1.deaep-2f},
-        {clipped, small, false, 47, 59, 0x1.101ebcp-1f, 0x1.c8068cp-5f, 0x1.ba3924p-1f},
-        {clipped, small, false, 64, 33, 0x1.ccf672p-2f, 0x1.23ee32p-2f, 0x1.97d022p-2f},
-        {clipped, small, false, 70, 20, 0x1.98bf22p-2f, 0x1.adb6d6p-2f, 0x1.492494p-4f},
+        {whole, small, fma, 40, 30, 0x1.ad3a08p-2f, 0x1.83d986p-4f, 0x1.b435e4p-2f},
+        {whole, small, fma, 47, 59, 0x1.175d42p-1f, 0x1.8af166p-5f, 0x1.c82c8p-1f},
+        {whole, small, fma, 64, 33, 0x1.f897d4p-2f, 0x1.601a02p-2f, 0x1.5de498p-2f},
+        {whole, small, no_fma, 40, 30, 0x1.ad3a08p-2f, 0x1.83d986p-4f, 0x1.b435e6p-2f},
+        {whole, small, no_fma, 47, 59, 0x1.175d42p-1f, 0x1.8af15ep-5f, 0x1.c82c7ep-1f},
+        {whole, small, no_fma, 64, 33, 0x1.f897d4p-2f, 0x1.601a04p-2f, 0x1.5de498p-2f},
+        {whole, large, fma, 400, 225, 0x1.aa7966p-2f, 0x1.7b3d02p-4f, 0x1.ad7aaap-2f},
+        {whole, large, fma, 470, 442, 0x1.15e8eap-1f, 0x1.7e93b4p-5f, 0x1.c558fap-1f},
+        {whole, large, fma, 640, 247, 0x1.f5988p-2f, 0x1.5def56p-2f, 0x1.52f98cp-2f},
+        {whole, large, no_fma, 400, 225, 0x1.aa7966p-2f, 0x1.7b3d06p-4f, 0x1.ad7aa6p-2f},
+        {whole, large, no_fma, 470, 442, 0x1.15e8e8p-1f, 0x1.7e93b8p-5f, 0x1.c558f4p-1f},
+        {whole, large, no_fma, 640, 247, 0x1.f5988p-2f, 0x1.5def58p-2f, 0x1.52f98cp-2f},
+        {clipped, small, fma, 40, 30, 0x1.55830cp-2f, 0x1.d742dep-4f, 0x1.deaep-2f},
+        {clipped, small, fma, 47, 59, 0x1.101ebcp-1f, 0x1.c8068cp-5f, 0x1.ba3926p-1f},
+        {clipped, small, fma, 64, 33, 0x1.ccf672p-2f, 0x1.23ee32p-2f, 0x1.97d024p-2f},
+        {clipped, small, fma, 70, 20, 0x1.98bf22p-2f, 0x1.adb6d6p-2f, 0x1.492496p-4f},
+        {clipped, small, no_fma, 40, 30, 0x1.55830cp-2f, 0x1.d742dep-4f, 0x1.deaep-2f},
+        {clipped, small, no_fma, 47, 59, 0x1.101ebcp-1f, 0x1.c8068cp-5f, 0x1.ba3924p-1f},
+        {clipped, small, no_fma, 64, 33, 0x1.ccf672p-2f, 0x1.23ee32p-2f, 0x1.97d022p-2f},
+        {clipped, small, no_fma, 70, 20, 0x1.98bf22p-2f, 0x1.adb6d6p-2f, 0x1.492494p-4f},
+        {whole, small, snapped, 40, 30, 0x1.ad3908p-2f, 0x1.836bd6p-4f, 0x1.b464e8p-2f},
+        {whole, small, snapped, 47, 59, 0x1.175e46p-1f, 0x1.89e51ap-5f, 0x1.c84138p-1f},
+        {whole, small, snapped, 64, 33, 0x1.f88fdcp-2f, 0x1.5ffa5cp-2f, 0x1.5deb46p-2f},
+        {clipped, small, snapped, 40, 30, 0x1.557c8cp-2f, 0x1.d6f1ecp-4f, 0x1.dec8d6p-2f},
+        {clipped, small, snapped, 47, 59, 0x1.101fcap-1f, 0x1.c703c6p-5f, 0x1.ba4d7ap-1f},
+        {clipped, small, snapped, 64, 33, 0x1.cce78p-2f, 0x1.23d0e8p-2f, 0x1.97d81p-2f},
     };
     for (const Expected& e : expected) {
-        const VisibilityBuffer out = e.soup.draw(e.size, planes(e.fused));
-        CAPTURE(&e - expected, e.x, e.y, e.fused);
+        const VisibilityBuffer out = e.soup.draw(e.size, e.profile);
+        CAPTURE(&e - expected, e.x, e.y);
         CHECK(out.triangle(e.x, e.y) == 0);
         CHECK(out.depth(e.x, e.y) == e.depth);
         CHECK(out.barycentrics(e.x, e.y).x == e.l1);
@@ -259,10 +274,10 @@ TEST_CASE("device raster: threads move no bit; the ideal profile is draw_visibil
         }
         soup.add(corners[0], corners[1], corners[2]);
     }
-    for (bool fused : {false, true})
+    for (const DeviceProfile& profile : {planes(false), planes(true), snapped_planes()})
         for (bool reversed : {false, true}) {
-            const VisibilityBuffer one = soup.draw(size, planes(fused), reversed);
-            for (int threads : {2, 3}) CHECK(same(soup.draw(size, planes(fused), reversed, nullptr, threads), one));
+            const VisibilityBuffer one = soup.draw(size, profile, reversed);
+            for (int threads : {2, 3}) CHECK(same(soup.draw(size, profile, reversed, nullptr, threads), one));
         }
     VisibilityBuffer exact;
     draw_visibility(soup.geometry, nullptr, soup.clip, false, size, {}, exact);
