@@ -82,8 +82,10 @@ class BoundPass final : public BoundStage {
         if (nothing && ours.triangle >= 0 && may_be(-1)) append(pixel, empty_pixel(), true, choices, out);
     }
 
-    std::vector<TapValue> explain(glm::ivec2 pixel) const override {
-        const VisibilityBuffer seen = row_of(pixel.y);
+    std::vector<TapValue> explain(glm::ivec2 pixel, const DeviceProfile& profile) const override {
+        const bool ideal = profile.interpolation == Interpolation::ideal;
+        const VisibilityBuffer row = ideal ? row_of(pixel.y) : VisibilityBuffer();
+        const VisibilityBuffer& seen = ideal ? row : drawn_by(profile).seen;
         const std::int32_t triangle = seen.triangle(pixel.x, pixel.y);
         FpEnvironment environment;
         Recorder recorder;
@@ -196,8 +198,8 @@ class BoundPass final : public BoundStage {
     }
 
     // Two barycentrics that go together say more than two intervals. Position and depth are projective maps of the
-    // window: their extremes over the box lie at its corners. So do a normal's, but for the second order of its division
-    // by its length, where vertices have one and no map bends it.
+    // window: their extremes over the box lie at its corners. So do a normal's, but for the second order of its
+    // division by its length, where vertices have one and no map bends it.
     void tighten(const LegalTriangle& t, std::vector<Outcome>& ways) const {
         auto about = [](const Interval& i, double bound) {
             return Bounded::within(float(i.middle()), i.middle(), bound);
