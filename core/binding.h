@@ -88,8 +88,8 @@ class BoundStage {
     virtual void outcomes(glm::ivec2 pixel, const DeviceProfile& profile, std::span<const float> got,
                           std::span<const std::int32_t> choices, std::vector<Outcome>& out) const = 0;
 
-    // Every named value of one invocation.
-    virtual std::vector<TapValue> explain(glm::ivec2 pixel) const = 0;
+    // Every named value of one invocation; what is seen at the pixel, and where in its triangle, follows the profile.
+    virtual std::vector<TapValue> explain(glm::ivec2 pixel, const DeviceProfile& profile = {}) const = 0;
 };
 
 struct StageBinding {

@@ -47,7 +47,7 @@ class BoundKernel final : public BoundStage {
         enumerate_outcomes(one, most_outcomes, out, choices);
     }
 
-    std::vector<TapValue> explain(glm::ivec2 pixel) const override {
+    std::vector<TapValue> explain(glm::ivec2 pixel, const DeviceProfile&) const override {
         FpEnvironment environment;
         Recorder recorder;
         kernel_.template pixel<float>(pixel.x, pixel.y, recorder);

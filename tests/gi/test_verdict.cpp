@@ -44,7 +44,7 @@ class KnownStage final : public BoundStage {
         if (pixel.x == 1) out.push_back({{{2, 0.01}}, false});
         if (pixel.x == 2) out.push_back({{{3, 0.01}}, true});
     }
-    std::vector<TapValue> explain(glm::ivec2) const override { return {}; }
+    std::vector<TapValue> explain(glm::ivec2, const DeviceProfile&) const override { return {}; }
 };
 
 StageBinding known_binding() {
@@ -138,7 +138,7 @@ TEST_CASE("verdict: a sign of zero is a differing bit within the bound", "[verdi
                           std::vector<Outcome>& out) const override {
                 out.push_back({{{0, 0}}, false});
             }
-            std::vector<TapValue> explain(glm::ivec2) const override { return {}; }
+            std::vector<TapValue> explain(glm::ivec2, const DeviceProfile&) const override { return {}; }
         };
         return std::make_unique<Zero>();
     };
@@ -175,7 +175,7 @@ TEST_CASE("verdict: a dispatch that writes nothing is said to decide nothing", "
             bool writes(glm::ivec2) const override { return false; }
             void outcomes(glm::ivec2, const DeviceProfile&, std::span<const float>, std::span<const std::int32_t>,
                           std::vector<Outcome>&) const override {}
-            std::vector<TapValue> explain(glm::ivec2) const override { return {}; }
+            std::vector<TapValue> explain(glm::ivec2, const DeviceProfile&) const override { return {}; }
         };
         return std::make_unique<Silent>();
     };

@@ -38,7 +38,7 @@ StageReport report_on(const StageCase& stage, const ValidateOptions& given, cons
     if (given.pictures()) report.map = verdict_picture(verdict);
     if (!differs) return report;
     const std::unique_ptr<BoundStage> bound = stage.binding->bind(stage.data);
-    report.explanation = bound->explain(verdict.worst.front().pixel);
+    report.explanation = bound->explain(verdict.worst.front().pixel, options.profile);
     if (!given.pictures()) return report;
     Bundle expected;
     bound->run(options.run, options.profile, expected);
