@@ -31,6 +31,14 @@ struct Pair {
     double ours(std::size_t pixel, int c) const {
         return value(slot->dtype, expected, pixel * std::size_t(channels) + c);
     }
+    // Everything that the dump may hold where the shader wrote one of [low, high].
+    StoredRange stored(std::size_t pixel, int c, double low, double high, double largest,
+                       const DeviceProfile& profile) const {
+        if (dumped->rounding.bytes.empty()) return stored_range(dumped->stored, c, low, high, largest, profile);
+        const double moved = value(DType::f32, dumped->rounding.bytes.data(), pixel * std::size_t(dumped_channels) + c);
+        return {std::clamp(low, dumped->lowest, dumped->highest) - moved,
+                std::clamp(high, dumped->lowest, dumped->highest) + moved};
+    }
 
   private:
     static double value(DType dtype, const unsigned char* p, std::size_t i) {
@@ -70,6 +78,11 @@ class Judge {
         Judged j;
         j.worst.pixel = pixel;
         if (not_a_number(at, j.worst)) return {Verdict::wrong, j.worst};
+        if (const WorstPixel w = rounded_alike(at); w.excess <= 1) {
+            j.verdict = Verdict::within_bound, j.worst = w;
+            j.worst.pixel = pixel, j.worst.verdict = j.verdict;
+            return j;
+        }
 
         // Look for a legal outcome that is near enough.
         std::vector<float> got(std::size_t(components_), std::numeric_limits<float>::quiet_NaN());
@@ -116,6 +129,9 @@ class Judge {
                                              data_.size.x, data_.size.y));
             Pair p{&slot, &d, plumb::at(expected_, slot.name).bytes.data(), slot.channels,
                    shape.size() == 3 ? int(shape[2]) : 1, first};
+            if (!d.rounding.bytes.empty() && (d.rounding.dtype != DType::f32 || d.rounding.shape != shape))
+                throw InputError(fmt::format("{}: output \"{}\": its rounding is {}, expected {}", data_.label, d.output,
+                                             shape_text(d.rounding.shape), shape_text(shape)));
             bool any = false;
             for (int c = 0; c < p.channels; ++c) any |= p.compared(c);
             if (!any)
@@ -129,7 +145,7 @@ class Judge {
     // Ours is rounded as the device's target rounds it.
     void quantise_expected() {
         for (Pair& p : pairs_) {
-            if (p.slot->dtype != DType::f32 || is_exact(p.dumped->stored)) continue;
+            if (p.slot->dtype != DType::f32 || is_exact(p.dumped->stored) || !p.dumped->rounding.bytes.empty()) continue;
             Array& array = const_cast<Array&>(plumb::at(expected_, p.slot->name));
             float* values = reinterpret_cast<float*>(array.bytes.data());
             parallel_bands(data_.size.y, 16, options_.run, [&](int first, int last) {
@@ -178,6 +194,33 @@ class Judge {
             }
     }
 
+    // How far a value is from the middle of a range, in halves of it: at most 1 inside.
+    static double excess_of(double got, const StoredRange& range) {
+        if (got == range.low && got == range.high) return 0;
+        const double middle = 0.5 * (range.low + range.high), allowed = 0.5 * (range.high - range.low);
+        if (!std::isfinite(middle)) return got >= range.low && got <= range.high ? 0 : HUGE_VAL;
+        if (got >= range.low && got <= range.high) return std::min(std::abs(got - middle) / allowed, 1.0);
+        return allowed > 0 ? std::max(std::abs(got - middle) / allowed, std::nextafter(1.0, 2.0)) : HUGE_VAL;
+    }
+
+    // Where a dump says by how much its values were rounded: our own value, which is legal, rounded as the dump may have
+    // been. Spares the bound; excess above 1 says nothing.
+    WorstPixel rounded_alike(std::size_t at) const {
+        WorstPixel worst;
+        worst.excess = -1;
+        for (const Pair& p : pairs_)
+            for (int c = 0; c < p.channels; ++c) {
+                if (!p.compared(c)) continue;
+                const double ours = p.ours(at, c), got = p.got(at, c);
+                StoredRange range{ours, ours};
+                if (!p.dumped->rounding.bytes.empty()) range = p.stored(at, c, ours, ours, 0, options_.profile);
+                const double excess = excess_of(got, range);
+                if (excess > worst.excess)
+                    worst = {{}, Verdict::equal, p.slot->name, c, ours, got, 0.5 * (range.high - range.low), excess};
+            }
+        return worst;
+    }
+
     // The component that is farthest outside of its bound. `decided` becomes false where a bound says nothing.
     WorstPixel farthest(std::size_t at, const Outcome& outcome, bool& decided) const {
         WorstPixel worst;
@@ -196,17 +239,11 @@ class Judge {
                     if (worst.excess < 0) worst.output = p.slot->name, worst.channel = c, worst.excess = 0;
                     continue;
                 }
-                const StoredRange range =
-                    stored_range(p.dumped->stored, c, v.shadow - v.bound, v.shadow + v.bound, largest,
-                                 options_.profile);
-                const double middle = 0.5 * (range.low + range.high), allowed = 0.5 * (range.high - range.low);
-                const double distance = got >= range.low && got <= range.high ? 0 : std::abs(got - middle);
-                const double excess = got == v.shadow || (distance == 0 && allowed == 0) ? 0
-                                      : distance == 0 ? std::abs(got - middle) / allowed
-                                      : allowed > 0   ? distance / allowed
-                                                      : std::numeric_limits<double>::infinity();
+                const StoredRange range = p.stored(at, c, v.shadow - v.bound, v.shadow + v.bound, largest,
+                                                   options_.profile);
+                const double excess = excess_of(got, range);
                 if (!(excess <= worst.excess))
-                    worst = {{}, Verdict::equal, p.slot->name, c, v.shadow, got, allowed, excess};
+                    worst = {{}, Verdict::equal, p.slot->name, c, v.shadow, got, 0.5 * (range.high - range.low), excess};
             }
         }
         return worst;

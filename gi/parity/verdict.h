@@ -8,6 +8,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,10 @@ struct Dumped {
     Array array;                  // [height][width][channels] f32 or i32, decoded
     Format stored = Format::rgba32f;  // what the device rounded it to
     unsigned channels = 15;       // bit c: component c was dumped
+    // Where no Format says how the device rounded: f32 of the array's shape; the value that was stored was clamped to
+    // [lowest, highest] and moved by at most this. Empty: `stored` says it.
+    Array rounding = {};
+    double lowest = -HUGE_VAL, highest = HUGE_VAL;
 };
 
 struct WorstPixel {

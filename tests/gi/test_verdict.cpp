@@ -211,6 +211,32 @@ TEST_CASE("verdict: a store of 8 bits moves a value by at most one step", "[verd
     CHECK(count(v, Verdict::equal) == v.pixels - 2);
 }
 
+TEST_CASE("verdict: a dump that says how it was rounded is judged by that", "[verdict]") {
+    // Ours is 1, legally 1 +- 0.01; the target held at most 0.95 and rounded by up to 0.02.
+    Known k;
+    Bundle bundle;
+    std::fill(k.values.begin(), k.values.end(), 0.96f);
+    k.at(0, 1) = 0.98f;
+    k.at(0, 2) = 0.92f;
+    add(bundle, "value", {side, side}, k.values.data());
+    const std::vector<float> rounding(side * side, 0.02f);
+    add(bundle, "rounding", {side, side}, rounding.data());
+    parity::Dumped dumped{"value", bundle.arrays[0], Format::rgba32f, 1, bundle.arrays[1], -1, 0.95};
+    parity::StageVerdict v = parity::judge(k.binding, k.data, {dumped}, k.options);
+    CHECK(count(v, Verdict::within_bound) == v.pixels - 2);
+    CHECK(Verdict(v.map(0, 1)) == Verdict::wrong);
+    CHECK(Verdict(v.map(0, 2)) == Verdict::wrong);
+
+    // Not clamped: 0.96 is too far from 1 - 0.01, and 0.98 is not.
+    dumped.highest = HUGE_VAL;
+    v = parity::judge(k.binding, k.data, {dumped}, k.options);
+    CHECK(Verdict(v.map(0, 1)) == Verdict::within_bound);
+    CHECK(Verdict(v.map(0, 2)) == Verdict::wrong);
+    CHECK(Verdict(v.map(0, 3)) == Verdict::wrong);
+    dumped.rounding.shape = {side, side + 1};
+    CHECK_THROWS_AS(parity::judge(k.binding, k.data, {dumped}, k.options), InputError);
+}
+
 TEST_CASE("verdict: dumps that do not fit are refused by one line", "[verdict]") {
     Known k;
     auto message = [&](const std::string& name, const Shape& shape, DType dtype, unsigned channels) {

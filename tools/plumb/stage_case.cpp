@@ -276,6 +276,7 @@ void read_outputs(const io::ManifestStage& stage, const StageBinding& binding, S
         io::DumpedImage dump = io::read_dump(spec);
         parity::Dumped dumped{name, {}, dump.stored, dump.channels & ((1u << slot->channels) - 1)};
         if (dumped.channels == 0) throw InputError(place + ": none of the output's channels was dumped");
+        dumped.rounding = std::move(dump.rounding), dumped.lowest = dump.lowest, dumped.highest = dump.highest;
         dumped.array = output_array(*slot, std::move(dump), out.data.size, place);
         out.dumped.push_back(std::move(dumped));
     }
