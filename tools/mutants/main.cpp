@@ -16,6 +16,7 @@
 #include "core/error.h"
 #include "core/parallel.h"
 #include "tools/mutants/trial.h"
+#include "tools/vulkan/twins.h"
 
 using namespace plumb;
 using namespace plumb::mutants;
@@ -24,7 +25,7 @@ namespace {
 
 struct Options {
     std::string lists = PLUMB_SOURCE_DIR "/tests/parity/mutants", source = PLUMB_SOURCE_DIR, glslang = PLUMB_GLSLANG;
-    std::string device = "llvmpipe";
+    std::string device = "llvmpipe", profile = "ideal";
     std::vector<std::string> only, stages;
     bool list = false, sensitivity = false;
     int threads = 0, least_wrong = 0, least_legal = 0, least_a_stage = 0;
@@ -180,16 +181,18 @@ int run(const Options& options) {
     const auto start = std::chrono::steady_clock::now();
     std::vector<std::unique_ptr<vulkan::Device>> devices;
     try {
+        vulkan::find_twin("raster/gbuffer.vert");  // vertex stages are embedded
         for (int i = 0; i < thread_count(options.threads); ++i)
             devices.push_back(std::make_unique<vulkan::Device>(vulkan::DeviceOptions{options.device, false}));
     } catch (const vulkan::Error& e) {
         fmt::print("SKIPPED: {}\n", e.what());
         return 0;
     }
+    const DeviceProfile& profile = find_profile(options.profile, "--profile");
     const TwinCompiler compiler(options.glslang, options.source);
     const std::vector<Dispatch> all = dispatches(options.source);
     std::vector<Court> courts;
-    for (const auto& device : devices) courts.emplace_back(*device, compiler, all);
+    for (const auto& device : devices) courts.emplace_back(*device, compiler, all, profile);
 
     bool ok = try_unmutated(options, courts, all);
     if (options.sensitivity)
@@ -209,6 +212,7 @@ int main(int argc, char** argv) {
     app.add_option("--lists", o.lists, "folder of the lists");
     app.add_option("--source", o.source, "the project's root, where the twins lie");
     app.add_option("--device", o.device, "part of the name of a Vulkan device");
+    app.add_option("--profile", o.profile, "what the judge knows of the device");
     app.add_option("--only", o.only, "mutants with this in their names");
     app.add_option("--stage", o.stages, "mutants of this stage");
     app.add_option("--threads", o.threads, "0: all processors");

@@ -9,8 +9,9 @@
 
 namespace plumb::mutants {
 
-Court::Court(const vulkan::Device& device, const TwinCompiler& compiler, const std::vector<Dispatch>& dispatches)
-    : device_(device), compiler_(compiler), dispatches_(dispatches) {}
+Court::Court(const vulkan::Device& device, const TwinCompiler& compiler, const std::vector<Dispatch>& dispatches,
+             const DeviceProfile& profile)
+    : device_(device), compiler_(compiler), dispatches_(dispatches), profile_(profile) {}
 
 Trial Court::unmutated(const std::string& stage) const {
     const StageBinding& binding = parity::find_binding(stage, "plumb_mutants");
@@ -36,7 +37,7 @@ Trial Court::run(const StageBinding& binding, std::span<const std::uint32_t> spi
         }
 
         parity::JudgeOptions judge;
-        judge.profile = find_profile("ideal", "plumb_mutants");
+        judge.profile = profile_;
         judge.run.threads = 1;
         const parity::StageVerdict verdict = parity::judge(binding, dispatch.data, dumped, judge);
         const double pixels = double(std::max<std::int64_t>(verdict.pixels, 1));

@@ -24,7 +24,8 @@ struct Trial {
 // One thread's: all that it is given must outlive it.
 class Court {
   public:
-    Court(const vulkan::Device& device, const TwinCompiler& compiler, const std::vector<Dispatch>& dispatches);
+    Court(const vulkan::Device& device, const TwinCompiler& compiler, const std::vector<Dispatch>& dispatches,
+          const DeviceProfile& profile);
 
     // The twin as it is.
     Trial unmutated(const std::string& stage) const;
@@ -37,6 +38,7 @@ class Court {
     const vulkan::Device& device_;
     const TwinCompiler& compiler_;
     const std::vector<Dispatch>& dispatches_;
+    const DeviceProfile& profile_;
 };
 
 // The smallest e for which a factor of 1 + e is found to be wrong, to within a tenth; 0 where not even 0.1 is.
