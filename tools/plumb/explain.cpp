@@ -8,6 +8,8 @@
 
 #include "core/error.h"
 #include "tools/plumb/cli.h"
+#include "tools/plumb/devices.h"
+#include "tools/plumb/explain_device.h"
 #include "tools/plumb/progress.h"
 #include "tools/plumb/reports.h"
 #include "tools/plumb/scene_command.h"
@@ -20,7 +22,7 @@ namespace {
 struct ExplainOptions {
     SceneOptions scene;
     Common common;
-    std::string stage, pixel, light;
+    std::string stage, pixel, light, device, spirv;
 };
 
 // A value of the picture and the one that the explanation ends with.
@@ -145,6 +147,8 @@ int explain(const ExplainOptions& given) {
     if (given.stage != "rsm" && (pixel.x >= scene.frame_size.x || pixel.y >= scene.frame_size.y))
         throw InputError(fmt::format("--pixel {}: outside of the picture, which is {} x {}", given.pixel,
                                      scene.frame_size.x, scene.frame_size.y));
+    std::unique_ptr<DeviceExplainer> device;
+    if (!given.device.empty()) device = std::make_unique<DeviceExplainer>(given.device, given.spirv);
     const frame::Frame frame = [&] {
         ProgressBar bar(plan);
         return frame::execute(scene, settings, plan, options, bar.callback());
@@ -156,24 +160,34 @@ int explain(const ExplainOptions& given) {
     Json stages = Json::array();
     if (!given.common.json) print_notes(scene);
     std::vector<Check> wrong;
+    bool parted = false;
     for (std::size_t i = 0; i < explanations.size(); ++i) {
         const frame::Explanation& e = explanations[i];
-        std::string text = (i > 0 ? "\n" : "") + (given.common.json ? "" : explain_text(e));
-        for (const Check& check : checker.checks(planned(plan, e.stage), e)) {
+        const frame::PlannedStage& stage = planned(plan, e.stage);
+        std::string text = i > 0 ? "\n" : "";
+        if (device) {
+            for (const DeviceExplanation& d :
+                 device->explain(scene, settings, plan, frame, stage, pixel, !given.stage.empty())) {
+                stages.push_back(explain_json(d));
+                text += explain_text(d);
+                parted |= d.values.parts_at.has_value();
+            }
+        } else {
+            stages.push_back(explain_json(e));
+            text += explain_text(e);
+        }
+        for (const Check& check : checker.checks(stage, e)) {
             text += check_text(check);
             if (!check.equal()) wrong.push_back(check);
         }
-        if (given.common.json)
-            stages.push_back(explain_json(e));
-        else
-            std::fputs(text.c_str(), stdout);
+        if (!given.common.json) std::fputs(text.c_str(), stdout);
     }
     if (given.common.json) {
         const Json all = {{"pixel", {pixel.x, pixel.y}}, {"stages", stages}};
-        std::fputs(json_text(given.stage.empty() ? all : stages.at(0)).c_str(), stdout);
+        std::fputs(json_text(given.stage.empty() || stages.size() > 1 ? all : stages.at(0)).c_str(), stdout);
     }
     for (const Check& check : wrong) std::fprintf(stderr, "plumb: %s", check_text(check).c_str());
-    return wrong.empty() ? success : disagreement;
+    return wrong.empty() && !parted ? success : disagreement;
 }
 
 }  // namespace
@@ -189,11 +203,24 @@ void add_explain(CLI::App& program, Action& action) {
         ->type_name("X,Y");
     command->add_option("--light", given->light, "the light, for a stage that runs once a light; the first otherwise")
         ->type_name("NAME");
+    add_device_option(*command, given->device);
+    command->add_option("--spirv", given->spirv, "runs in place of the stage's tapped twin (its fragment stage), with\n"
+                        "the same taps: the twin of a broken shader, say")
+        ->check(some_word())
+        ->type_name("FILE");
     add_common(*command, given->common);
     command->footer(
         "Each stage ends with a check: is its last value what the picture holds? Exit code 1 if not.\n"
-        "In JSON {stage, pixel, values}; without --stage {pixel, stages: [of these]}.");
-    command->callback([given, &action] { action = [=] { return explain(*given); }; });
+        "With --device the twin's values stand beside ours, and the first that differs is marked: exit code 1, too.\n"
+        "In JSON {stage, pixel, values}; without --stage, and where a point light takes several dispatches of it,\n"
+        "{pixel, stages: [of these]}. With --device values have \"gpu\", and parts_at is the first that differs, from 0.");
+    command->callback([given, &action] {
+        action = [=] {
+            if (!given->spirv.empty() && (given->device.empty() || given->stage.empty()))
+                throw InputError("--spirv: expected --device and --stage: where it runs, and in place of what");
+            return explain(*given);
+        };
+    });
 }
 
 }  // namespace plumb::cli

@@ -201,15 +201,19 @@ std::string stages_text(const std::vector<StageInfo>& stages) {
     return text;
 }
 
+Json components_json(const std::vector<double>& value) {
+    Json components = Json::array();
+    for (double component : value) components.push_back(number_json(component));
+    return components.size() == 1 ? components[0] : components;
+}
+
 Json explain_json(const frame::Explanation& e) {
     Json values = Json::array();
     for (const TapValue& v : e.values) {
         Json value;
         value["name"] = v.name;
         if (v.sample >= 0) value["sample"] = v.sample;
-        Json components = Json::array();
-        for (double component : v.value) components.push_back(number_json(component));
-        value["value"] = components.size() == 1 ? components[0] : components;
+        value["value"] = components_json(v.value);
         value["equation"] = v.equation;
         values.push_back(std::move(value));
     }

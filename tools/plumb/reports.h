@@ -42,6 +42,8 @@ std::string compare_text(const compare::Report& report);
 Json stages_json(const std::vector<StageInfo>& stages);
 std::string stages_text(const std::vector<StageInfo>& stages);
 
+// One component alone, several as an array.
+Json components_json(const std::vector<double>& value);
 Json explain_json(const frame::Explanation& explanation);
 std::string explain_text(const frame::Explanation& explanation);
 
