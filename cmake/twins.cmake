@@ -43,6 +43,16 @@ function(plumb_tap_twin file name)
     DEPENDS ${file} ${PLUMB_TWIN_INCLUDES} plumb_number_taps VERBATIM)
 endfunction()
 
+# The same twin storing its discrete choices: CHOICE() of core/tap.glsl.
+function(plumb_choosing_twin file spirv)
+  get_filename_component(folder ${spirv} DIRECTORY)
+  add_custom_command(OUTPUT ${spirv}
+    COMMAND ${CMAKE_COMMAND} -E make_directory ${folder}
+    COMMAND ${GLSLANG} -V --quiet --target-env vulkan1.1 -DPLUMB_CHOICES -I${PROJECT_SOURCE_DIR} -o ${spirv} ${file}
+    COMMAND ${SPIRV_VAL} --target-env vulkan1.1 ${spirv}
+    DEPENDS ${file} ${PLUMB_TWIN_INCLUDES} VERBATIM)
+endfunction()
+
 # plumb_embed_twins(<target>): every twin of raster and gi, plain and tapped, as a source of the target: what
 # tools/vulkan/twins.h finds. Without a compiler for them the table is empty.
 function(plumb_embed_twins target)
@@ -72,7 +82,13 @@ function(plumb_embed_twins target)
     set(spirv ${CMAKE_BINARY_DIR}/twins/${name}.spv)
     set(tapped ${CMAKE_BINARY_DIR}/twins/tapped/${name})
     plumb_tap_twin(${file} ${name})
-    list(APPEND arguments ${path} ${spirv} ${tapped}.spv ${tapped}.names)
+    set(choosing -)
+    if(file MATCHES "\\.comp$")
+      set(choosing ${CMAKE_BINARY_DIR}/twins/choosing/${name}.spv)
+      plumb_choosing_twin(${file} ${choosing})
+      list(APPEND compiled ${choosing})
+    endif()
+    list(APPEND arguments ${path} ${spirv} ${tapped}.spv ${tapped}.names ${choosing})
     list(APPEND compiled ${spirv} ${tapped}.spv ${tapped}.names)
   endforeach()
   add_custom_command(OUTPUT ${source} COMMAND plumb_embed_spirv ${source} ${arguments}

@@ -1,5 +1,6 @@
-// embed_twins <source> {<name> <SPIR-V> <tapped SPIR-V> <names of taps>}...
+// embed_twins <source> {<name> <SPIR-V> <tapped SPIR-V> <names of taps> <choosing SPIR-V>}...
 //
+// A choosing twin "-" is none.
 // Writes the C++ source that holds every twin: the table of tools/vulkan/embedded_twins.h. A program of the build.
 #include <cstdint>
 #include <cstring>
@@ -40,20 +41,23 @@ void write_names(std::ostream& out, const std::string& name, const std::string& 
 }  // namespace
 
 int main(int argc, char** argv) {
-    if (argc < 2 || (argc - 2) % 4) {
-        std::cerr << "usage: embed_twins <source> {<name> <SPIR-V> <tapped SPIR-V> <names of taps>}...\n";
+    if (argc < 2 || (argc - 2) % 5) {
+        std::cerr << "usage: embed_twins <source> "
+                     "{<name> <SPIR-V> <tapped SPIR-V> <names of taps> <choosing SPIR-V>}...\n";
         return 2;
     }
     try {
         std::ofstream out(argv[1]);
         out << "#include \"tools/vulkan/embedded_twins.h\"\n\nnamespace plumb::vulkan {\nnamespace {\n\n";
         std::string table;
-        for (int i = 2; i < argc; i += 4) {
-            const std::string k = std::to_string((i - 2) / 4);
+        for (int i = 2; i < argc; i += 5) {
+            const std::string k = std::to_string((i - 2) / 5), choosing = argv[i + 4];
             write_words(out, "spirv" + k, argv[i + 1]);
             write_words(out, "tapped" + k, argv[i + 2]);
             write_names(out, "taps" + k, argv[i + 3]);
-            table += "    {\"" + std::string(argv[i]) + "\", spirv" + k + ", tapped" + k + ", taps" + k + "},\n";
+            if (choosing != "-") write_words(out, "choosing" + k, choosing);
+            table += "    {\"" + std::string(argv[i]) + "\", spirv" + k + ", tapped" + k + ", " +
+                     (choosing != "-" ? "choosing" + k : "{}") + ", taps" + k + "},\n";
         }
         out << "\nconstexpr EmbeddedTwin table[] = {\n" << table << "};\n\n}  // namespace\n\n"
             << "std::span<const EmbeddedTwin> embedded_twins() { return table; }\n\n}  // namespace plumb::vulkan\n";

@@ -8,7 +8,7 @@ namespace plumb::vulkan {
 
 struct EmbeddedTwin {
     const char* name;
-    std::span<const std::uint32_t> spirv, tapped;
+    std::span<const std::uint32_t> spirv, tapped, choosing;
     const char* const* taps;  // ends with a null
 };
 

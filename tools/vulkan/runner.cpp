@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "tools/vulkan/batches.h"
+#include "tools/vulkan/choices.h"
 #include "tools/vulkan/compute.h"
 #include "tools/vulkan/graphics.h"
 #include "tools/vulkan/taps.h"
@@ -89,6 +90,7 @@ struct PreparedTwin::Parts {
     std::vector<Buffer> buffers;
     std::vector<Image> textures, stored;  // stored: outputs of a compute stage
     TapBuffer taps;
+    ChoiceBuffer choices;
     std::vector<Resource> resources;              // that every batch sees
     std::vector<std::vector<Resource>> of_batch;  // and its own
     std::vector<DescriptorSet> sets;              // one a batch, one of a compute stage
@@ -104,6 +106,7 @@ struct PreparedTwin::Parts {
 
     VkShaderStageFlags stages() const { return binding.raster ? raster_stages : compute_stage; }
     void choose_spirv();
+    bool stores_choices() const { return options.choices && !binding.raster; }
     void upload(const StageData& data);
     void split(const StageData& data);
     void add_buffer(std::vector<Resource>& to, std::uint32_t at, VkDescriptorType type, const void* bytes,
@@ -127,6 +130,7 @@ PreparedTwin::Parts::Parts(const Device& d, const StageBinding& b, const StageDa
     if (o.tap && (o.tap->x < 0 || o.tap->y < 0 || o.tap->x >= data.size.x || o.tap->y >= data.size.y))
         throw Error(fmt::format("{}: pixel {},{} lies outside of {} x {}", label, o.tap->x, o.tap->y, data.size.x,
                                 data.size.y));
+    if (o.tap && o.choices) throw Error(label + ": a twin tells its taps or its choices, not both at once");
     choose_spirv();
     split(data);
     upload(data);
@@ -139,7 +143,10 @@ PreparedTwin::Parts::Parts(const Device& d, const StageBinding& b, const StageDa
 void PreparedTwin::Parts::choose_spirv() {
     const bool own = !options.spirv.empty();
     if (!own || options.tap) twin = find_twin(binding.raster ? binding.twin + ".frag" : binding.twin);
-    const std::span<const std::uint32_t> code = own ? options.spirv : options.tap ? twin.tapped : twin.spirv;
+    const std::span<const std::uint32_t> code = own                ? options.spirv
+                                                : options.tap      ? twin.tapped
+                                                : stores_choices() ? twin.choosing
+                                                                   : twin.spirv;
     spirv.assign(code.begin(), code.end());
     if (options.colour == Format::rgba16f && !binding.raster) spirv = with_half_images(spirv);
     if (options.tap && binding.raster && !device.features().fragmentStoresAndAtomics)
@@ -252,6 +259,10 @@ void PreparedTwin::Parts::bind_all() {
         const VkShaderStageFlags where = binding.raster ? VK_SHADER_STAGE_FRAGMENT_BIT : VK_SHADER_STAGE_COMPUTE_BIT;
         resources.push_back({.binding = tap_binding, .stages = where, .buffer = &taps.buffer()});
     }
+    if (stores_choices()) {
+        choices = ChoiceBuffer(device, {int(size.width), int(size.height)});
+        resources.push_back({.binding = choice_binding, .stages = compute_stage, .buffer = &choices.buffer()});
+    }
     for (std::size_t i = 0; i < of_batch.size(); ++i) {
         std::vector<Resource> all = resources;
         all.insert(all.end(), of_batch[i].begin(), of_batch[i].end());
@@ -329,6 +340,7 @@ TwinResult PreparedTwin::read() {
             parts_->read(parts_->targets.colours[std::size_t(slot.binding)], VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, out);
     }
     if (parts_->options.tap) result.taps = parts_->taps.values(parts_->twin, parts_->reversed_z);
+    if (parts_->stores_choices()) result.choices = parts_->choices.values(result.choices_a_pixel);
     return result;
 }
 

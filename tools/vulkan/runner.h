@@ -10,6 +10,7 @@ namespace plumb::vulkan {
 
 struct RunTwin {
     std::optional<glm::ivec2> tap = {};  // also list this pixel's values, from the tapped twin
+    bool choices = false;                  // also list every pixel's discrete choices, from the choosing twin
     // Instead of the embedded SPIR-V (raster stages: of the fragment stage): what the mutator compiled.
     std::span<const std::uint32_t> spirv = {};
     int repeat = 1;                   // runs; the median of their times is reported
@@ -21,6 +22,9 @@ struct RunTwin {
 struct TwinResult {
     Bundle outputs;              // by the names of StageBinding::outputs; rgba16f: widened to float
     std::vector<TapValue> taps;  // in the order in which they ran
+    // What core/decisions.h can follow: [height][width][choices_a_pixel], no_choice where a pixel made fewer.
+    std::vector<std::int32_t> choices;
+    int choices_a_pixel = 0;
     double ms = 0;               // wall clock of one submission
 };
 

@@ -10,7 +10,7 @@ Twin find_twin(const std::string& name) {
         throw Error("no twins: this program was built without glslangValidator and spirv-val, which compile them");
     for (const EmbeddedTwin& e : embedded_twins()) {
         if (name != e.name) continue;
-        Twin twin{name, e.spirv, e.tapped, {}};
+        Twin twin{name, e.spirv, e.tapped, e.choosing, {}};
         for (const char* const* tap = e.taps; *tap; ++tap) twin.taps.push_back(*tap);
         return twin;
     }
