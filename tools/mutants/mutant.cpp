@@ -97,7 +97,7 @@ std::vector<Mutant> read_mutants(const fs::path& folder) {
 std::string edited(const Mutant& mutant, const std::string& text, double scale) {
     std::string replace = mutant.replace;
     for (std::size_t at; (at = replace.find("{s}")) != std::string::npos;)
-        replace.replace(at, 3, fmt::format("{:.9g}", scale) + (scale == 1 ? ".0" : ""));
+        replace.replace(at, 3, fmt::format("{:.12g}", scale) + (scale == 1 ? ".0" : ""));
 
     std::string out;
     std::size_t from = 0;
