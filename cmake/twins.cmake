@@ -5,7 +5,7 @@ find_program(SPIRV_VAL spirv-val)
 
 # The files that any twin may include.
 file(GLOB_RECURSE PLUMB_TWIN_INCLUDES CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/core/*.glsl
-  ${PROJECT_SOURCE_DIR}/raster/*.glsl ${PROJECT_SOURCE_DIR}/gi/*.glsl)
+  ${PROJECT_SOURCE_DIR}/raster/*.glsl ${PROJECT_SOURCE_DIR}/gi/*.glsl ${PROJECT_SOURCE_DIR}/tools/probe/*.glsl)
 
 # plumb_compile_twins(<target> <file>...): SPIR-V of each file, under <build>/twins, as part of the target ALL.
 function(plumb_compile_twins target)
@@ -53,8 +53,8 @@ function(plumb_choosing_twin file spirv)
     DEPENDS ${file} ${PLUMB_TWIN_INCLUDES} VERBATIM)
 endfunction()
 
-# plumb_embed_twins(<target>): every twin of raster and gi, plain and tapped, as a source of the target: what
-# tools/vulkan/twins.h finds. Without a compiler for them the table is empty.
+# plumb_embed_twins(<target>): every twin of raster and gi and every probe, plain and tapped, as a source of the target:
+# what tools/vulkan/twins.h finds. Without a compiler for them the table is empty.
 function(plumb_embed_twins target)
   set(source ${CMAKE_BINARY_DIR}/twins/embedded_twins.cpp)
   if(NOT PLUMB_COMPILE_TWINS OR NOT GLSLANG OR NOT SPIRV_VAL)
@@ -70,7 +70,7 @@ function(plumb_embed_twins target)
   foreach(program plumb_number_taps plumb_embed_spirv)
     target_link_libraries(${program} PRIVATE plumb_warnings)
   endforeach()
-  foreach(folder raster gi)
+  foreach(folder raster gi tools/probe)
     foreach(stage comp vert frag)
       file(GLOB_RECURSE found CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${folder}/*.${stage})
       list(APPEND twins ${found})
@@ -94,5 +94,5 @@ function(plumb_embed_twins target)
   add_custom_command(OUTPUT ${source} COMMAND plumb_embed_spirv ${source} ${arguments}
     DEPENDS ${compiled} plumb_embed_spirv VERBATIM)
   target_sources(${target} PRIVATE ${source})
-  add_dependencies(${target} plumb_raster_twins plumb_gi_twins)
+  add_dependencies(${target} plumb_raster_twins plumb_gi_twins plumb_probe_twins)
 endfunction()

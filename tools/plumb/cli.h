@@ -40,6 +40,7 @@ void add_validate(CLI::App& program, Action& action);
 void add_export(CLI::App& program, Action& action);
 void add_stages(CLI::App& program, Action& action);
 void add_devices(CLI::App& program, Action& action);
+void add_probe_device(CLI::App& program, Action& action);
 void add_experiment(CLI::App& program, Action& action);
 void add_make_scene(CLI::App& program, Action& action);
 

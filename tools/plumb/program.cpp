@@ -131,6 +131,7 @@ int run_program(int argc, char** argv) {
     add_export(program, action);
     add_stages(program, action);
     add_devices(program, action);
+    add_probe_device(program, action);
     add_experiment(program, action);
     add_make_scene(program, action);
     // After the commands, which would take it for theirs.
