@@ -7,11 +7,11 @@ namespace plumb {
 
 namespace {
 
-// + - * / sqrt as IEEE 754 rounds them, denormals kept: so measured on both software drivers, 2^19 inputs an operation.
+// + - * / sqrt as IEEE 754 rounds them, denormals kept: so measured on lavapipe, 2^19 inputs an operation.
 Precision correctly_rounded() {
     Precision p;
     p.add = p.multiply = p.divide = p.sqrt = 0.5;
-    p.inverse_sqrt = 1;  // 1 / sqrt(x), two roundings
+    p.inverse_sqrt = 1.5;  // 1 / sqrt(x), two roundings
     p.flushes_denormals = false;
     return p;
 }
@@ -28,8 +28,9 @@ DeviceProfile lavapipe(const char* name, bool fused) {
     d.half_store_either = false;
     d.bilinear_weight_bits = 0;
     d.precision = correctly_rounded();
-    // Its exp2 and log2 are polynomials: 3 units and, of exp, 30 at |x| = 87; 1.9e-6.
-    d.precision.exp2_slope = 0.4;
+    // Its exp2 and log2 are polynomials: 3.4 units and, of exp, 62 at |x| = 83; 1.9e-6.
+    d.precision.exp2 = 3.5;
+    d.precision.exp2_slope = 1.2;
     d.precision.log2_absolute = 2e-6;
     return d;
 }
@@ -41,8 +42,10 @@ DeviceProfile swiftshader() {
     d.subpixel_bits = 4;
     d.interpolation = Interpolation::snapped_planes;
     d.snap_uncertainty = 0;  // its window positions are emulated to the bit
-    // Assumed, not probed: how its 16-bit stores and filters round.
+    // Its halves are the nearest, but for numbers just above 2^-25, which become 0.
+    d.bilinear_weight_bits = 0;
     d.precision = correctly_rounded();
+    d.precision.flushes_denormals = true;
     return d;
 }
 
