@@ -164,21 +164,22 @@ int explain(const ExplainOptions& given) {
     for (std::size_t i = 0; i < explanations.size(); ++i) {
         const frame::Explanation& e = explanations[i];
         const frame::PlannedStage& stage = planned(plan, e.stage);
-        std::string text = i > 0 ? "\n" : "";
+        std::string text;
         if (device) {
+            // The picture is not the device's, so that nothing is to be checked against it.
             for (const DeviceExplanation& d :
                  device->explain(scene, settings, plan, frame, stage, pixel, !given.stage.empty())) {
+                text += (stages.empty() ? "" : "\n") + explain_text(d);
                 stages.push_back(explain_json(d));
-                text += explain_text(d);
                 parted |= d.values.parts_at.has_value();
             }
         } else {
+            text += (i > 0 ? "\n" : "") + explain_text(e);
             stages.push_back(explain_json(e));
-            text += explain_text(e);
-        }
-        for (const Check& check : checker.checks(stage, e)) {
-            text += check_text(check);
-            if (!check.equal()) wrong.push_back(check);
+            for (const Check& check : checker.checks(stage, e)) {
+                text += check_text(check);
+                if (!check.equal()) wrong.push_back(check);
+            }
         }
         if (!given.common.json) std::fputs(text.c_str(), stdout);
     }
@@ -211,7 +212,7 @@ void add_explain(CLI::App& program, Action& action) {
     add_common(*command, given->common);
     command->footer(
         "Each stage ends with a check: is its last value what the picture holds? Exit code 1 if not.\n"
-        "With --device the twin's values stand beside ours, and the first that differs is marked: exit code 1, too.\n"
+        "With --device the twin's values stand beside ours instead, and the first that differs is marked: exit code 1.\n"
         "In JSON {stage, pixel, values}; without --stage, and where a point light takes several dispatches of it,\n"
         "{pixel, stages: [of these]}. With --device values have \"gpu\", and parts_at is the first that differs, from 0.");
     command->callback([given, &action] {
