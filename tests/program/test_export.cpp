@@ -1,5 +1,6 @@
 // plumb export.
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <filesystem>
 
 #include "tests/program/exported.h"
@@ -115,6 +116,32 @@ TEST_CASE("export: the twins' own outputs of every stage hold up", "[program][vu
     }
 }
 
+TEST_CASE("export --choices: validate follows what the twin chose", "[program][vulkan]") {
+    const std::string folder = fresh_folder("export_choices"), scene = small_scene(folder);
+    const Result r = run({"export", scene, "--stage", "rsm.disc", "--light", "key", "--device", "llvmpipe", "--choices",
+                          "-o", folder + "/dumps"});
+    if (r.exit == 2) {
+        WARN("no round trip: " << r.err);
+        return;
+    }
+    REQUIRE(r.exit == 0);
+    CHECK_THAT(read(folder + "/dumps/manifest.toml"), Contains("[stage.choices]") && Contains("R32G32_SINT"));
+    CHECK(validated(folder + "/dumps")["stages"][0]["verdict"] == "equal");
+
+    // Another rounding of the same sum is legal, but not from another texel.
+    const std::string values = folder + "/dumps/rsm.disc.key/out/irradiance.bin";
+    const std::string choices = folder + "/dumps/rsm.disc.key/out/choices.bin";
+    const std::size_t pixel = 33 * 61 + 40;
+    const float ours = word<float>(read(values), 4 * pixel);
+    REQUIRE(ours > 0);
+    set_word(values, 4 * pixel, std::nextafter(ours, 1e9f));
+    CHECK(validated(folder + "/dumps")["stages"][0]["counts"]["within_bound"] == 1);
+    set_word(choices, 2 * pixel, word<std::int32_t>(read(choices), 2 * pixel) + 1);
+    const Result wrong = run({"validate", folder + "/dumps/manifest.toml", "--json"});
+    CHECK(wrong.exit == 1);
+    CHECK(Json::parse(wrong.out)["stages"][0]["counts"]["wrong"] == 1);
+}
+
 TEST_CASE("export: what cannot be exported", "[program]") {
     const std::string folder = fresh_folder("export_bad"), scene = small_scene(folder), to = folder + "/dumps";
     auto refused = [&](const Words& more) {
@@ -134,6 +161,7 @@ TEST_CASE("export: what cannot be exported", "[program]") {
     CHECK_THAT(refused({"--stage", "shadow", "--light", "lamp"}), Contains("left out"));
     CHECK_THAT(refused({"--stage", "gbuffer", "--profile", "ideel"}), Contains("--profile") && Contains("ideal"));
     CHECK_THAT(refused({"--stage", "tonemap", "--device", "no such device"}), Contains("--device no such device"));
+    CHECK_THAT(refused({"--stage", "tonemap", "--choices"}), Contains("--choices: expected --device"));
     CHECK_THAT(refused({}), Contains("--stage"));
     write(folder + "/file", "");
     CHECK(run({"export", scene, "--stage", "gbuffer", "-o", folder + "/file"}).exit == 2);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <memory>
+#include <span>
 
 #include "core/content_hash.h"
 #include "core/error.h"
@@ -35,18 +36,27 @@ struct ExportOptions {
     SceneOptions scene;
     Common common;
     std::string stage, light, face, folder, profile = "ideal", device;
+    bool choices = false;
+};
+
+// What a stage wrote; and its discrete choices, [height][width][n], where a twin told them.
+struct Made {
+    Bundle outputs;
+    std::vector<std::int32_t> choices = {};
+    int choices_a_pixel = 0;
 };
 
 // What makes the outputs: our kernels, or a twin on a device.
 struct Maker {
     const RunOptions& options;
+    const bool choices;
     const DeviceProfile& profile;
 #ifdef PLUMB_WITH_VULKAN
     std::unique_ptr<vulkan::Device> device;
 #endif
 
     Maker(const ExportOptions& given, const RunOptions& run, const DeviceProfile& device_profile)
-        : options(run), profile(device_profile) {
+        : options(run), choices(given.choices), profile(device_profile) {
         if (given.device.empty()) return;
         require_vulkan("--device");
 #ifdef PLUMB_WITH_VULKAN
@@ -58,17 +68,22 @@ struct Maker {
 #endif
     }
 
-    Bundle operator()(const StageBinding& binding, const StageData& data) const {
+    Made operator()(const StageBinding& binding, const StageData& data) const {
 #ifdef PLUMB_WITH_VULKAN
         try {
-            if (device) return vulkan::run_twin(*device, binding, data).outputs;
+            if (device) {
+                vulkan::RunTwin how;
+                how.choices = choices;
+                vulkan::TwinResult made = vulkan::run_twin(*device, binding, data, how);
+                return {std::move(made.outputs), std::move(made.choices), made.choices_a_pixel};
+            }
         } catch (const vulkan::Error& error) {
             throw InputError(fmt::format("{} on {}: {}", data.label, device->name(), error.what()));
         }
 #endif
-        Bundle outputs;
-        binding.bind(data)->run(options, profile, outputs);
-        return outputs;
+        Made made;
+        binding.bind(data)->run(options, profile, made.outputs);
+        return made;
     }
 
     std::string name() const {
@@ -98,6 +113,15 @@ class Exporter {
         const std::string name = id + "/out/" + slot.name + ".bin";
         write(name, array.bytes);
         return spec(name, slot, array);
+    }
+    // As many channels as a pixel has choices. Every stage that projects to a map makes two; the others none.
+    io::DumpSpec choices(const std::string& id, const Made& made, glm::ivec2 size) {
+        if (made.choices_a_pixel != 2) return {};
+        io::DumpSpec spec;
+        spec.vk_format = "R32G32_SINT";
+        spec.width = size.x, spec.height = size.y;
+        spec.file = write(id + "/out/choices.bin", std::as_bytes(std::span(made.choices)));
+        return spec;
     }
     template <class Bytes>
     std::string write(const std::string& name, const Bytes& bytes) {
@@ -149,8 +173,10 @@ io::ManifestStage export_stage(const StageBinding& binding, const StageData& dat
     if (!stage.uniforms_file.empty()) stage.uniforms.clear();
     if (data.reversed_z) stage.params["reversed_z"] = {"true"};
     for (const Slot& slot : binding.inputs) stage.inputs[slot.name] = files.input(data.id, slot, at(data.inputs, slot.name));
-    const Bundle outputs = maker(binding, data);
-    for (const Slot& slot : binding.outputs) stage.outputs[slot.name] = files.output(data.id, slot, at(outputs, slot.name));
+    const Made made = maker(binding, data);
+    for (const Slot& slot : binding.outputs)
+        stage.outputs[slot.name] = files.output(data.id, slot, at(made.outputs, slot.name));
+    stage.choices = files.choices(data.id, made, data.size);
     return stage;
 }
 
@@ -252,12 +278,20 @@ void add_export(CLI::App& program, Action& action) {
     command->add_option("--profile", given->profile, "how the device rounds that the outputs are meant for")
         ->type_name("P");
     add_device_option(*command, given->device);
+    command->add_flag("--choices", given->choices, "with --device: also write which texels the twin chose, for\n"
+                      "`plumb validate` to follow. They are that twin's: another shader's outputs want its own");
     command->add_option("-o,--output", given->folder, "the folder to write to")->required()->type_name("DIR");
     add_common(*command, given->common);
     command->footer(
         "Buffers and images are raw, as a GPU binds them; README.txt lists the bindings, manifest.toml is what\n"
         "`plumb validate` reads. Put your own outputs over those in out/ and validate.");
-    command->callback([given, &action] { action = [=] { return run_export(*given); }; });
+    command->callback([given, &action] {
+        action = [=] {
+            if (given->choices && given->device.empty())
+                throw InputError("--choices: expected --device, whose twin makes them");
+            return run_export(*given);
+        };
+    });
 }
 
 }  // namespace plumb::cli

@@ -289,8 +289,8 @@ void read_choices(const io::ManifestStage& stage, StageCase& out) {
     const Array array = io::read_dump(stage.choices).array;
     if (image_size(array, place) != out.data.size) throw InputError(place + ": expected the size of the outputs");
     for (double v : numbers(array, place)) {
-        if (!(v == std::floor(v) && std::abs(v) < 0x1p31))
-            throw InputError(fmt::format("{}: holds {}: expected whole numbers", place, v));
+        if (!(v == std::floor(v) && v >= -0x1p31 && v < 0x1p31))
+            throw InputError(fmt::format("{}: holds {}: expected whole numbers of 32 bits", place, v));
         out.choices.push_back(std::int32_t(v));
     }
     out.choices_a_pixel = array.shape.size() == 3 ? int(array.shape[2]) : 1;
