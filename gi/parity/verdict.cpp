@@ -101,7 +101,8 @@ class Judge {
             const WorstPixel w = farthest(at, outcome, decided);
             const Verdict verdict =
                 !(w.excess <= 1) ? Verdict::wrong : decided ? Verdict::within_bound : Verdict::ambiguous;
-            if (verdict < j.verdict || (verdict == j.verdict && w.excess < j.worst.excess)) {
+            const bool first = &outcome == &outcomes.front();
+            if (first || verdict < j.verdict || (verdict == j.verdict && w.excess < j.worst.excess)) {
                 j.verdict = verdict, j.worst = w;
                 j.worst.pixel = pixel;
             }

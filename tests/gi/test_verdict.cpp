@@ -151,6 +151,34 @@ TEST_CASE("verdict: a sign of zero is a differing bit within the bound", "[verdi
     CHECK(count(v, Verdict::within_bound) == 1);
 }
 
+TEST_CASE("verdict: what differs is named where no difference is allowed", "[verdict]") {
+    StageBinding b = known_binding();
+    b.bind = [](const StageData&) -> std::unique_ptr<BoundStage> {
+        struct Exact final : BoundStage {
+            void run(const RunOptions&, const DeviceProfile&, Bundle& outputs) const override {
+                const float one = 1;
+                add(outputs, "value", {1, 1}, &one);
+            }
+            void outcomes(glm::ivec2, const DeviceProfile&, std::span<const float>, std::span<const std::int32_t>,
+                          std::vector<Outcome>& out) const override {
+                out.push_back({{{1, 0}}, false});
+            }
+            std::vector<TapValue> explain(glm::ivec2, const DeviceProfile&) const override { return {}; }
+        };
+        return std::make_unique<Exact>();
+    };
+    StageData data;
+    data.size = {1, 1};
+    const float two = 2;
+    Bundle bundle;
+    add(bundle, "value", {1, 1}, &two);
+    const parity::StageVerdict v = parity::judge(b, data, {{"value", bundle.arrays[0], Format::r32f, 1}}, {});
+    CHECK(count(v, Verdict::wrong) == 1);
+    CHECK(v.worst.at(0).output == "value");
+    CHECK(v.worst.at(0).expected == 1);
+    CHECK(v.worst.at(0).got == 2);
+}
+
 TEST_CASE("verdict: too many ambiguous pixels decide nothing", "[verdict]") {
     Known k;
     k.options.max_ambiguous = 0.005;
