@@ -33,9 +33,12 @@ void compare(TwoValues& line) {
         line.same = false, line.ulp = as_far_as_can_be;
         return;
     }
-    for (std::size_t c = 0; c < line.ours->size(); ++c)
-        line.ulp = std::max(line.ulp, ulp_between((*line.ours)[c], (*line.theirs)[c]));
-    line.same = line.ulp == 0;
+    for (std::size_t c = 0; c < line.ours->size(); ++c) {
+        const double a = (*line.ours)[c], b = (*line.theirs)[c];
+        const std::uint64_t ulp = ulp_between(a, b);
+        line.ulp = std::max(line.ulp, ulp);
+        line.same = line.same && (ulp == 0 || (a == 0 && b == 0));
+    }
 }
 
 // A value's name, sample and how many of these came before it.
@@ -86,6 +89,7 @@ SideBySide side_by_side(const std::vector<TapValue>& ours, const std::vector<Tap
         if (!line.compared) continue;
         compare(line);
         ++out.compared;
+        out.signs += line.same && line.ulp > 0;
         if (!line.same && !out.parts_at) out.parts_at = i;
     }
     return out;

@@ -63,11 +63,16 @@ TEST_CASE("side by side: bits are compared, and one component is enough", "[pari
     CHECK(!parts(nan, -nan));
     CHECK(parts(nan, 1));
     CHECK(parts(1, nan));
-    CHECK(parts(0.0, -0.0));
+    CHECK(!parts(0.0, -0.0));
+    CHECK(parts(0.0, -1e-45f));
     CHECK(parts(1, INFINITY));
     CHECK(parts(-1, 1));
     CHECK(!parts(16777217, 16777216));  // an integer, as the float that the device wrote
     CHECK(side_by_side({{"x", -1, {1}, ""}}, {{"x", -1, {1, 1}, ""}}, {"x"}).parts_at == std::size_t(0));
+    // The sign of a zero is told apart all the same; beside another difference it does not count.
+    const SideBySide zeros = side_by_side({{"x", -1, {0, 1}, ""}}, {{"x", -1, {-0.0, 1}, ""}}, {"x"});
+    CHECK((zeros.signs == 1 && zeros.lines[0].ulp == 1 && zeros.lines[0].same));
+    CHECK(side_by_side({{"x", -1, {0, 1}, ""}}, {{"x", -1, {-0.0, 2}, ""}}, {"x"}).signs == 0);
 }
 
 TEST_CASE("side by side: a loop that ended early is aligned by sample", "[parity][explain]") {

@@ -132,7 +132,9 @@ std::string ulp_text(const parity::TwoValues& line) {
 
 std::string summary_text(const parity::SideBySide& values) {
     if (values.compared == 0) return "the device sees nothing here either\n";
-    if (!values.parts_at) return fmt::format("all {} values are the same bits\n", values.compared);
+    if (!values.parts_at)
+        return fmt::format("all {} values are the same bits{}\n", values.compared,
+                           values.signs > 0 ? fmt::format(", but for signs of zeros in {}", values.signs) : "");
     const parity::TwoValues& first = values.lines[*values.parts_at];
     const auto differ = std::count_if(values.lines.begin(), values.lines.end(),
                                       [](const parity::TwoValues& l) { return l.compared && !l.same; });
