@@ -28,7 +28,10 @@ using vulkan::ProfileField;
 // The name of a device as one of a profile.
 std::string profile_name(const std::string& device) {
     std::string out;
-    for (const char c : device.substr(0, device.find(" ("))) out += std::isalnum(static_cast<unsigned char>(c)) ? char(std::tolower(c)) : '-';
+    for (const char c : device.substr(0, device.find(" ("))) {
+        const bool letter = (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9');
+        out += c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : letter ? c : '-';
+    }
     return out;
 }
 
@@ -53,18 +56,20 @@ std::string operations_text(const Probe& probe) {
            "\n% off: results that are not the nearest float; is: the formula that has all bits, if one has\n";
 }
 
+std::string store_text(const vulkan::StoreFigures& s) {
+    if (s.values == 0) return "not supported";
+    if (s.not_nearest == 0) return "nearest";
+    if (s.not_truncated == 0) return "towards zero";
+    if (s.not_cut < s.values / 10000)
+        return fmt::format("10 bits cut from 16, alpha nearest; of {} values {} are not", s.values, s.not_cut);
+    return fmt::format("of {} values {} not nearest, {} not towards zero, {} neither: {}", s.values, s.not_nearest,
+                       s.not_truncated, s.neither, s.example);
+}
+
 std::string figures_text(const Probe& probe) {
     std::vector<std::vector<std::string>> rows;
     rows.push_back({"min(), max() of NaN", probe.minimum_of_nan + ", " + probe.maximum_of_nan});
-    for (const vulkan::StoreFigures& s : probe.stores) {
-        const char* rule = s.values == 0          ? "not supported"
-                           : s.not_nearest == 0   ? "nearest"
-                           : s.not_truncated == 0 ? "towards zero"
-                                                  : "";
-        rows.push_back({s.name, *rule ? rule
-                                      : fmt::format("of {} values {} not nearest, {} not towards zero, {} neither: {}",
-                                                    s.values, s.not_nearest, s.not_truncated, s.neither, s.example)});
-    }
+    for (const vulkan::StoreFigures& s : probe.stores) rows.push_back({s.name, store_text(s)});
     rows.push_back({"halves of large numbers", probe.half_overflow});
     for (const vulkan::FilterFigures& f : probe.filters)
         rows.push_back({f.format + " filter",
@@ -108,7 +113,8 @@ Json probe_json(const Probe& probe, const DeviceProfile* fitting) {
                           {"values", s.values},
                           {"not_nearest", s.not_nearest},
                           {"not_truncated", s.not_truncated},
-                          {"neither", s.neither}});
+                          {"neither", s.neither},
+                          {"not_cut_from_16", s.not_cut}});
     for (const vulkan::FilterFigures& f : probe.filters)
         filters.push_back({{"format", f.format},
                            {"supported", f.supported},
@@ -184,7 +190,8 @@ int probe_device(const ProbeRequest&) {
 
 void add_probe_device(CLI::App& program, Action& action) {
     auto request = std::make_shared<ProbeRequest>();
-    CLI::App* command = program.add_subcommand("probe-device", "measure how a Vulkan device rounds, and which profile that is");
+    CLI::App* command =
+        program.add_subcommand("probe-device", "measure how a Vulkan device rounds, and which profile that is");
     add_device_option(*command, request->device);
     add_common(*command, request->common);
     command->callback([request, &action] { action = [request] { return probe_device(*request); }; });

@@ -27,7 +27,7 @@ double worst_of(const Probe& probe, std::initializer_list<const char*> names) {
     return worst;
 }
 
-// ---- What was measured, by field ----------------------------------------------------------------------------------------
+// ---- What was measured, by field ------------------------------------------------------------------------------------
 
 bool draws_alike(const Probe& probe, DeviceProfile profile) {
     if (probe.snapping.bits > 0) profile.subpixel_bits = probe.snapping.bits;
@@ -75,7 +75,7 @@ bool covers_exp2(const Probe& probe, double constant, double slope) {
         if (!(probe.exp2[k] <= constant + slope * double(k) / exp2_bins)) return false;
     return true;
 }
-// A line above all errors: the worst with |x| < 1 is its start.
+// A line above all errors; the worst with |x| < 1 is its start.
 double exp2_constant(const Probe& probe) {
     const auto last = probe.exp2.begin() + std::ptrdiff_t(std::min<std::size_t>(probe.exp2.size(), exp2_bins));
     return last == probe.exp2.begin() ? 0 : *std::max_element(probe.exp2.begin(), last);
@@ -91,7 +91,8 @@ double exp2_slope(const Probe& probe) {
 double log2_absolute(const Probe& probe, double units) {
     double worst = 0;
     for (std::size_t k = 0; k < probe.log2.size(); ++k)
-        if (!(probe.log2[k] <= units * ulp_ratio * std::ldexp(1.0, int(k) - 24))) worst = std::max(worst, probe.log2[k]);
+        if (!(probe.log2[k] <= units * ulp_ratio * std::ldexp(1.0, int(k) - 24)))
+            worst = std::max(worst, probe.log2[k]);
     return worst;
 }
 
@@ -130,7 +131,8 @@ void add_store_fields(const Probe& probe, const DeviceProfile& d, std::vector<Pr
     const HalfRule half = half_rule(probe);
     const bool stores = d.half_store_either ? !half.neither
                                             : d.half_store == HalfStore::nearest ? half.nearest : half.truncate;
-    out.push_back({"half_store", half.nearest ? "nearest" : half.truncate ? "truncate" : half.neither ? "neither" : "either",
+    const char* rule = half.nearest ? "nearest" : half.truncate ? "truncate" : half.neither ? "neither" : "either";
+    out.push_back({"half_store", rule,
                    d.half_store_either ? "either" : name_of(d.half_store), stores});
     const int bits = weight_bits(probe);
     auto bits_text = [](int n) { return n == 0 ? std::string("float") : std::to_string(n); };

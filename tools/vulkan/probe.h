@@ -56,6 +56,7 @@ struct StoreFigures {
     std::string name;          // "rgba16f storage image"
     int values = 0;            // components stored; 0: not supported
     int not_nearest = 0, not_truncated = 0, neither = 0;
+    int not_cut = 0;           // components of 10 bits that are not the first ones of 16, others not nearest
     std::string example{};     // of one that is not the nearest
 };
 
@@ -91,7 +92,7 @@ void probe_rasterisation(const Device& device, Probe& probe);
 // Figures of one operation by its name; throws std::out_of_range for another one.
 const OperationFigures& operation(const Probe& probe, const std::string& name);
 
-// ---- Profiles ---------------------------------------------------------------------------------------------------------
+// ---- Profiles -------------------------------------------------------------------------------------------------------
 
 // A field of DeviceProfile: what was measured, what a profile says, and whether it allows that.
 struct ProfileField {

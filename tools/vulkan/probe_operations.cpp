@@ -49,12 +49,16 @@ float squares(const glm::vec4& v) { return v.x * v.x + v.y * v.y + v.z * v.z; }
 float squares_back(const glm::vec4& v) { return v.z * v.z + v.y * v.y + v.x * v.x; }
 float squares_fused(const glm::vec4& v) { return fused(v.z, v.z, fused(v.y, v.y, v.x * v.x)); }
 float squares_fused_back(const glm::vec4& v) { return fused(v.x, v.x, fused(v.y, v.y, v.z * v.z)); }
+float packed(const glm::vec4& v, HalfStore store) {
+    return from_bits(std::uint32_t(float_to_half(v.x, store).bits) |
+                     std::uint32_t(float_to_half(v.y, store).bits) << 16);
+}
 double length(const glm::dvec4& v) { return std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z); }
 
 #define EXACT [](const glm::dvec4& v) -> double
 #define VALUE [](const glm::vec4& v) -> float
 
-// In the order of tools/probe/operations.comp, then packing.comp. The first formula is the one that a kernel of ours has.
+// In the order of tools/probe/operations.comp, then packing.comp.
 const std::vector<Operation>& operations() {
     static const std::vector<Operation> all = {
         {"a + b", Domain::any, EXACT { return v.x + v.y; }, {{"IEEE 754", VALUE { return v.x + v.y; }}}},
@@ -147,10 +151,8 @@ const std::vector<Operation>& operations() {
          {{"v / 255", VALUE { return float(to_bits(v.x) & 0xff) / 255; }},
           {"v (1 / 255)", VALUE { return float(to_bits(v.x) & 0xff) * (1.0f / 255); }}}, true},
         {"packHalf2x16", Domain::moderate, nullptr,
-         {{"nearest even", VALUE { return from_bits(std::uint32_t(float_to_half(v.x).bits) |
-                                                    std::uint32_t(float_to_half(v.y).bits) << 16); }},
-          {"truncated", VALUE { return from_bits(std::uint32_t(float_to_half(v.x, HalfStore::truncate).bits) |
-                                                 std::uint32_t(float_to_half(v.y, HalfStore::truncate).bits) << 16); }}},
+         {{"nearest even", VALUE { return packed(v, HalfStore::nearest); }},
+          {"truncated", VALUE { return packed(v, HalfStore::truncate); }}},
          true},
         {"unpackHalf2x16", Domain::any, nullptr,
          {{"exact", VALUE { return half_to_float(Half{std::uint16_t(to_bits(v.x))}); }}}, true},

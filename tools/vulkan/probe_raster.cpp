@@ -65,7 +65,7 @@ bool same(float a, float b) {
     return number<float>::bits(a) == number<float>::bits(b) || (a != a && b != b);
 }
 
-// ---- Snapping ---------------------------------------------------------------------------------------------------------
+// ---- Snapping -------------------------------------------------------------------------------------------------------
 
 constexpr int corners_tried = 256, centres = 4096;  // the frame: a column a corner
 
@@ -122,7 +122,7 @@ SnappingFigures find_snapping(const DrawnTriangles& t) {
     return out;
 }
 
-// ---- Triangles of a hash ----------------------------------------------------------------------------------------------
+// ---- Triangles of a hash --------------------------------------------------------------------------------------------
 
 struct Stream {
     int item, seed;

@@ -32,10 +32,10 @@ bool supports(const Device& device, VkFormat format, VkFormatFeatureFlags wanted
 std::int32_t word(int i, int component, int seed) { return pixel_hash<std::int32_t>(i, component, 0, seed).x; }
 float between(std::int32_t w, float low, float high) { return low + (high - low) * unit_float<float>(w); }
 
-// ---- Stores -----------------------------------------------------------------------------------------------------------
+// ---- Stores ---------------------------------------------------------------------------------------------------------
 
-// By turns: any float that a half can hold or nearly so; a tie between two halves; around what 8 and 10 bits hold; a tie
-// between two of their codes. The first texel has what overflows.
+// By turns: any float that a half can hold or nearly so; a tie between two halves; what 8 and 10 bits hold and a little
+// more; a tie between two of their codes. The first texel has what overflows.
 float stored_value(int i, int component) {
     constexpr float overflow[] = {65519.0f, 65520.0f, 131072.0f, 1e6f};
     if (i == 0) return overflow[component];  // not counted with the others
@@ -68,9 +68,10 @@ glm::ivec4 widths(Format format) {
     return format == Format::r11g11b10f ? glm::ivec4(11, 11, 10, 0) : glm::ivec4(10, 10, 10, 2);
 }
 
-// Codes of a value's components: nearest, and towards zero, where the nearest is farther from it.
+// Codes of a value's components: nearest; towards zero, where the nearest is farther from it; the first 10 bits of the
+// nearest of 16.
 struct Codes {
-    std::uint32_t nearest[4], truncated[4];
+    std::uint32_t nearest[4], truncated[4], cut[4];
 };
 std::uint64_t packed_texel(const void* texel, Format format) {
     std::uint64_t packed = 0;
@@ -87,8 +88,10 @@ Codes codes_of(Format format, const glm::vec4& value) {
     encode(format, value, texel);
     take_apart(packed_texel(texel, format), format, out.nearest);
     const glm::vec4 nearest = decode(format, texel);
-    for (int c = 0; c < 4; ++c)
+    for (int c = 0; c < 4; ++c) {
+        out.cut[c] = widths(format)[c] == 10 ? std::uint32_t(encode_unorm(value[c], 16)) >> 6 : out.nearest[c];
         out.truncated[c] = out.nearest[c] - (std::abs(nearest[c]) > std::abs(value[c]) && nearest[c] * value[c] > 0);
+    }
     return out;
 }
 
@@ -107,6 +110,7 @@ StoreFigures compare_texels(const std::string& name, Format format, const std::v
             ++out.values;
             out.not_nearest += !nearest;
             out.not_truncated += !truncated;
+            out.not_cut += stored[c] != codes.cut[c];
             out.neither += !nearest && !truncated;
             if (!nearest && out.example.empty())
                 out.example = fmt::format("{:.9g} as {:.9g}", value[c], decode(format, texel)[c]);
@@ -161,7 +165,7 @@ std::vector<unsigned char> draw(const Device& device, const Buffer& values, VkFo
     return texels;
 }
 
-// ---- Filters ----------------------------------------------------------------------------------------------------------
+// ---- Filters --------------------------------------------------------------------------------------------------------
 
 struct Filtered {
     const char* name;
