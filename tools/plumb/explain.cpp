@@ -126,15 +126,8 @@ frame::Plan up_to(frame::Plan plan, const std::string& stage) {
     return plan;
 }
 
-int explain(const ExplainOptions& given) {
-    const RunOptions options = given.common.run_options();
-    const glm::ivec2 pixel = parse_pixel(given.pixel);
-    const Scene scene = load(given.scene);
-    const frame::Settings settings = settings_of(scene, given.scene);
-    const int light = given.light.empty() ? -1 : find_light(scene, given.light);
-    const frame::Plan plan = up_to(frame::plan(scene, settings), given.stage);
-
-    // What cannot be explained is refused before the frame is rendered.
+// What cannot be explained is refused before the frame is rendered.
+void require_explainable(const ExplainOptions& given, glm::ivec2 pixel, const Scene& scene) {
     std::vector<std::string> names;
     for (const StageInfo& s : frame::all_stages()) names.push_back(s.name);
     if (!given.stage.empty() && std::find(names.begin(), names.end(), given.stage) == names.end())
@@ -147,6 +140,16 @@ int explain(const ExplainOptions& given) {
     if (given.stage != "rsm" && (pixel.x >= scene.frame_size.x || pixel.y >= scene.frame_size.y))
         throw InputError(fmt::format("--pixel {}: outside of the picture, which is {} x {}", given.pixel,
                                      scene.frame_size.x, scene.frame_size.y));
+}
+
+int explain(const ExplainOptions& given) {
+    const RunOptions options = given.common.run_options();
+    const glm::ivec2 pixel = parse_pixel(given.pixel);
+    const Scene scene = load(given.scene);
+    const frame::Settings settings = settings_of(scene, given.scene);
+    const int light = given.light.empty() ? -1 : find_light(scene, given.light);
+    const frame::Plan plan = up_to(frame::plan(scene, settings), given.stage);
+    require_explainable(given, pixel, scene);
     std::unique_ptr<DeviceExplainer> device;
     if (!given.device.empty()) device = std::make_unique<DeviceExplainer>(given.device, given.spirv);
     const frame::Frame frame = [&] {
@@ -154,7 +157,7 @@ int explain(const ExplainOptions& given) {
         return frame::execute(scene, settings, plan, options, bar.callback());
     }();
 
-    // Explain, and hold each stage's last value against the picture.
+    // Explain: hold each stage's last value against the picture, or all of them against the device's.
     const auto explanations = frame::explain(scene, settings, plan, frame, given.stage, light, pixel);
     const Checker checker{scene, settings, plan, frame, pixel};
     Json stages = Json::array();
@@ -212,9 +215,9 @@ void add_explain(CLI::App& program, Action& action) {
     add_common(*command, given->common);
     command->footer(
         "Each stage ends with a check: is its last value what the picture holds? Exit code 1 if not.\n"
-        "With --device the twin's values stand beside ours instead, and the first that differs is marked: exit code 1.\n"
+        "With --device the twin's values stand beside ours instead; the first that differs is marked: exit code 1.\n"
         "In JSON {stage, pixel, values}; without --stage, and where a point light takes several dispatches of it,\n"
-        "{pixel, stages: [of these]}. With --device values have \"gpu\", and parts_at is the first that differs, from 0.");
+        "{pixel, stages: [of these]}. With --device values have \"gpu\"; parts_at: the first that differs, from 0.");
     command->callback([given, &action] {
         action = [=] {
             if (!given->spirv.empty() && (given->device.empty() || given->stage.empty()))
