@@ -141,7 +141,7 @@ TEST_CASE("probes: precise keeps the order of operations, and what is not precis
     const Probed* p = known_device();
     if (!p) return;
     auto formula = [&](const char* name) { return vulkan::operation(p->probe, name).formula; };
-    for (const char* name : {"a + b", "a - b", "a / b", "1 / a", "sqrt(a)"}) CHECK(formula(name) == "IEEE 754");
+    for (const char* name : {"a + b", "a - b", "a * b", "a / b", "1 / a", "sqrt(a)"}) CHECK(formula(name) == "IEEE 754");
     CHECK(formula("precise a * b + c") == "a b + c");
     CHECK(formula("precise (a + 0.1) + 0.2") == "in order");
     CHECK(formula("(a + 0.1) + 0.2") == "a + 0.3");

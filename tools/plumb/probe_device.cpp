@@ -60,7 +60,7 @@ std::string store_text(const vulkan::StoreFigures& s) {
     if (s.values == 0) return "not supported";
     if (s.not_nearest == 0) return "nearest";
     if (s.not_truncated == 0) return "towards zero";
-    if (s.not_cut < s.values / 10000)
+    if (s.not_cut < s.not_nearest && s.not_cut < s.values / 10000)
         return fmt::format("10 bits cut from 16, alpha nearest; of {} values {} are not", s.values, s.not_cut);
     return fmt::format("of {} values {} not nearest, {} not towards zero, {} neither: {}", s.values, s.not_nearest,
                        s.not_truncated, s.neither, s.example);
