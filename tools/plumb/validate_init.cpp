@@ -272,6 +272,22 @@ glm::ivec2 frame_size(const fs::path& folder, const StageBinding& binding, const
     return glm::ivec2(0);
 }
 
+// Pixels that nothing covers tell what the depth buffer was cleared to: 0 where z is reversed, 1 otherwise.
+void guess_reversed_z(const std::string& label, io::ManifestStage& stage, Start& start) {
+    const auto depth = stage.outputs.find("depth");
+    if (depth == stage.outputs.end()) return;
+    const Array dump = io::read_dump(depth->second).array;
+    std::int64_t zeros = 0, ones = 0;
+    const std::vector<double> values = numbers(dump, depth->second.file.string());
+    const std::size_t channels = dump.shape.size() == 3 ? std::size_t(dump.shape[2]) : 1;
+    for (std::size_t i = 0; i < values.size(); i += channels) zeros += values[i] == 0, ones += values[i] == 1;
+    if (zeros == 0 && ones == 0) start.missing.push_back(label + ": params.reversed_z = true, if z is reversed");
+    if (zeros <= ones) return;
+    stage.params["reversed_z"] = {"true"};
+    start.guesses.push_back({depth->second.file.lexically_relative(start.manifest.file.parent_path()).string(), label,
+                             "params.reversed_z", "cleared to 0"});
+}
+
 void add_stage(const fs::path& folder, const StageBinding& binding, const std::string& label,
                const std::vector<const File*>& files, const std::vector<File>& all, std::vector<glm::ivec2>& known,
                std::set<const File*>& used, Start& start) {
@@ -307,6 +323,7 @@ void add_stage(const fs::path& folder, const StageBinding& binding, const std::s
             (output ? stage.outputs : stage.inputs)[slot.name] = spec;
         }
     }
+    if (binding.raster) guess_reversed_z(label, stage, start);
     if (!stage.outputs.empty()) start.manifest.stages.push_back(std::move(stage));
 }
 
