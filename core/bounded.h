@@ -5,10 +5,11 @@
 //     bound   >= |r - shadow| for every r that a device may compute, and for r = value
 //
 // Legal is: every rounding that the precision table grants (core/device_profile.h; PrecisionScope), fused
-// multiply-adds, sums and products in any order, a / b as a (1 / b), v / |v| as v * inversesqrt(v.v), mixes as
-// a (1 - c) + b c for a + c (b - a), and denormals taken for 0. README.md derives the rules. Infinities and NaN have no
-// precision on a GPU (Vulkan 1.3, SignedZeroInfNanPreserve), so what may overflow or divide by 0 has an infinite bound,
-// and a NaN may be anything.
+// multiply-adds, sums in any order, products in any order that meets no denormal, (a + b) c as a c + b c, a / b as
+// a (1 / b), v / |v| as v * inversesqrt(v.v), mixes as a (1 - c) + b c for a + c (b - a), and denormals taken for 0.
+// README.md derives the rules and says which forms are other formulas. Infinities and NaN have no precision on a GPU
+// (Vulkan 1.3, SignedZeroInfNanPreserve), so what may overflow or divide by 0 has an infinite bound, and a NaN may be
+// anything.
 #pragma once
 
 #include "core/decisions.h"
@@ -49,7 +50,7 @@ struct BoundedMask {
 struct Bounded {
     float value = 0;
     // How the value came about, for the rules of sums (README.md): a sum of terms of that total magnitude, with so many
-    // additions; a blend is a product with a difference, as c (b - a) is.
+    // additions, or its product with one factor; a blend is a product with a difference, as c (b - a) is.
     std::uint16_t additions = 0;
     bool blend = false;
     bool ambiguous = false;  // an undecided comparison went into it while nobody enumerated
@@ -89,14 +90,23 @@ struct Bounded {
     friend Bounded operator*(const Bounded& a, const Bounded& b) {
         Bounded r;
         r.value = a.value * b.value, r.shadow = a.shadow * b.shadow, r.ambiguous = a.ambiguous || b.ambiguous;
-        r.blend = a.additions || b.additions;
         r.bound = __builtin_fabs(a.shadow) * b.bound + __builtin_fabs(b.shadow) * a.bound + a.bound * b.bound;
+        // (x + y) b may be x b + y b: a sum of products, each of which rounds.
+        const bool of_sum = (a.additions > 0) != (b.additions > 0);
+        const double terms = of_sum ? a.terms() * b.terms() : 0;
         // Every device has the exact product by 0; and by a power of two, while all stays normal.
         const bool exact = a.zero() || b.zero() ||
                            ((a.scales() || b.scales()) && a.normal() && b.normal() && r.normal());
         if (!exact) {
             const BoundedState& s = bounded_state;
-            r.bound += s.multiply * r.size() + (a.size() + b.size() + s.flushed) * s.flushed + s.underflow;
+            r.bound += s.multiply * (of_sum ? terms : r.size()) + (a.size() + b.size() + s.flushed) * s.flushed +
+                       s.underflow;
+        }
+        r.blend = a.additions || b.additions;
+        const int additions = of_sum ? a.additions + b.additions : 0;
+        if (additions > 0 && additions <= long_sum) {
+            r.additions = std::uint16_t(additions);
+            r.magnitude = terms + bounded_state.multiply * terms;
         }
         return r.checked();
     }
@@ -173,9 +183,10 @@ struct Bounded {
         // A sum of long sums is not taken apart: of the two, the longer counts as one term.
         if (m > 0 && n > 0 && (m > long_sum || n > long_sum)) (m < n ? n : m) = 0;
         double charge = of_a + of_b + m * of_b + n * of_a;
-        // a + c (b - a) may be a (1 - c) + b c: three more roundings of a.
+        // a + c (b - a) may be a (1 - c) + b c: 1 - c, its product and the sum round at the size of a. Of a blend that
+        // is taken apart two are charged already.
         r.blend = a.blend && b.blend;
-        if (a.blend != b.blend) charge += 3 * (a.blend ? of_b : of_a);
+        if (a.blend != b.blend) charge += ((a.blend ? m : n) > 0 ? 1 : 3) * (a.blend ? of_b : of_a);
         const double rounding = s.add * charge + 2 * s.flushed + s.underflow;
         r.bound = a.bound + b.bound + rounding;
         r.magnitude = of_a + of_b + rounding;
