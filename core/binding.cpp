@@ -102,7 +102,8 @@ void set_uniform(const StageBinding& binding, StageData& data, const std::string
         const std::uint32_t bits = m.type == "int" ? std::uint32_t(std::int32_t(v)) : whole ? std::uint32_t(v) : 0;
         const float f = float(v);
         if (!whole && !std::isfinite(f))
-            throw InputError(fmt::format("{}: {} = {}: expected a finite number", place, member, v));
+            throw InputError(fmt::format("{}: {} = {}: {}", place, member, v,
+                                         std::isfinite(v) ? "is too large for a float" : "expected a finite number"));
         std::memcpy(data.uniforms.data() + m.offset + 4 * int(c), whole ? (const void*)&bits : (const void*)&f, 4);
     }
 }

@@ -173,6 +173,11 @@ std::vector<std::string> DocumentReader::keys() const {
     return names;
 }
 
+void DocumentReader::allow(const std::vector<std::string>& keys) {
+    for (const std::string& key : keys) find(key);
+    finish();
+}
+
 void DocumentReader::finish() const {
     for (const auto& [key, value] : table_->table) {
         if (std::find(known_.begin(), known_.end(), key) != known_.end()) continue;

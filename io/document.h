@@ -52,6 +52,8 @@ class DocumentReader {
     std::vector<const DocumentValue*> tables(const std::string& key);
     std::vector<std::string> keys() const;
     void finish() const;
+    // Refuses every other key at once: a typo is the likeliest cause of what is found missing or wrong later.
+    void allow(const std::vector<std::string>& keys);
 
     const std::string& name() const { return name_; }
     void rename(std::string name) { name_ = std::move(name); }

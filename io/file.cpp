@@ -69,6 +69,16 @@ void write_all(int fd, std::string_view bytes, const std::string& path) {
     }
 }
 
+// Into a device, a pipe or what a link names: a rename would put a file in their place.
+void write_through(const std::string& path, const std::vector<std::string_view>& parts) {
+    Descriptor file{::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666)};
+    if (file.fd < 0) fail(path, "cannot be written", errno);
+    for (std::string_view part : parts) write_all(file.fd, part, path);
+    const int status = ::close(file.fd);
+    file.fd = -1;
+    if (status != 0) fail(path, "cannot be written", errno);
+}
+
 template <class Bytes>
 Bytes read_whole(const std::string& path, std::size_t limit) {
     if (path.find('\0') != std::string::npos) throw InputError(shown(path), "", "the name holds a NUL");
@@ -103,6 +113,10 @@ std::vector<unsigned char> read_bytes(const std::string& path, std::size_t limit
 std::string read_text(const std::string& path, std::size_t limit) { return read_whole<std::string>(path, limit); }
 
 void write_file(const std::string& path, const std::vector<std::string_view>& parts) {
+    struct stat there;
+    if (::lstat(path.c_str(), &there) == 0 && !S_ISREG(there.st_mode) && !S_ISDIR(there.st_mode))
+        return write_through(path, parts);
+
     // Same folder, hence same file system: a rename replaces the old file in one step.
     static std::atomic<unsigned> counter{0};
     const std::string name = std::filesystem::path(path).filename().string();

@@ -29,12 +29,16 @@ class ManifestReader {
         const DocumentValue root = parse_document(path_, read_text(path_, max_manifest_bytes));
         if (root.kind != Kind::table) throw InputError(shown(path_), "", "expected an object with the key \"stage\"");
         DocumentReader top(root, path_, "");
+        top.allow({"device", "profile", "subpixel_bits", "max_ambiguous", "scene", "stage"});
         manifest_.device = top.word("device", manifest_.device);
         manifest_.profile = top.filled("profile", manifest_.profile);
+        manifest_.subpixel_bits = int(top.integer("subpixel_bits", 0, 1, 16));
+        if (manifest_.subpixel_bits > 0 && manifest_.profile != "ideal")
+            top.fail("subpixel_bits", fmt::format("the profile {} states its own; expected none, or the profile ideal",
+                                                  printable(manifest_.profile)));
         manifest_.max_ambiguous = top.number("max_ambiguous", manifest_.max_ambiguous, 0, 1);
         if (top.has("scene")) manifest_.scene = file_of(top.filled("scene", ""));
         const auto stages = top.tables("stage");
-        top.finish();
         if (stages.empty()) throw InputError(shown(path_), "", "names no stage; expected at least one, [[stage]]");
         for (const DocumentValue* stage : stages) read_stage(*stage);
         return std::move(manifest_);
@@ -48,10 +52,12 @@ class ManifestReader {
         DocumentReader reader(table, path_, number);
         ManifestStage stage;
         stage.stage = reader.filled("stage", "");
+        const std::string name = stage.stage.empty() ? number : fmt::format("{} ({})", number, printable(stage.stage));
+        reader.rename(name);
+        reader.allow({"stage", "label", "light", "face", "size", "params", "uniforms", "input", "output", "choices",
+                      "coverage"});
         if (stage.stage.empty())
             reader.fail("stage", "is missing; expected a stage's name, as `plumb stages` lists them");
-        const std::string name = fmt::format("{} ({})", number, printable(stage.stage));
-        reader.rename(name);
         stage.place = fmt::format("{}: {}", shown(path_), name);
         stage.label = reader.word("label", "");
         stage.light = reader.word("light", "");
@@ -68,7 +74,8 @@ class ManifestReader {
         read_dumps(reader, "input", name, stage, stage.inputs);
         if (const DocumentValue* choices = reader.table("choices"))
             stage.choices = read_spec(*choices, "choices of " + name, stage, false);
-        reader.finish();
+        if (const DocumentValue* coverage = reader.table("coverage"))
+            stage.coverage.dump = read_spec(*coverage, "coverage of " + name, stage, false, &stage.coverage);
         manifest_.stages.push_back(std::move(stage));
     }
 
@@ -156,8 +163,13 @@ class ManifestReader {
         }
     }
 
-    DumpSpec read_spec(const DocumentValue& table, const std::string& name, ManifestStage& stage, bool is_output) {
+    DumpSpec read_spec(const DocumentValue& table, const std::string& name, ManifestStage& stage, bool is_output,
+                       CoverageSpec* coverage = nullptr) {
         DocumentReader reader(table, path_, name);
+        std::vector<std::string> keys = {"file",     "vk_format", "width", "height",   "count",    "row_pitch", "offset",
+                                         "trailing", "layer",     "channels", "encoding", "near_far", "flip_y"};
+        if (coverage) keys.insert(keys.end(), {"above", "below"});
+        reader.allow(keys);
         DumpSpec spec;
         spec.place = fmt::format("{}: {}", reader.place(), name);
         const std::string file = reader.filled("file", "");
@@ -178,10 +190,19 @@ class ManifestReader {
         spec.encoding = reader.filled("encoding", spec.encoding);
         spec.flip_y = reader.flag("flip_y", false);
         read_planes(reader, spec);
-        reader.finish();
+        if (coverage) read_limits(reader, *coverage);
         complete_size(reader, spec, stage, is_output);
         if (const auto fault = fault_of(spec)) reader.fail(fault->key, fault->cause);
         return spec;
+    }
+
+    static void read_limits(DocumentReader& reader, CoverageSpec& coverage) {
+        constexpr double largest = std::numeric_limits<double>::max();
+        coverage.above = reader.number("above", coverage.above, -largest, largest);
+        if (!reader.has("below")) return;
+        coverage.below = reader.number("below", 0, -largest, largest);
+        if (!reader.has("above")) coverage.above = -unbounded;
+        if (!(coverage.above < coverage.below)) reader.fail("below", "expected more than above");
     }
 
     void read_planes(DocumentReader& reader, DumpSpec& spec) {

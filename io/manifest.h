@@ -3,6 +3,7 @@
 //
 //     device = "..."                    # free text, for the report
 //     profile = "ideal"
+//     subpixel_bits = 4                 # optional, of "ideal": what VkPhysicalDeviceLimits says of the device
 //     max_ambiguous = 0.005
 //     scene = "cornell.toml"            # optional: gives uniforms, patterns and geometry that are not dumped
 //     [[stage]]
@@ -19,6 +20,8 @@
 //     flip_y = false
 //     [stage.output.irradiance]
 //     ...
+//     [stage.coverage]                  # optional: where its first component is not above 0 there is nothing
+//     file = "stencil.raw"
 #pragma once
 
 #include <cstdint>
@@ -63,6 +66,12 @@ struct DumpedImage {
     double lowest = -std::numeric_limits<double>::infinity(), highest = std::numeric_limits<double>::infinity();
 };
 
+// Where a surface is seen: above < first component < below. Packed normals cannot say it.
+struct CoverageSpec {
+    DumpSpec dump;  // file empty: none
+    double above = 0, below = std::numeric_limits<double>::infinity();
+};
+
 struct ManifestStage {
     std::string place;  // "manifest.toml: stage 3 (rsm.disc)"
     std::string stage, label, light, face;
@@ -72,11 +81,13 @@ struct ManifestStage {
     std::map<std::string, std::vector<std::string>> params;  // words as in a scene file
     std::map<std::string, DumpSpec> inputs, outputs;
     DumpSpec choices;  // file empty: none
+    CoverageSpec coverage;
 };
 
 struct Manifest {
     std::filesystem::path file;
     std::string device, profile = "ideal";
+    int subpixel_bits = 0;  // of the profile "ideal", 1 to 16; 0: the profile's
     double max_ambiguous = 0.005;
     std::filesystem::path scene;  // empty: none
     std::vector<ManifestStage> stages;

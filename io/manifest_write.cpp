@@ -63,6 +63,7 @@ class ManifestWriter {
     std::string text() {
         text_line("device", manifest_.device, "");
         text_line("profile", manifest_.profile, "");
+        number_line("subpixel_bits", manifest_.subpixel_bits);
         out_ += "max_ambiguous = " + number_text(manifest_.max_ambiguous) + "\n";
         if (!manifest_.scene.empty()) text_line("scene", name_of(manifest_.scene), "");
         for (const ManifestStage& stage : manifest_.stages) write(stage);
@@ -107,6 +108,16 @@ class ManifestWriter {
         for (const auto& [name, spec] : stage.inputs) write("[stage.input." + key_text(name) + "]", spec);
         for (const auto& [name, spec] : stage.outputs) write("[stage.output." + key_text(name) + "]", spec);
         if (!stage.choices.file.empty()) write("[stage.choices]", stage.choices);
+        if (!stage.coverage.dump.file.empty()) write(stage.coverage);
+    }
+
+    // Without `above` there is no lower limit beside `below`, and 0 alone.
+    void write(const CoverageSpec& coverage) {
+        write("[stage.coverage]", coverage.dump);
+        const bool both = !std::isinf(coverage.below) && !std::isinf(coverage.above);
+        if (both || (std::isinf(coverage.below) && coverage.above != 0))
+            out_ += "above = " + number_text(coverage.above) + "\n";
+        if (!std::isinf(coverage.below)) out_ += "below = " + number_text(coverage.below) + "\n";
     }
 
     void write(const std::string& header, const DumpSpec& spec) {

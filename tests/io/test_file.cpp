@@ -1,5 +1,8 @@
+#include <fcntl.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <csignal>
 
@@ -39,6 +42,37 @@ TEST_CASE("file: a path that cannot be written is one line, and nothing is left"
     std::filesystem::create_directory(folder / "taken");
     require_message(error_of([&] { write_text(folder / "taken", "x"); }), {"taken", "cannot be written"});
     CHECK(folder.files() == 2);
+}
+
+TEST_CASE("file: pipes, devices and links stay what they are", "[io][robustness]") {
+    const Folder folder;
+    // Whoever reads the pipe gets the text: as much as it holds waits in it.
+    const std::string pipe = folder / "pipe";
+    REQUIRE(::mkfifo(pipe.c_str(), 0600) == 0);
+    const int reader = ::open(pipe.c_str(), O_RDONLY | O_NONBLOCK);
+    REQUIRE(reader >= 0);
+    write_file(pipe, {"one ", "two"});
+    char bytes[8] = {};
+    CHECK(::read(reader, bytes, sizeof bytes) == 7);
+    CHECK(std::string(bytes) == "one two");
+    ::close(reader);
+    CHECK(std::filesystem::is_fifo(pipe));
+
+    // A link's file is written, whether it is there or not.
+    folder.put("named.txt", "a longer text");
+    std::filesystem::create_symlink("named.txt", folder / "link");
+    std::filesystem::create_symlink("new.txt", folder / "to_new");
+    write_text(folder / "link", "text");
+    write_text(folder / "to_new", "new");
+    CHECK(read_text(folder / "named.txt") == "text");
+    CHECK(read_text(folder / "new.txt") == "new");
+    CHECK(std::filesystem::is_symlink(folder / "link"));
+    CHECK(std::filesystem::is_symlink(folder / "to_new"));
+
+    std::filesystem::create_symlink("/dev/full", folder / "full");
+    require_message(error_of([&] { write_text(folder / "full", "x"); }), {"full", "cannot be written", "No space"});
+    CHECK(std::filesystem::is_symlink(folder / "full"));
+    CHECK(folder.files() == 6);
 }
 
 TEST_CASE("file: a full disk leaves the old file and no other", "[io][robustness]") {

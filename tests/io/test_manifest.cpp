@@ -62,6 +62,11 @@ count = 100000
 file = "out.exr"
 [stage.choices]
 file = "choices.npy"
+[stage.coverage]
+file = "stencil.raw"
+vk_format = "R8_UINT"
+above = 2
+below = 8
 
 [[stage]]
 stage = "tonemap"
@@ -87,7 +92,8 @@ const std::string full_json = R"({
     "depth": {"file": "depth.raw", "vk_format": "D32_SFLOAT", "encoding": "reversed_depth", "near_far": [0.1, "inf"]},
     "offsets": {"file": "offsets.raw", "vk_format": "R32G32_SFLOAT", "count": 100000}},
   "output": {"irradiance": {"file": "out.exr"}},
-  "choices": {"file": "choices.npy"}
+  "choices": {"file": "choices.npy"},
+  "coverage": {"file": "stencil.raw", "vk_format": "R8_UINT", "above": 2, "below": 8}
 }, {
   "stage": "tonemap", "uniforms": {"file": "block.bin"},
   "output": {"display": {"file": "display.raw", "vk_format": "R8G8B8A8_UNORM", "width": 16, "height": 8}}
@@ -132,6 +138,7 @@ void require_equal(const std::map<std::string, DumpSpec>& a, const std::map<std:
 void require_equal(const Manifest& a, const Manifest& b) {
     CHECK(a.device == b.device);
     CHECK(a.profile == b.profile);
+    CHECK(a.subpixel_bits == b.subpixel_bits);
     CHECK(a.max_ambiguous == b.max_ambiguous);
     CHECK(a.scene == b.scene);
     REQUIRE(a.stages.size() == b.stages.size());
@@ -149,6 +156,9 @@ void require_equal(const Manifest& a, const Manifest& b) {
         require_equal(s.inputs, t.inputs);
         require_equal(s.outputs, t.outputs);
         require_equal(s.choices, t.choices);
+        require_equal(s.coverage.dump, t.coverage.dump);
+        CHECK(s.coverage.above == t.coverage.above);
+        CHECK(s.coverage.below == t.coverage.below);
     }
 }
 
@@ -219,6 +229,10 @@ TEST_CASE("manifest: every key of TOML arrives", "[io][manifest]") {
     CHECK(s.inputs.at("offsets").width == 0);
     CHECK(s.outputs.at("irradiance").width == 64);
     CHECK(s.choices.file == folder / "choices.npy");
+    CHECK(s.coverage.dump.file == folder / "stencil.raw");
+    CHECK(s.coverage.dump.width == 64);
+    CHECK(s.coverage.above == 2);
+    CHECK(s.coverage.below == 8);
 
     // A stage without a size has its output's.
     CHECK(m.stages[1].uniforms_file == folder / "block.bin");
@@ -241,11 +255,29 @@ TEST_CASE("manifest: what is left out has its default", "[io][manifest]") {
     const Manifest m = read_manifest(folder.put("m", small("")));  // any name but .json is TOML
     CHECK(m.device == "");
     CHECK(m.profile == "ideal");
+    CHECK(m.subpixel_bits == 0);
+    CHECK(m.stages.at(0).coverage.dump.file.empty());
     CHECK(m.max_ambiguous == 0.005);
     CHECK(m.scene.empty());
     CHECK(m.stages.at(0).inputs.empty());
     // The same stage may come twice: two frames, two of its dispatches.
     CHECK(read_manifest(folder.put("m", small("") + small(""))).stages.size() == 2);
+}
+
+TEST_CASE("manifest: coverage is above 0, or above and below what is said", "[io][manifest]") {
+    const Folder folder;
+    const auto limits = [&](const std::string& lines) {
+        const std::string text = small("") + "[stage.coverage]\nfile = \"a.exr\"\n" + lines;
+        const CoverageSpec coverage = read_manifest(folder.put("m.toml", text)).stages.at(0).coverage;
+        return std::pair(coverage.above, coverage.below);
+    };
+    constexpr double inf = std::numeric_limits<double>::infinity();
+    CHECK(limits("") == std::pair(0.0, inf));
+    CHECK(limits("above = -1\n") == std::pair(-1.0, inf));
+    // Of a depth buffer that was cleared to 1, which covers what lies at 0, too.
+    CHECK(limits("below = 1\n") == std::pair(-inf, 1.0));
+    CHECK(limits("above = 0\nbelow = 1\n") == std::pair(0.0, 1.0));
+    require_message(error_of([&] { limits("above = 1\nbelow = 1\n"); }), {"coverage", "below = 1", "more than above"});
 }
 
 TEST_CASE("manifest: an absolute name stays, a relative one is seen from the manifest", "[io][manifest]") {
@@ -322,6 +354,7 @@ TEST_CASE("manifest: generated manifests come back from their text", "[io][manif
         };
         m.device = dice.of(names);
         m.profile = dice.of(names);
+        if (dice.roll(3) == 0) m.profile = "ideal", m.subpixel_bits = int(dice.roll(17));
         m.max_ambiguous = dice.of<double>({0, 1, 0.005, 1e-9});
         if (dice.roll(2)) m.scene = file();
         for (std::uint32_t i = 0; i < 1 + dice.roll(3); ++i) {
@@ -341,6 +374,11 @@ TEST_CASE("manifest: generated manifests come back from their text", "[io][manif
             for (std::uint32_t k = dice.roll(4); k > 0; --k) stage.inputs[dice.of(names)] = spec(false, stage);
             for (std::uint32_t k = 1 + dice.roll(2); k > 0; --k) stage.outputs[dice.of(names)] = spec(true, stage);
             if (dice.roll(2)) stage.choices.file = file();
+            if (dice.roll(2)) stage.coverage.dump = spec(false, stage);
+            if (dice.roll(2) && !stage.coverage.dump.file.empty()) {
+                stage.coverage.above = dice.of<double>({0, -1, 0.5, 7});
+                if (dice.roll(2)) stage.coverage.below = dice.of<double>({8, 1e9});
+            }
             m.stages.push_back(stage);
         }
         const std::string text = manifest_text(m);
@@ -358,6 +396,13 @@ TEST_CASE("manifest: what is wrong is named in one line", "[io][manifest][robust
         {"", {"names no stage", "[[stage]]"}},
         {"device = 3\n", {"line 1", "device = 3", "expected a string"}},
         {"device = \n", {"line 1"}},
+        {small("subpixel_bits = 17\n"), {"subpixel_bits = 17", "expected 1 to 16"}},
+        {small("profile = \"swiftshader\"\nsubpixel_bits = 4\n"), {"subpixel_bits = 4", "swiftshader", "its own"}},
+        // A typo is named before what is missing because of it.
+        {"[[stage]]\nstage = \"direct\"\nsise = [4, 2]\n[stage.output.a]\nfile = \"a\"\nvk_format = \"R8_UNORM\"\n",
+         {"line 3", "'sise'", "'size'"}},
+        {"[[stage]]\nstag = \"direct\"\n", {"'stag'", "'stage'"}},
+        {small("", "", "abov = 1\n"), {"'abov'"}},
         {"[[stage]\n", {"line 1"}},
         {"stage = 1\n", {"line 1", "stage = 1", "[[stage]]"}},
         {"[stage]\nstage = \"direct\"\n", {"line 1", "list of tables"}},
@@ -399,7 +444,7 @@ TEST_CASE("manifest: what is wrong is named in one line", "[io][manifest][robust
          {"line 5", "input of stage 1 (direct)", "position = \"a.exr\"", "expected a table"}},
         {small("", "[stage.input.position]\nlayer = \"p\"\n"),
          {"line 4", "input.position of stage 1 (direct)", "file: is missing"}},
-        {small("", "[stage.choices]\nfil = \"p\"\n"), {"line 4", "choices of stage 1 (direct)", "file: is missing"}},
+        {small("", "[stage.choices]\nfil = \"p\"\n"), {"line 5", "choices of stage 1 (direct)", "'fil'"}},
         {of_output("file = \"\"\n"), {"line 5", "output.irradiance of stage 1 (direct)", "file = \"\"", "not empty"}},
         {of_output("file = \"a.exr\"\nlayr = \"x\"\n"), {"line 6", "unknown key 'layr'", "'layer'"}},
         {of_output("file = \"a.exr\"\nfile = \"b.exr\"\n"), {"line 6"}},
