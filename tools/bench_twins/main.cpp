@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <exception>
 #include <iostream>
 #include <memory>
@@ -22,7 +23,9 @@ namespace {
 struct Options {
     std::string device = "llvmpipe";
     std::vector<std::string> scenes{"data/scenes/cornell/cornell.toml", "data/scenes/atrium/atrium.toml"};
+    std::vector<std::string> stages;  // empty: all
     int width = 1024, height = 1024, runs = 7;
+    int samples = 0, rsm_size = 0;    // 0: as the scene says
     RunOptions run;
 };
 
@@ -68,6 +71,9 @@ void measure(const vulkan::Device& device, const std::string& file, const Option
     scene.frame_size = {options.width, options.height};
     frame::Settings settings = frame::settings_of(scene);
     settings.layout = raster::Layout::fp32;
+    if (options.samples > 0) settings.rsm.samples = options.samples;
+    for (Light& light : scene.lights)
+        if (options.rsm_size > 0) light.rsm_size = options.rsm_size;
     const frame::Plan plan = frame::plan(scene, settings);
     const frame::Frame frame = frame::execute(scene, settings, plan, options.run);
     Ours ours(scene, settings);
@@ -77,6 +83,8 @@ void measure(const vulkan::Device& device, const std::string& file, const Option
         // Of the dispatches of one stage the first stands for all.
         if (data.stage == last) continue;
         last = data.stage;
+        const auto& wanted = options.stages;
+        if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), data.stage) == wanted.end()) continue;
         const StageBinding& binding = parity::find_binding(data.stage, "bench twins");
         const std::unique_ptr<BoundStage> bound = binding.bind(data);
         vulkan::PreparedTwin twin(device, binding, data);
@@ -111,6 +119,10 @@ int main(int argc, char** argv) {
                  "tools/bench twins");
     app.add_option("--against-device", options.device, "a part of the device's name (llvmpipe)");
     app.add_option("--scenes", options.scenes, "scene files (cornell and atrium)")->delimiter(',');
+    app.add_option("--stages", options.stages, "names of `plumb stages` (all)")->delimiter(',');
+    app.add_option("--samples", options.samples, "of rsm.disc (as the scene says)")->check(CLI::Range(1, 65536));
+    app.add_option("--rsm-size", options.rsm_size, "texels a side of every map (as the scene says)")
+        ->check(CLI::Range(1, 16384));
     app.add_option("--width", options.width, "pixels (1024)")->check(CLI::Range(1, 16384));
     app.add_option("--height", options.height, "pixels (1024)")->check(CLI::Range(1, 16384));
     app.add_option("--runs", options.runs, "runs of each side, in turns (7)")->check(CLI::Range(1, 1000));
