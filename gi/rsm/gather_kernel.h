@@ -1,8 +1,8 @@
-// One-bounce indirect irradiance from a reflective shadow map: the algorithm that gather.comp and gather_all.comp mirror
-// line by line.
+// One-bounce indirect irradiance from a reflective shadow map: the algorithm that gather.comp and gather_all.comp
+// mirror line by line.
 //
-// Every texel p of the map is a small diffuse light at x_p with normal n_p that reflects the flux Phi_p. It sends to the
-// shading point x with normal n the irradiance
+// Every texel p of the map is a small diffuse light at x_p with normal n_p that reflects the flux Phi_p. It sends to
+// the shading point x with normal n the irradiance
 //
 //     E_p = Phi_p / pi  max(0, n_p . (x - x_p)) max(0, n . (x_p - x)) / |x - x_p|^4                       VRSM (3.2)
 //
@@ -41,17 +41,20 @@ struct GatherInputsView {
     float* irradiance;            // [height][width] rgba32f, out: W/m2
 };
 
-// The geometry of VRSM (3.2), everything but the flux: 1/m2. Dividing twice by d^2 keeps the range of a float, where d^4
-// would overflow from 4e9 m and vanish below 1e-10 m.
+// The geometry of VRSM (3.2), everything but the flux: 1/m2. Dividing twice by d^2 keeps the range of a float, where
+// d^4 would overflow from 4e9 m and vanish below 1e-10 m.
 template <class F, class Tap>
 PLUMB_INLINE F form(const vec3<F>& x, const vec3<F>& n, const vec3<F>& x_p, const vec3<F>& n_p, F least_distance2,
                     Tap& tap) {
     const vec3<F> d = x_p - x;
     const F d2 = dot3(d, d);                                      tap("d2", d2, "|x_p - x|^2, m2");
-    const F cos_p = max(F(0.0f), -dot3(n_p, d));                  tap("cos_p", cos_p, "VRSM (3.2): max(0, n_p.(x - x_p)), m");
-    const F cos_x = max(F(0.0f), dot3(n, d));                     tap("cos_x", cos_x, "VRSM (3.2): max(0, n.(x_p - x)), m");
+    const F cos_p = max(F(0.0f), -dot3(n_p, d));
+    tap("cos_p", cos_p, "VRSM (3.2): max(0, n_p.(x - x_p)), m");
+    const F cos_x = max(F(0.0f), dot3(n, d));
+    tap("cos_x", cos_x, "VRSM (3.2): max(0, n.(x_p - x)), m");
     const F inverse = F(1.0f) / max(d2, least_distance2);
-    const F form = (cos_p * inverse) * (cos_x * inverse);         tap("form", form, "VRSM (3.2): cos_p cos_x / d^4, 1/m2");
+    const F form = (cos_p * inverse) * (cos_x * inverse);
+    tap("form", form, "VRSM (3.2): cos_p cos_x / d^4, 1/m2");
     return form;
 }
 
@@ -98,7 +101,8 @@ PLUMB_INLINE vec3<F> gather_disc(const GatherInputsView<Component>& in, index_t<
         const F g = form(x, n, x_p, n_p, F(u.least_distance2), tap) * weight;
         sum.x += flux.x * g;
         sum.y += flux.y * g;
-        sum.z += flux.z * g;                                      tap("sum", sum, "sum so far of weight Phi_p form, W/m2");
+        sum.z += flux.z * g;
+        tap("sum", sum, "sum so far of weight Phi_p form, W/m2");
     }
     tap.sample(-1);
     const vec3<F> zero{F(0.0f), F(0.0f), F(0.0f)};
@@ -107,8 +111,8 @@ PLUMB_INLINE vec3<F> gather_disc(const GatherInputsView<Component>& in, index_t<
     return irradiance;
 }
 
-// Every texel of the map, without visibility: what the disc gather estimates. Rows are summed one by one and then added,
-// so that the error grows with the map's side, not with its area.
+// Every texel of the map, without visibility: what the disc gather estimates. Rows are summed one by one and then
+// added, so that the error grows with the map's side, not with its area.
 template <class F, class Tap>
 PLUMB_INLINE vec3<F> gather_all(const GatherInputsView<float>& in, index_t<F> px, index_t<F> py, Tap& tap) {
     using N = number<F>;
@@ -124,14 +128,16 @@ PLUMB_INLINE vec3<F> gather_all(const GatherInputsView<float>& in, index_t<F> px
         for (int column = 0; column < u.map.size; ++column) {
             const int texel = row * u.map.size + column;              tap.sample(texel);
             const float* p = in.records + record_stride * std::ptrdiff_t(texel);
-            const vec3<F> x_p{F(p[0]), F(p[1]), F(p[2])}, n_p{F(p[4]), F(p[5]), F(p[6])}, flux{F(p[8]), F(p[9]), F(p[10])};
+            const vec3<F> x_p{F(p[0]), F(p[1]), F(p[2])}, n_p{F(p[4]), F(p[5]), F(p[6])};
+            const vec3<F> flux{F(p[8]), F(p[9]), F(p[10])};
             tap("x_p", x_p, "world, m");
             tap("n_p", n_p, "unit normal of x_p");
             tap("flux", flux, "Phi_p, W");
             const F g = form(x, n, x_p, n_p, F(u.least_distance2), tap);
             row_sum.x += flux.x * g;
             row_sum.y += flux.y * g;
-            row_sum.z += flux.z * g;                              tap("row_sum", row_sum, "sum over this row of Phi_p form, W/m2");
+            row_sum.z += flux.z * g;
+            tap("row_sum", row_sum, "sum over this row of Phi_p form, W/m2");
         }
         sum.x += row_sum.x;
         sum.y += row_sum.y;
