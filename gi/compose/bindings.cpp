@@ -2,9 +2,8 @@
 
 #include <cstddef>
 
-#include "core/bound_kernel.h"
 #include "core/detmath_bounded.h"
-#include "core/error.h"
+#include "gi/bind_kernel.h"
 #include "gi/compose/compose_rows.h"
 
 namespace plumb::compose {
@@ -16,8 +15,7 @@ struct ComposeOf {
     ComposeInputsView view{};
 
     explicit ComposeOf(const StageData& d) {
-        view.u = uniforms_of<ComposeUniforms>(d);
-        view.u.width = d.size.x, view.u.height = d.size.y;
+        view.u = uniforms_of_frame<ComposeUniforms>(d);
         view.normal = floats(d, "normal"), view.albedo = floats(d, "albedo"), view.emission = floats(d, "emission");
         view.direct = floats(d, "direct"), view.indirect = floats(d, "indirect");
     }
@@ -40,8 +38,7 @@ struct TonemapOf {
     TonemapInputsView view{};
 
     explicit TonemapOf(const StageData& d) {
-        view.u = uniforms_of<TonemapUniforms>(d);
-        view.u.width = d.size.x, view.u.height = d.size.y;
+        view.u = uniforms_of_frame<TonemapUniforms>(d);
         if (view.u.op < 0 || view.u.op > int(Operator::filmic))
             throw InputError(d.label + ": op = " + std::to_string(view.u.op) + ": expected 0 to 3");
         view.radiance = floats(d, "radiance");
@@ -60,63 +57,43 @@ struct TonemapOf {
     bool writes(glm::ivec2) const { return true; }
 };
 
-std::unique_ptr<BoundStage> bind_compose(const StageData& data) {
-    check_slots(compose_binding(), data);
-    return std::make_unique<BoundKernel<ComposeOf>>(compose_binding(), data);
-}
-std::unique_ptr<BoundStage> bind_tonemap(const StageData& data) {
-    check_slots(tonemap_binding(), data);
-    return std::make_unique<BoundKernel<TonemapOf>>(tonemap_binding(), data);
-}
-
-StageBinding make_compose() {
-    using U = ComposeUniforms;
-    StageBinding b;
-    b.info = compose_info();
-    b.twin = "gi/compose/compose.comp";
-    b.uniforms = {{"environment", "vec4", offsetof(U, environment)},
-                  {"inv_pi", "float", offsetof(U, inv_pi)},
-                  {"width", "int", offsetof(U, width)},
-                  {"height", "int", offsetof(U, height)}};
-    b.uniform_bytes = sizeof(U);
-    b.inputs = {
-        {.name = "normal", .binding = 1, .meaning = "w: 1 on a surface, 0 where nothing is"},
-        {.name = "albedo", .binding = 2, .meaning = "diffuse reflectance rho"},
-        {.name = "emission", .binding = 3, .unit = "W/m2", .meaning = "radiant exitance M"},
-        {.name = "direct", .binding = 4, .unit = "W/m2", .meaning = "direct irradiance"},
-        {.name = "indirect", .binding = 5, .unit = "W/m2", .meaning = "indirect irradiance"},
-    };
-    b.outputs = {{.name = "radiance", .kind = SlotKind::storage_image, .binding = 6, .unit = "W/(m2 sr)",
-                  .meaning = "outgoing radiance towards the viewer"}};
-    b.bind = bind_compose;
-    return b;
-}
-
-StageBinding make_tonemap() {
-    using U = TonemapUniforms;
-    StageBinding b;
-    b.info = tonemap_info();
-    b.twin = "gi/compose/tonemap.comp";
-    b.uniforms = {{"op", "int", offsetof(U, op)},
-                  {"exposure", "float", offsetof(U, exposure)},
-                  {"width", "int", offsetof(U, width)},
-                  {"height", "int", offsetof(U, height)}};
-    b.uniform_bytes = sizeof(U);
-    b.inputs = {{.name = "radiance", .binding = 1, .unit = "W/(m2 sr)", .meaning = "outgoing radiance"}};
-    b.outputs = {{.name = "display", .kind = SlotKind::storage_image, .binding = 2,
-                  .meaning = "sRGB-encoded, 0..1; w 1"}};
-    b.bind = bind_tonemap;
-    return b;
-}
-
 }  // namespace
 
 const StageBinding& compose_binding() {
-    static const StageBinding binding = make_compose();
+    using U = ComposeUniforms;
+    static const StageBinding binding{
+        .info = compose_info(),
+        .twin = "gi/compose/compose.comp",
+        .uniforms = {{"environment", "vec4", offsetof(U, environment)},
+                     {"inv_pi", "float", offsetof(U, inv_pi)},
+                     {"width", "int", offsetof(U, width)},
+                     {"height", "int", offsetof(U, height)}},
+        .uniform_bytes = sizeof(U),
+        .inputs = {{.name = "normal", .binding = 1, .meaning = "w: 1 on a surface, 0 where nothing is"},
+                   {.name = "albedo", .binding = 2, .meaning = "diffuse reflectance rho"},
+                   {.name = "emission", .binding = 3, .unit = "W/m2", .meaning = "radiant exitance M"},
+                   {.name = "direct", .binding = 4, .unit = "W/m2", .meaning = "direct irradiance"},
+                   {.name = "indirect", .binding = 5, .unit = "W/m2", .meaning = "indirect irradiance"}},
+        .outputs = {{.name = "radiance", .kind = SlotKind::storage_image, .binding = 6, .unit = "W/(m2 sr)",
+                     .meaning = "outgoing radiance towards the viewer"}},
+        .bind = bind_kernel<ComposeOf, compose_binding>};
     return binding;
 }
+
 const StageBinding& tonemap_binding() {
-    static const StageBinding binding = make_tonemap();
+    using U = TonemapUniforms;
+    static const StageBinding binding{
+        .info = tonemap_info(),
+        .twin = "gi/compose/tonemap.comp",
+        .uniforms = {{"op", "int", offsetof(U, op)},
+                     {"exposure", "float", offsetof(U, exposure)},
+                     {"width", "int", offsetof(U, width)},
+                     {"height", "int", offsetof(U, height)}},
+        .uniform_bytes = sizeof(U),
+        .inputs = {{.name = "radiance", .binding = 1, .unit = "W/(m2 sr)", .meaning = "outgoing radiance"}},
+        .outputs = {{.name = "display", .kind = SlotKind::storage_image, .binding = 2,
+                     .meaning = "sRGB-encoded, 0..1; w 1"}},
+        .bind = bind_kernel<TonemapOf, tonemap_binding>};
     return binding;
 }
 

@@ -1,13 +1,9 @@
 #include "gi/direct/bindings.h"
 
-#include <fmt/format.h>
-
 #include <cstddef>
 
-#include "core/bound_kernel.h"
-#include "core/error.h"
+#include "gi/bind_kernel.h"
 #include "gi/direct/direct_rows.h"
-#include "raster/light_view.h"
 
 namespace plumb::direct {
 
@@ -18,13 +14,8 @@ struct ShadowOf {
     ShadowInputsView view{};
 
     explicit ShadowOf(const StageData& d) {
-        ShadowUniforms& u = view.u;
-        u = uniforms_of<ShadowUniforms>(d);
-        u.width = d.size.x, u.height = d.size.y;
-        const Shape& map = at(d.inputs, "map_position").shape;
-        if (map[0] != u.map.size || map[1] != u.map.size)
-            throw InputError(fmt::format("{}: input \"map_position\" is {}: expected map.size = {} a side", d.label,
-                                         shape_text(map), u.map.size));
+        const ShadowUniforms& u = view.u = uniforms_of_frame<ShadowUniforms>(d);
+        check_map(d, "map_position", u.map.size);
         if (u.kernel < 1 || u.kernel > 64)
             throw InputError(fmt::format("{}: kernel = {}: expected 1 to 64", d.label, u.kernel));
         view.position = floats(d, "position"), view.normal = floats(d, "normal");
@@ -51,8 +42,7 @@ struct DirectOf {
     DirectInputsView view{};
 
     explicit DirectOf(const StageData& d) {
-        view.u = uniforms_of<DirectUniforms>(d);
-        view.u.width = d.size.x, view.u.height = d.size.y;
+        view.u = uniforms_of_frame<DirectUniforms>(d);
         const std::int64_t layers = at(d.inputs, "visibility").shape[0];
         const std::size_t lights = at(d.inputs, "lights").bytes.size() / sizeof(raster::LightArgs);
         if (view.u.lights < 0 || std::size_t(view.u.lights) > lights || view.u.lights > layers)
@@ -78,82 +68,60 @@ struct DirectOf {
     bool writes(glm::ivec2) const { return true; }
 };
 
-std::unique_ptr<BoundStage> bind_shadow(const StageData& data) {
-    check_slots(shadow_binding(), data);
-    return std::make_unique<BoundKernel<ShadowOf>>(shadow_binding(), data);
-}
-std::unique_ptr<BoundStage> bind_direct(const StageData& data) {
-    check_slots(direct_binding(), data);
-    return std::make_unique<BoundKernel<DirectOf>>(direct_binding(), data);
-}
-
-StageBinding make_shadow() {
-    using U = ShadowUniforms;
-    StageBinding b;
-    b.info = shadow_info();
-    b.twin = "gi/direct/shadow.comp";
-    b.uniforms = raster::projection_members("map", offsetof(U, map));
-    for (const UniformMember& m : std::vector<UniformMember>{
-             {"eye", "vec4", offsetof(U, eye)},
-             {"forward", "vec4", offsetof(U, forward)},
-             {"footprint_scale", "float", offsetof(U, footprint_scale)},
-             {"footprint_base", "float", offsetof(U, footprint_base)},
-             {"bias", "float", offsetof(U, bias)},
-             {"slope_bias", "float", offsetof(U, slope_bias)},
-             {"max_slope", "float", offsetof(U, max_slope)},
-             {"perspective", "float", offsetof(U, perspective)},
-             {"kernel", "int", offsetof(U, kernel)},
-             {"samples", "float", offsetof(U, samples)},
-             {"published", "int", offsetof(U, published)},
-             {"face", "int", offsetof(U, face)},
-             {"width", "int", offsetof(U, width)},
-             {"height", "int", offsetof(U, height)}})
-        b.uniforms.push_back(m);
-    b.uniform_bytes = sizeof(U);
-    b.inputs = {
-        {.name = "position", .binding = 1, .unit = "m", .meaning = "world-space position of the shading points"},
-        {.name = "normal", .binding = 2, .meaning = "unit normal of the shading points"},
-        {.name = "map_position", .binding = 3, .frame = false, .unit = "m",
-         .meaning = "w: linear light-space depth; 0 where nothing is"},
-    };
-    b.outputs = {{.name = "visibility", .kind = SlotKind::storage_image, .binding = 4, .channels = 1,
-                  .meaning = "1 lit, 0 shadowed; density: in between"}};
-    b.bind = bind_shadow;
-    return b;
-}
-
-StageBinding make_direct() {
-    using U = DirectUniforms;
-    StageBinding b;
-    b.info = direct_info();
-    b.twin = "gi/direct/direct.comp";
-    b.uniforms = {{"lights", "int", offsetof(U, lights)},
-                  {"width", "int", offsetof(U, width)},
-                  {"height", "int", offsetof(U, height)}};
-    b.uniform_bytes = sizeof(U);
-    b.inputs = {
-        {.name = "position", .binding = 1, .unit = "m", .meaning = "world-space position of the shading points"},
-        {.name = "normal", .binding = 2, .meaning = "unit normal; all 0 where nothing is"},
-        {.name = "lights", .kind = SlotKind::buffer, .binding = 3, .channels = 4, .frame = false,
-         .unit = "m, W/sr, W/m2",
-         .meaning = "three vec4 a light: position, cos_outer; direction, falloff_scale; intensity, directional"},
-        {.name = "visibility", .kind = SlotKind::image_array, .binding = 4, .channels = 1,
-         .meaning = "a layer a light: 1 lit, 0 shadowed"},
-    };
-    b.outputs = {{.name = "irradiance", .kind = SlotKind::storage_image, .binding = 5, .unit = "W/m2",
-                  .meaning = "direct irradiance"}};
-    b.bind = bind_direct;
-    return b;
-}
-
 }  // namespace
 
 const StageBinding& shadow_binding() {
-    static const StageBinding binding = make_shadow();
+    using U = ShadowUniforms;
+    static const StageBinding binding{
+        .info = shadow_info(),
+        .twin = "gi/direct/shadow.comp",
+        .uniforms = members_after_map(offsetof(U, map), {{"eye", "vec4", offsetof(U, eye)},
+                                                         {"forward", "vec4", offsetof(U, forward)},
+                                                         {"footprint_scale", "float", offsetof(U, footprint_scale)},
+                                                         {"footprint_base", "float", offsetof(U, footprint_base)},
+                                                         {"bias", "float", offsetof(U, bias)},
+                                                         {"slope_bias", "float", offsetof(U, slope_bias)},
+                                                         {"max_slope", "float", offsetof(U, max_slope)},
+                                                         {"perspective", "float", offsetof(U, perspective)},
+                                                         {"kernel", "int", offsetof(U, kernel)},
+                                                         {"samples", "float", offsetof(U, samples)},
+                                                         {"published", "int", offsetof(U, published)},
+                                                         {"face", "int", offsetof(U, face)},
+                                                         {"width", "int", offsetof(U, width)},
+                                                         {"height", "int", offsetof(U, height)}}),
+        .uniform_bytes = sizeof(U),
+        .inputs = {{.name = "position", .binding = 1, .unit = "m",
+                    .meaning = "world-space position of the shading points"},
+                   {.name = "normal", .binding = 2, .meaning = "unit normal of the shading points"},
+                   {.name = "map_position", .binding = 3, .frame = false, .unit = "m",
+                    .meaning = "w: linear light-space depth; 0 where nothing is"}},
+        .outputs = {{.name = "visibility", .kind = SlotKind::storage_image, .binding = 4, .channels = 1,
+                     .meaning = "1 lit, 0 shadowed; density: in between"}},
+        .bind = bind_kernel<ShadowOf, shadow_binding>};
     return binding;
 }
+
 const StageBinding& direct_binding() {
-    static const StageBinding binding = make_direct();
+    using U = DirectUniforms;
+    static const StageBinding binding{
+        .info = direct_info(),
+        .twin = "gi/direct/direct.comp",
+        .uniforms = {{"lights", "int", offsetof(U, lights)},
+                     {"width", "int", offsetof(U, width)},
+                     {"height", "int", offsetof(U, height)}},
+        .uniform_bytes = sizeof(U),
+        .inputs = {{.name = "position", .binding = 1, .unit = "m",
+                    .meaning = "world-space position of the shading points"},
+                   {.name = "normal", .binding = 2, .meaning = "unit normal; all 0 where nothing is"},
+                   {.name = "lights", .kind = SlotKind::buffer, .binding = 3, .channels = 4, .frame = false,
+                    .unit = "m, W/sr, W/m2",
+                    .meaning = "three vec4 a light: position, cos_outer; direction, falloff_scale; intensity, "
+                               "directional"},
+                   {.name = "visibility", .kind = SlotKind::image_array, .binding = 4, .channels = 1,
+                    .meaning = "a layer a light: 1 lit, 0 shadowed"}},
+        .outputs = {{.name = "irradiance", .kind = SlotKind::storage_image, .binding = 5, .unit = "W/m2",
+                     .meaning = "direct irradiance"}},
+        .bind = bind_kernel<DirectOf, direct_binding>};
     return binding;
 }
 

@@ -1,13 +1,9 @@
 #include "gi/rsm/bindings.h"
 
-#include <fmt/format.h>
-
 #include <cstddef>
 
-#include "core/bound_kernel.h"
-#include "core/error.h"
+#include "gi/bind_kernel.h"
 #include "gi/rsm/gather_rows.h"
-#include "raster/light_view.h"
 
 namespace plumb::rsm {
 
@@ -30,15 +26,8 @@ struct GatherOf {
     GatherInputsView<float> view{};
 
     explicit GatherOf(const StageData& d) {
-        GatherUniforms& u = view.u;
-        u = uniforms_of<GatherUniforms>(d);
-        u.width = d.size.x, u.height = d.size.y;
-        for (const char* name : {"rsm_position", "rsm_normal", "rsm_flux"}) {
-            const Shape& map = at(d.inputs, name).shape;
-            if (map[0] != u.map.size || map[1] != u.map.size)
-                throw InputError(fmt::format("{}: input \"{}\" is {}: expected map.size = {} a side", d.label, name,
-                                             shape_text(map), u.map.size));
-        }
+        const GatherUniforms& u = view.u = uniforms_of_frame<GatherUniforms>(d);
+        for (const char* name : {"rsm_position", "rsm_normal", "rsm_flux"}) check_map(d, name, u.map.size);
         records = records_of(d, u.map.size);
         view.position = floats(d, "position"), view.normal = floats(d, "normal");
         view.records = records.data();
@@ -52,7 +41,8 @@ struct DiscOf : GatherOf {
         if (u.samples < 0 || u.rotations < 1 || (u.rotations & (u.rotations - 1)) != 0)
             throw InputError(fmt::format("{}: samples = {}, rotations = {}: expected 0 or more, and a power of two",
                                          d.label, u.samples, u.rotations));
-        const std::size_t offsets = at(d.inputs, "offsets").bytes.size() / 4, weights = at(d.inputs, "weights").bytes.size() / 4;
+        const std::size_t offsets = at(d.inputs, "offsets").bytes.size() / 4;
+        const std::size_t weights = at(d.inputs, "weights").bytes.size() / 4;
         if (offsets < std::size_t(u.samples) * std::size_t(u.rotations) || weights < std::size_t(u.samples))
             throw InputError(fmt::format("{}: {} offsets and {} weights: expected {} x {} and {}", d.label, offsets,
                                          weights, u.samples, u.rotations, u.samples));
@@ -88,32 +78,20 @@ struct AllOf : GatherOf {
     }
 };
 
-std::unique_ptr<BoundStage> bind_disc(const StageData& data) {
-    check_slots(disc_binding(), data);
-    return std::make_unique<BoundKernel<DiscOf>>(disc_binding(), data);
-}
-std::unique_ptr<BoundStage> bind_all(const StageData& data) {
-    check_slots(all_binding(), data);
-    return std::make_unique<BoundKernel<AllOf>>(all_binding(), data);
-}
-
-StageBinding make_gather(Gather gather) {
+// What both gathers share.
+StageBinding gather_binding(const StageInfo& info) {
     using U = GatherUniforms;
-    const bool disc = gather == Gather::disc;
     StageBinding b;
-    b.info = disc ? info_disc() : info_all();
-    b.twin = b.info.twin;
-    b.uniforms = raster::projection_members("map", offsetof(U, map));
-    for (const UniformMember& m : std::vector<UniformMember>{
-             {"least_distance2", "float", offsetof(U, least_distance2)},
-             {"scale", "float", offsetof(U, scale)},
-             {"samples", "int", offsetof(U, samples)},
-             {"rotations", "int", offsetof(U, rotations)},
-             {"width", "int", offsetof(U, width)},
-             {"height", "int", offsetof(U, height)},
-             {"seed", "uint", offsetof(U, seed)},
-             {"reach", "int", offsetof(U, reach)}})
-        b.uniforms.push_back(m);
+    b.info = info;
+    b.twin = info.twin;
+    b.uniforms = members_after_map(offsetof(U, map), {{"least_distance2", "float", offsetof(U, least_distance2)},
+                                                      {"scale", "float", offsetof(U, scale)},
+                                                      {"samples", "int", offsetof(U, samples)},
+                                                      {"rotations", "int", offsetof(U, rotations)},
+                                                      {"width", "int", offsetof(U, width)},
+                                                      {"height", "int", offsetof(U, height)},
+                                                      {"seed", "uint", offsetof(U, seed)},
+                                                      {"reach", "int", offsetof(U, reach)}});
     b.uniform_bytes = sizeof(U);
     b.inputs = {
         {.name = "position", .binding = 1, .unit = "m", .meaning = "world-space position of the shading points"},
@@ -122,27 +100,37 @@ StageBinding make_gather(Gather gather) {
         {.name = "rsm_normal", .binding = 4, .frame = false, .meaning = "unit normal"},
         {.name = "rsm_flux", .binding = 5, .frame = false, .unit = "W", .meaning = "reflected flux of the texel"},
     };
-    if (disc) {
-        b.inputs.push_back({.name = "offsets", .kind = SlotKind::buffer, .binding = 6, .dtype = DType::i32,
-                            .channels = 1, .frame = false, .unit = "texels",
-                            .meaning = "[samples][rotations]: dx in the lower 16 bits, dy in the upper 16"});
-        b.inputs.push_back({.name = "weights", .kind = SlotKind::buffer, .binding = 7, .channels = 1, .frame = false,
-                            .unit = "texels", .meaning = "[samples]: texels that a sample stands for"});
-    }
-    b.outputs = {{.name = "irradiance", .kind = SlotKind::storage_image, .binding = disc ? 8 : 6, .unit = "W/m2",
+    b.outputs = {{.name = "irradiance", .kind = SlotKind::storage_image, .binding = 6, .unit = "W/m2",
                   .meaning = "indirect irradiance, one bounce"}};
-    b.bind = disc ? bind_disc : bind_all;
+    return b;
+}
+
+StageBinding make_disc() {
+    StageBinding b = gather_binding(info_disc());
+    b.inputs.push_back({.name = "offsets", .kind = SlotKind::buffer, .binding = 6, .dtype = DType::i32, .channels = 1,
+                        .frame = false, .unit = "texels",
+                        .meaning = "[samples][rotations]: dx in the lower 16 bits, dy in the upper 16"});
+    b.inputs.push_back({.name = "weights", .kind = SlotKind::buffer, .binding = 7, .channels = 1, .frame = false,
+                        .unit = "texels", .meaning = "[samples]: texels that a sample stands for"});
+    b.outputs[0].binding = 8;
+    b.bind = bind_kernel<DiscOf, disc_binding>;
+    return b;
+}
+
+StageBinding make_all() {
+    StageBinding b = gather_binding(info_all());
+    b.bind = bind_kernel<AllOf, all_binding>;
     return b;
 }
 
 }  // namespace
 
 const StageBinding& disc_binding() {
-    static const StageBinding binding = make_gather(Gather::disc);
+    static const StageBinding binding = make_disc();
     return binding;
 }
 const StageBinding& all_binding() {
-    static const StageBinding binding = make_gather(Gather::all);
+    static const StageBinding binding = make_all();
     return binding;
 }
 
