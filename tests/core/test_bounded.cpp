@@ -154,6 +154,27 @@ F gather(const float* in) {
     return gather_by<F>(in, 0.318309873f, -1);
 }
 
+// The height of a point close by over a tangent plane, n.(x_p - x): in[0..2] x, [3..5] n, [6..8] x_p - x.
+template <class F>
+F height(const float* in) {
+    const vec3<F> x = vec<F>(in), n = vec<F>(in + 3);
+    const vec3<F> x_p{F(in[0] + 1e-3f * in[6]), F(in[1] + 1e-3f * in[7]), F(in[2] + 1e-3f * in[8])};
+    if (other_form<F>()) return dot(n, x_p) - dot(n, x);
+    return dot(n, {x_p.x - x.x, x_p.y - x.y, x_p.z - x.z});
+}
+// A sum that cancels, times two factors, and more: distributed in part and whole.
+template <class F>
+F distributed(const float* in) {
+    const F a(in[0]), b(-in[0] * (1 + 1e-6f * in[1])), c(in[2]), d(1e-7f * in[3]), e(in[4]);
+    if constexpr (other_forms<F>) {
+        const int form = device.reorders ? device.random.below(4) : 0;
+        if (form == 1) return sum_of<F>({a * c * e, b * c * e, d});
+        if (form == 2) return sum_of<F>({a * (c * e), b * (c * e), d});
+        if (form == 3) return sum_of<F>({a * c, b * c}) * e + d;
+    }
+    return ((a + b) * c) * e + d;
+}
+
 // Nothing but the order of a sum, of which the largest term comes last and half cancels.
 template <class F>
 F long_sum(const float* in) {
@@ -176,7 +197,8 @@ struct Expression {
 const Expression expressions[] = {
     EXPRESSION(row, 4000),      EXPRESSION(projected, 4000),    EXPRESSION(normalised_x, 4000),
     EXPRESSION(bilinear, 4000), EXPRESSION(interpolated, 4000), EXPRESSION(light, 4000),
-    EXPRESSION(form, 4000),     EXPRESSION(long_sum, 200),      EXPRESSION(gather, 8)};
+    EXPRESSION(form, 4000),     EXPRESSION(long_sum, 200),      EXPRESSION(gather, 8),
+    EXPRESSION(height, 4000),   EXPRESSION(distributed, 4000)};
 constexpr int variants = 20 * roundings;
 
 std::vector<float> random_inputs(Random& random) {
@@ -271,6 +293,48 @@ TEST_CASE("bounded: what every device computes exactly has no bound of its own",
     CHECK((Bounded(0x1p-100f) * Bounded(0x1p-30f)).bound >= 0x1p-130);
 }
 
+// Vulkan 1.3: an implementation may take denormal operands and results for 0 (DenormFlushToZero is optional).
+TEST_CASE("bounded: what may be flushed is inside the bound, and what a driver keeps is not charged", "[bounded]") {
+    const Bounded tiny(1e-40f), small(1e-20f), least(1.2e-38f), zero(0.0f);
+    auto bounds = [&] {
+        return std::vector<double>{(tiny * Bounded(1e30f)).bound / 1e-10,      // the operand
+                                   (small * small).bound / 1e-40,              // the result
+                                   (tiny + Bounded(2e-38f)).bound / 1e-40,     // the operand
+                                   (least - Bounded(1.3e-38f)).bound / 1e-39,  // the result
+                                   (tiny / Bounded(1e-30f)).bound / 1e-10,     // the operand
+                                   (Bounded(1e-30f) / Bounded(1e10f)).bound / 1e-40,
+                                   sqrt(tiny).bound / 1e-20,
+                                   detmath::exp(Bounded(-95.0f)).bound / 5e-42};
+    };
+    Precision p;
+    {
+        const PrecisionScope scope(p);
+        for (const double b : bounds()) CHECK(b >= 0.99);
+        CHECK((tiny == zero).slot != 0);
+        CHECK((zero < tiny).slot != 0);
+    }
+    p.flushes_denormals = false;
+    const PrecisionScope scope(p);
+    const std::vector<double> kept = bounds();
+    for (std::size_t k = 0; k + 1 < kept.size(); ++k) {
+        CAPTURE(k);
+        CHECK(kept[k] < 1e-3);
+    }
+    CHECK((tiny == zero).slot == 0);
+    CHECK((zero < tiny).slot == 0);
+}
+
+TEST_CASE("bounded: a quotient is granted the reciprocal's units and the product's", "[bounded]") {
+    // Vulkan 1.3: 2.5 units for 1 / b, one more for a (1 / b); just above a power of two a unit is 2^-23 of it.
+    const Bounded a(3.0f), b(2.99999f);
+    CHECK((a / b).bound >= 3.5 * 0x1p-23);
+    Precision p;
+    p.multiply = 2;
+    const PrecisionScope scope(p);
+    CHECK((a / b).bound >= 4.5 * 0x1p-23);
+    CHECK((a / b).bound < 4.6 * 0x1p-23);
+}
+
 TEST_CASE("bounded: a 16-bit intermediate leaves the bound", "[bounded]") {
     // binary16 keeps 11 bits: its rounding moves a result by 2^-13 of it on average, the bound is near 2^-19.
     const struct {
@@ -358,6 +422,36 @@ TEST_CASE("bounded: pow, exp and logarithms hold what a driver may make of them"
     CHECK(detmath::pow(-Bounded(1.0f), Bounded(0.5f)).bound == INFINITY);
 }
 
+// Expected: monotone in each argument, so that the extremes lie at the ends, whichever of them is the farthest.
+TEST_CASE("bounded: exp, log and pow hold both ends of what they are given", "[bounded]") {
+    auto holds = [](const Bounded& b, double x) { return b.low() <= x && x <= b.high(); };
+    for (const double middle : {-2.0, 0.0, 0.5}) {
+        const Bounded x = Bounded::within(float(middle), middle, 1);
+        for (const double end : {middle - 1, middle + 1}) {
+            CHECK(holds(detmath::exp(x), host::exp(end)));
+            CHECK(holds(detmath::exp2(x), host::exp2(end)));
+        }
+    }
+    const Bounded x = Bounded::within(1, 1, 0.75);
+    for (const double end : {0.25, 1.75}) {
+        CHECK(holds(detmath::log(x), host::log(end)));
+        CHECK(holds(detmath::log2(x), host::log2(end)));
+    }
+    // Farthest are (high, high), (low, high), (low, low), (high, low).
+    const struct {
+        double x, x_bound, y, y_bound;
+    } boxes[] = {{2, 1, 1, 1}, {0.75, 0.7, 1, 0.1}, {0.5, 0.25, -1, 0.5}, {0.2, 0.1, 1, 0.5}};
+    for (const auto& box : boxes) {
+        const Bounded power = detmath::pow(Bounded::within(float(box.x), box.x, box.x_bound),
+                                           Bounded::within(float(box.y), box.y, box.y_bound));
+        for (const double a : {box.x - box.x_bound, box.x + box.x_bound})
+            for (const double b : {box.y - box.y_bound, box.y + box.y_bound}) {
+                CAPTURE(a, b);
+                CHECK(holds(power, host::pow(a, b)));
+            }
+    }
+}
+
 TEST_CASE("bounded: what may divide by 0, overflow or be no number can be anything", "[bounded]") {
     const Bounded zero(0.0f), one(1.0f), large(3e38f), nan(NAN), infinite(INFINITY);
     const Bounded small = one / Bounded(3.0f) - Bounded(0.333333333f);  // 0, as far as anybody knows
@@ -411,6 +505,53 @@ void project(float x, float y, std::vector<Bounded>& values) {
 }
 
 }  // namespace
+
+TEST_CASE("decisions: every comparison within the bound is undecided, and none outside", "[bounded]") {
+    const Bounded near = nearly_one(), one(1.0f), two(2.0f);
+    for (const BoundedMask& m : {near < one, one < near, near <= one, one <= near, near > one, near >= one, one > near,
+                                 one >= near, near == one, one == near})
+        CHECK(m.slot != 0);
+    for (const BoundedMask& m :
+         {near < two, near <= two, two > near, two >= near, one <= one, one >= one, one == one}) {
+        CHECK(m.slot == 0);
+        CHECK(m.value);
+    }
+    for (const BoundedMask& m : {two < near, two <= near, near > two, near >= two, one < one, one > one, near == two}) {
+        CHECK(m.slot == 0);
+        CHECK_FALSE(m.value);
+    }
+}
+
+TEST_CASE("decisions: where nobody enumerates, what hangs on an undecided comparison says so", "[bounded]") {
+    const BoundedMask m = nearly_one() < Bounded(1.0f);
+    REQUIRE(m.slot < 0);
+    const Bounded picked = select(m, Bounded(1.0f), Bounded(2.0f));
+    CHECK(picked.ambiguous);
+    // It stays so through every operation, and the outcome has it from any of its values.
+    const Bounded three(3.0f), zero(0.0f);
+    for (const Bounded& b : {picked + three, three - picked, picked * three, three * picked, picked / three,
+                             three / picked, picked + zero, min(three, picked), max(picked, three),
+                             clamp(picked, zero, three), abs(picked), -picked, sqrt(picked), detmath::exp(picked),
+                             detmath::pow(three, picked), floor(picked), select(m, picked, picked)}) {
+        CHECK(b.ambiguous);
+        CHECK(outcome_of({three, b}, false).ambiguous);
+    }
+    CHECK(outcome_of({three}, true).ambiguous);
+    CHECK_FALSE(outcome_of({three, zero}, false).ambiguous);
+}
+
+TEST_CASE("decisions: a widened select holds all that both operands may be", "[bounded]") {
+    Decisions decisions;
+    decisions.widen = true;
+    const DecisionScope scope(decisions);
+    const BoundedMask m = nearly_one() < Bounded(1.0f);
+    const Bounded a = Bounded::within(1, 1, 0.25), b = Bounded::within(2, 2, 0.5);
+    for (const Bounded& hull : {select(m, a, b), select(m, b, a)}) {
+        CHECK(hull.low() <= 0.75);
+        CHECK(hull.high() >= 2.5);
+        CHECK_FALSE(hull.ambiguous);
+    }
+}
 
 TEST_CASE("decisions: a projection within the bound of a texel's border gives both texels", "[bounded]") {
     std::vector<Outcome> out;
@@ -595,6 +736,27 @@ TEST_CASE("device profiles: the four that are known, and the name that was meant
     CHECK_FALSE(d.fused_raster);
     CHECK(find_profile("lavapipe-22.3-fma", "--profile").fused_raster);
     CHECK(find_profile("swiftshader", "--profile").subpixel_bits == 4);
+    // As probes found them (data/parity): lavapipe's planes start at the origin and its halves are cut, SwiftShader's
+    // start at a corner; both take fp32 weights and place vertices where they are emulated.
+    for (const char* name : {"lavapipe-22.3-fma", "lavapipe-22.3-sse4.1", "swiftshader"}) {
+        const DeviceProfile& p = find_profile(name, "--profile");
+        const bool lavapipe = p.name != "swiftshader";
+        CAPTURE(p.name);
+        CHECK(p.driver == (lavapipe ? "Mesa 22.3" : "SwiftShader"));
+        CHECK(p.interpolation == (lavapipe ? Interpolation::plane_equation : Interpolation::snapped_planes));
+        CHECK(p.subpixel_bits == (lavapipe ? 8 : 4));
+        CHECK(p.snap_uncertainty == 0);
+        CHECK(p.bilinear_weight_bits == 0);
+        CHECK(p.half_store == (lavapipe ? HalfStore::truncate : HalfStore::nearest));
+        CHECK(p.half_store_either == !lavapipe);
+        CHECK(p.precision.flushes_denormals == !lavapipe);
+        for (const double correct : {p.precision.add, p.precision.multiply, p.precision.divide, p.precision.sqrt})
+            CHECK(correct == 0.5);
+        CHECK(p.precision.inverse_sqrt == 1.5);
+        CHECK(p.precision.exp2 == (lavapipe ? 3.5 : 3));
+        CHECK(p.precision.exp2_slope == (lavapipe ? 1.2 : 2));
+        CHECK(p.precision.log2_absolute == (lavapipe ? 2e-6 : 0x1p-21));
+    }
     try {
         find_profile("swiftshade", "plumb.toml: device");
         FAIL("accepted");
