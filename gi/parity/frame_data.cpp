@@ -67,13 +67,16 @@ struct Builder {
         glm::vec3 low(0), high(0);
         bounds(geometry, low, high);
         const std::vector<View> views = raster::light_views(lights[std::size_t(light)], low, high);
-        const bool drawn = std::size_t(light) < frame.rsms.size();
+        const std::vector<raster::Rsm> none;
+        const std::size_t l = std::size_t(light);
+        const std::vector<raster::Rsm>& drawn = l < frame.rsms.size() ? frame.rsms[l] : none;
         for (std::size_t m = 0; m < views.size(); ++m) {
-            const bool seen = views.size() == 1 || raster::may_see(views[m], low, high);
-            const raster::Rsm* of_frame = drawn && m < frame.rsms[std::size_t(light)].size() ? &frame.rsms[std::size_t(light)][m] : nullptr;
-            of_light.push_back(of_frame && of_frame->size > 0 ? *of_frame
-                               : seen ? raster::unseen_rsm(lights[std::size_t(light)], views[m])
-                                      : raster::Rsm());
+            if (m < drawn.size() && drawn[m].size > 0)
+                of_light.push_back(drawn[m]);
+            else if (views.size() == 1 || raster::may_see(views[m], low, high))
+                of_light.push_back(raster::unseen_rsm(lights[l], views[m]));
+            else
+                of_light.push_back(raster::Rsm());
         }
         return of_light;
     }
