@@ -4,10 +4,6 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstring>
-#include <fstream>
-#include <regex>
-#include <set>
-#include <sstream>
 
 #include "core/camera.h"
 #include "core/error.h"
@@ -301,6 +297,54 @@ TEST_CASE("bindings: data that no kernel may follow is refused in one line", "[b
     CHECK_THROWS_WITH(bound(map), "rsm: size 20 x 10: a map is square");
 }
 
+// Each number is set to the last that is there, and to one more.
+TEST_CASE("bindings: the last vertex, material, texture and texel may be named, none behind them", "[bindings]") {
+    const Fixture f(fair(), {32, 20});
+    const StageData data = f.gbuffer();
+    auto rows = [&](const char* input, int width) { return int(at(data.inputs, input).bytes.size()) / 4 / width; };
+    auto message = [&](const std::string& input, std::size_t element, int value) -> std::string {
+        StageData changed = data;
+        for (Array& a : changed.inputs.arrays) {
+            if (a.name != input) continue;
+            if (a.dtype == DType::i32)
+                elements_of<std::int32_t>(a)[element] = value;
+            else
+                elements_of<float>(a)[element] = float(value);
+        }
+        try {
+            bound(changed);
+            return "";
+        } catch (const InputError& error) {
+            return error.what();
+        }
+    };
+    auto last = [&](const std::string& input, std::size_t element, int count, const std::string& refused) {
+        INFO(input << ", element " << element);
+        CHECK(message(input, element, count - 1) == "");
+        CHECK_THAT(message(input, element, count), Catch::Contains(refused));
+    };
+    const int textures = rows("textures", 4), texels = rows("texels", 1);
+    for (std::size_t corner = 0; corner < 3; ++corner)
+        last("triangles", 3 + corner, rows("vertices", 8), "triangle 1 names vertex");
+    last("triangle_material", 5, rows("materials", 16), "triangle 5 names material");
+    last("materials", 8, textures, "material 0 names base texture");
+    last("materials", 9, textures, "material 0 names emission texture");
+    last("materials", 10, textures, "material 0 names normal texture");
+
+    // Row 1 has 16 x 16 texels: it may start at the 256th before the end.
+    last("textures", 4, texels - 256 + 1, "row 1 takes texels");
+    for (std::size_t side : {std::size_t(5), std::size_t(6)}) {
+        CHECK(message("textures", side, 1) == "");
+        CHECK_THAT(message("textures", side, 0), Catch::Contains("expected 1 to 4194304 a side"));
+        CHECK_THAT(message("textures", side, 1 << 22), Catch::Contains("row 1 takes texels"));
+        CHECK_THAT(message("textures", side, (1 << 22) + 1), Catch::Contains("expected 1 to 4194304 a side"));
+    }
+
+    // Its smaller levels are the rows behind it.
+    CHECK(message("textures", 7, (textures - 2) << levels_shift) == "");
+    CHECK_THAT(message("textures", 7, (textures - 1) << levels_shift), Catch::Contains("row 1 has"));
+}
+
 TEST_CASE("bindings: nothing to draw is drawn", "[bindings]") {
     Scene scene;
     const Fixture f(scene, {8, 8});
@@ -535,95 +579,4 @@ TEST_CASE("texture over Bounded: the hull of all places within the bound", "[bin
         if (!nearest) CHECK(hull.x.bound <= (high - low) / 2 + 4 * most_step + 1e-4);
     }
     CHECK(looked_up > 100000);
-}
-
-namespace {
-
-// The members between the braces that follow `opening` in a twin, in order, with std140 offsets: float takes 4 bytes,
-// vec3 12 and vec4 16 on a multiple of 16, LightArgs 48 on one (OpenGL 4.6, 7.6.2.2).
-std::vector<UniformMember> members_of_twin(const std::string& path, const std::string& opening, int start = 0,
-                                           const std::string& prefix = "") {
-    std::ifstream file(std::string(PLUMB_SOURCE_DIR) + "/raster/" + path);
-    REQUIRE(file.good());
-    std::stringstream text;
-    text << file.rdbuf();
-    const std::string all = text.str();
-    const std::size_t begin = all.find('{', all.find(opening)), end = all.find('}', begin);
-    REQUIRE(end != all.npos);
-    const std::string body = all.substr(begin, end - begin);
-    std::vector<UniformMember> members;
-    int next = start;
-    const std::regex declaration(R"((\w+)\s+(\w+)\s*;)");
-    for (std::sregex_iterator i(body.begin(), body.end(), declaration), none; i != none; ++i) {
-        const std::string type = (*i)[1], name = prefix + std::string((*i)[2]);
-        REQUIRE((type == "float" || type == "int" || type == "vec3" || type == "vec4" || type == "LightArgs"));
-        const int alignment = type == "float" || type == "int" ? 4 : 16;
-        next = (next + alignment - 1) / alignment * alignment;
-        if (type == "LightArgs") {
-            const auto light = members_of_twin("light.glsl", "struct LightArgs", next, name + ".");
-            members.insert(members.end(), light.begin(), light.end());
-            next += 48;
-        } else {
-            members.push_back({name, type, next});
-            next += type == "vec4" ? 16 : type == "vec3" ? 12 : 4;
-        }
-    }
-    return members;
-}
-
-}  // namespace
-
-TEST_CASE("bindings: uniform blocks and slots are those of the twins", "[bindings][twins][std140]") {
-    struct Stage {
-        const StageBinding& binding;
-        std::string twin, block;
-    };
-    for (const Stage& s : {Stage{gbuffer_binding(), "gbuffer.frag", "uniform GBufferUniforms"},
-                           Stage{rsm_binding(), "rsm.frag", "uniform RsmUniforms"}}) {
-        const std::vector<UniformMember> twin = members_of_twin(s.twin, s.block);
-        REQUIRE(twin.size() == s.binding.uniforms.size());
-        int end = 0;
-        for (std::size_t i = 0; i < twin.size(); ++i) {
-            CHECK(twin[i].name == s.binding.uniforms[i].name);
-            CHECK(twin[i].type == s.binding.uniforms[i].type);
-            CHECK(twin[i].offset == s.binding.uniforms[i].offset);
-            end = twin[i].offset + (twin[i].type == "vec4" ? 16 : twin[i].type == "vec3" ? 12 : 4);
-        }
-        CHECK(int(s.binding.uniform_bytes) == (end + 15) / 16 * 16);
-
-        // Buffers by number and by the type of their elements; targets by location.
-        std::string text;
-        for (const char* file : {"texture.glsl", "surface.glsl", "pull_triangle.glsl", s.twin.c_str()}) {
-            std::ifstream in(std::string(PLUMB_SOURCE_DIR) + "/raster/" + file);
-            std::stringstream all;
-            all << in.rdbuf();
-            text += all.str();
-        }
-        const std::regex buffer(R"(std430, binding = (\d+)\) readonly buffer \w+ \{ (\w+) )");
-        std::set<int> buffers;
-        for (std::sregex_iterator i(text.begin(), text.end(), buffer), none; i != none; ++i) {
-            const int binding = std::stoi((*i)[1]);
-            buffers.insert(binding);
-            const std::string type = (*i)[2];
-            CAPTURE(binding, type);
-            const auto slot = std::find_if(s.binding.inputs.begin(), s.binding.inputs.end(),
-                                           [&](const Slot& in) { return in.binding == binding; });
-            REQUIRE(slot != s.binding.inputs.end());
-            CHECK(slot->kind == SlotKind::buffer);
-            CHECK((slot->dtype == DType::i32) == (type == "int" || type == "ivec4"));
-            CHECK(slot->channels == (type.find('4') == type.npos ? 1 : 4));
-        }
-        CHECK(buffers.size() == s.binding.inputs.size());
-        const std::regex target(R"(location = (\d+)\) out (\w+) (\w+);)");
-        std::size_t targets = 0;
-        for (std::sregex_iterator i(text.begin(), text.end(), target), none; i != none; ++i) {
-            const std::string name = (*i)[3];
-            if (name == "triangle" || name == "barycentrics") continue;  // of the vertex stage
-            REQUIRE(targets < s.binding.outputs.size());
-            CHECK(s.binding.outputs[targets].name == name);
-            CHECK(s.binding.outputs[targets++].binding == std::stoi((*i)[1]));
-        }
-        CHECK(targets + 1 == s.binding.outputs.size());
-        CHECK(s.binding.outputs.back().kind == SlotKind::depth);
-    }
 }
