@@ -18,7 +18,7 @@ if(TARGET test_parity)
     ENVIRONMENT GALLIUM_OVERRIDE_CPU_CAPS=sse4.1)
   find_file(SWIFTSHADER_ICD vk_swiftshader_icd.json PATHS /usr/lib/chromium NO_DEFAULT_PATH)
   if(SWIFTSHADER_ICD)
-    add_test(NAME parity_swiftshader COMMAND test_parity "device raster*,probes*")
+    add_test(NAME parity_swiftshader COMMAND test_parity "device raster*,probes*,twins: every *")
     set_tests_properties(parity_swiftshader PROPERTIES LABELS vulkan SKIP_REGULAR_EXPRESSION "SKIPPED: " TIMEOUT 600
       ENVIRONMENT VK_ICD_FILENAMES=${SWIFTSHADER_ICD})
   endif()
