@@ -89,7 +89,8 @@ TEST_CASE("validate: one pixel off by a thousandth is found, and explained", "[p
     const Result text = validate(folder);
     CHECK(text.exit == 1);
     CHECK_THAT(text.out, Contains("The first stage that fails: rsm.disc (key)") && Contains("20,30") &&
-                             Contains("disagree: rsm.disc (key): 1 of 2623 pixels are wrong") && Contains("VRSM (3.2)"));
+                             Contains("disagree: rsm.disc (key): 1 of 2623 pixels are wrong") &&
+                                 Contains("VRSM (3.2)"));
 }
 
 TEST_CASE("validate: the neighbouring float is within the bound", "[program]") {
@@ -151,7 +152,8 @@ TEST_CASE("validate: a layout of one's own is described in the manifest", "[prog
         }
         write(folder + "/mine.raw", rows);
         const std::size_t at = whole.find("[stage.input.normal]"), end = whole.find('[', at + 1);
-        write(manifest, whole.substr(0, at) + "[stage.input.normal]\nfile = \"mine.raw\"\nvk_format = \"R32G32B32_SFLOAT\"\n"
+        write(manifest, whole.substr(0, at) +
+                            "[stage.input.normal]\nfile = \"mine.raw\"\nvk_format = \"R32G32B32_SFLOAT\"\n"
                         "width = 61\nheight = 43\nrow_pitch = 752\nflip_y = true\n" + whole.substr(end));
         const Json stage = stage_of(report(folder, 0), "compose");
         CHECK(stage["verdict"] == "equal");
@@ -204,7 +206,8 @@ TEST_CASE("validate: a layout of one's own is described in the manifest", "[prog
 
 TEST_CASE("validate: a sample pattern of one's own", "[program]") {
     const std::string folder = fresh_folder("validate_pattern"), scene = small_scene(folder);
-    REQUIRE(run({"export", scene, "--stage", "rsm.disc", "--light", "key", "--set", "rsm.rotations=1", "-o", folder}).exit == 0);
+    REQUIRE(run({"export", scene, "--stage", "rsm.disc", "--light", "key", "--set", "rsm.rotations=1", "-o", folder})
+                .exit == 0);
     const std::string manifest = read(folder + "/manifest.toml");
     const std::string offsets = read(folder + "/rsm.disc.key/in/offsets.bin");
     const std::string weights = read(folder + "/rsm.disc.key/in/weights.bin");
@@ -287,7 +290,8 @@ TEST_CASE("validate: a scene gives uniforms, patterns and geometry", "[program]"
     with("stage = \"rsm.disc\"\nlight = \"sum\"\n", "rsm.disc (sun)");
     CHECK_THAT(refused(validate(folder)), Contains("sum") && Contains("sun"));
     with("stage = \"rsm.disc\"\n", "rsm.disc (sun)");
-    CHECK_THAT(refused(validate(folder)), Contains("light") && Contains("rsm.disc (key)") && Contains("rsm.disc (sun)"));
+    CHECK_THAT(refused(validate(folder)),
+               Contains("light") && Contains("rsm.disc (key)") && Contains("rsm.disc (sun)"));
     with("stage = \"rsm.disc\"\nlight = \"sun\"\nparams = { sample = 36 }\n", "rsm.disc (sun)");
     CHECK_THAT(refused(validate(folder)), Contains("sample") && Contains("\"samples\""));
     with("stage = \"rsm.disc\"\nlight = \"sun\"\nparams = { samples = 0 }\n", "rsm.disc (sun)");
@@ -304,17 +308,20 @@ TEST_CASE("validate: manifests and dumps that are at fault", "[program]") {
 
     CHECK_THAT(refused_manifest(folder, replaced(one, "stage = \"rsm.disc\"", "stage = \"rsm.disk\"")),
                Contains("manifest.toml") && Contains("rsm.disk") && Contains("rsm.disc"));
-    CHECK_THAT(refused_manifest(folder, replaced(one, "least_distance2", "least_distance")), Contains("least_distance2"));
+    CHECK_THAT(refused_manifest(folder, replaced(one, "least_distance2", "least_distance")),
+               Contains("least_distance2"));
     CHECK_THAT(refused_manifest(folder, replaced(one, "[stage.input.normal]", "[stage.input.normals]")),
                Contains("normals") && Contains("\"normal\""));
     CHECK_THAT(refused_manifest(folder, replaced(one, "[stage.output.irradiance]", "[stage.output.iradiance]")),
                Contains("iradiance") && Contains("irradiance"));
-    CHECK_THAT(refused_manifest(folder, replaced(one, "[stage.uniforms]", "[stage.params]\nradius = 1\n[stage.uniforms]")),
+    const std::string with_params = "[stage.params]\nradius = 1\n[stage.uniforms]";
+    CHECK_THAT(refused_manifest(folder, replaced(one, "[stage.uniforms]", with_params)),
                Contains("radius") && Contains("scene"));
     CHECK_THAT(refused_manifest(folder, replaced(one, "\nscale = ", "\n# ")), Contains("missing: scale"));
     CHECK_THAT(refused_manifest(folder, one.substr(0, one.find("[stage.output"))), Contains("output"));
     CHECK_THAT(refused_manifest(folder, ""), Contains("manifest.toml"));
-    CHECK_THAT(refused_manifest(folder, "profile = \"ideel\"\n" + one.substr(one.find("[[stage]]"))), Contains("ideal"));
+    CHECK_THAT(refused_manifest(folder, "profile = \"ideel\"\n" + one.substr(one.find("[[stage]]"))),
+               Contains("ideal"));
 
     // Several inputs that nothing gives are named together.
     std::string without = one;
@@ -336,11 +343,13 @@ TEST_CASE("validate: manifests and dumps that are at fault", "[program]") {
     write(file, bytes.substr(0, 47 * 47 * 16));
     const std::size_t flux = one.find("rsm_flux.bin");
     write(folder + "/manifest.toml",
-          one.substr(0, flux) + replaced(replaced(one.substr(flux), "width = 48", "width = 47"), "height = 48", "height = 47"));
+          one.substr(0, flux) +
+              replaced(replaced(one.substr(flux), "width = 48", "width = 47"), "height = 48", "height = 47"));
     CHECK_THAT(refused(validate(folder)), Contains("rsm_flux"));
     write(file, bytes);
     const std::size_t position = one.find("[stage.input.position]");
-    write(folder + "/manifest.toml", one.substr(0, position) + replaced(one.substr(position), "height = 43", "height = 42"));
+    write(folder + "/manifest.toml",
+          one.substr(0, position) + replaced(one.substr(position), "height = 43", "height = 42"));
     CHECK(validate(folder).exit == 2);
 
     // Indices that lead out of a buffer are not followed.
@@ -350,7 +359,8 @@ TEST_CASE("validate: manifests and dumps that are at fault", "[program]") {
     CHECK_THAT(refused(validate(folder)), Contains("triangles"));
     CHECK_THAT(refused(run({"validate", folder})), Contains("validate_bad"));
     CHECK_THAT(refused(run({"validate"})), Contains("MANIFEST"));
-    CHECK_THAT(refused(run({"validate", folder + "/manifest.toml", "--max-ambiguous", "2"})), Contains("--max-ambiguous"));
+    CHECK_THAT(refused(run({"validate", folder + "/manifest.toml", "--max-ambiguous", "2"})),
+               Contains("--max-ambiguous"));
     CHECK_THAT(refused(run({"validate", folder + "/manifest.toml", "--profile", "lavapipe"})), Contains("--profile"));
 }
 
@@ -362,13 +372,15 @@ TEST_CASE("validate: reports as files", "[program]") {
                                          only_stage(text, "tonemap").substr(text.find("[[stage]]")));
     set_word(folder + "/compose/out/radiance.bin", texel(7, 8), 5.0f);
 
-    const Result r = validate(folder, {"--junit", out + "/junit.xml", "--html", out + "/report.html", "-o", out + "/pictures"});
+    const Result r =
+        validate(folder, {"--junit", out + "/junit.xml", "--html", out + "/report.html", "-o", out + "/pictures"});
     INFO(r.err);
     REQUIRE(r.exit == 1);
     CHECK(files_in(out) == Words{"junit.xml", "pictures/compose.error.png", "pictures/compose.verdict.png",
                                  "pictures/tonemap.verdict.png", "report.html"});
     const std::string junit = read(out + "/junit.xml"), html = read(out + "/report.html");
-    CHECK_THAT(junit, Contains("tests=\"2\" failures=\"1\"") && Contains("name=\"tonemap\"") && Contains("pixel 7,8: wrong") &&
+    CHECK_THAT(junit, Contains("tests=\"2\" failures=\"1\"") && Contains("name=\"tonemap\"") &&
+                          Contains("pixel 7,8: wrong") &&
                           Contains("name=\"&lt;script&gt;alert(&#39;&amp;&quot;&#39;)&lt;/script&gt;\""));
     CHECK_THAT(html, !Contains("<script") && Contains("data:image/png;base64,") && Contains("&lt;b&gt;") &&
                          Contains("L = (rho (E_direct + E_indirect) + M) / pi"));

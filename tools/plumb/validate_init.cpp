@@ -76,7 +76,8 @@ double likeness(const std::vector<std::string>& words, const std::string& name) 
     double score = 0;
     for (const std::string& term : terms) {
         double best = 0;
-        for (const std::string& word : words) best = std::max(best, word == term ? 1.0 : means(word, term) ? 0.75 : 0.0);
+        for (const std::string& word : words)
+            best = std::max(best, word == term ? 1.0 : means(word, term) ? 0.75 : 0.0);
         if (best == 0) return 0;
         score += best;
     }
@@ -106,7 +107,8 @@ struct Start {
 // ---- What is there ------------------------------------------------------------------------------------------------
 
 std::vector<File> find_files(const fs::path& folder) {
-    const std::set<std::string> pictures = {"exr", "pfm", "hdr", "tif", "tiff", "dds", "png", "npy"}, raws = {"bin", "raw", "dat"};
+    const std::set<std::string> pictures = {"exr", "pfm", "hdr", "tif", "tiff", "dds", "png", "npy"};
+    const std::set<std::string> raws = {"bin", "raw", "dat"};
     std::vector<File> files;
     std::error_code error;
     fs::recursive_directory_iterator at(folder, fs::directory_options::skip_permission_denied, error), end;
@@ -194,7 +196,8 @@ const StageBinding* named_after(const std::string& name) {
     const StageBinding* best = nullptr;
     for (const StageBinding& binding : parity::bindings()) {
         const std::string& stage = binding.info.name;
-        const bool fits = name == stage || (name.starts_with(stage) && std::string("._- ").find(name[stage.size()]) != std::string::npos);
+        const bool fits = name == stage || (name.starts_with(stage) &&
+                                            std::string("._- ").find(name[stage.size()]) != std::string::npos);
         if (fits && (!best || stage.size() > best->info.name.size())) best = &binding;
     }
     return best;
@@ -235,8 +238,8 @@ const File* shared_file(const Slot& slot, const std::vector<File>& files, const 
     return file_of(slot, false, near, binding);
 }
 
-std::vector<unsigned char> block_of(const fs::path& folder, const StageBinding& binding, const std::vector<const File*>& files,
-                                    fs::path& path) {
+std::vector<unsigned char> block_of(const fs::path& folder, const StageBinding& binding,
+                                    const std::vector<const File*>& files, fs::path& path) {
     for (const File* file : files) {
         const bool named = likeness(file->words, "block") > 0 || likeness(file->words, "uniforms") > 0;
         if (!file->raw || !named || file->bytes != binding.uniform_bytes) continue;
@@ -310,8 +313,8 @@ void add_stage(const fs::path& folder, const StageBinding& binding, const std::s
             io::DumpSpec spec;
             const bool formatted = file && (!file->raw || guess_raw(slot, *file, frame, spec));
             if (!formatted) {
-                start.missing.push_back(fmt::format("{}: {}{}", label, name,
-                                                    file ? ": what format does " + file->path.string() + " have?" : ""));
+                const std::string why = file ? ": what format does " + file->path.string() + " have?" : "";
+                start.missing.push_back(fmt::format("{}: {}{}", label, name, why));
                 continue;
             }
             spec.file = folder / file->path;
@@ -360,8 +363,8 @@ Start guess(const fs::path& folder) {
         if (named_after(group)) continue;
         for (const StageBinding& binding : parity::bindings())
             if (written_by(binding, members))
-                add_stage(folder, binding, (group.empty() ? "" : group + ": ") + binding.info.name, members, files, known,
-                          used, start);
+                add_stage(folder, binding, (group.empty() ? "" : group + ": ") + binding.info.name, members, files,
+                          known, used, start);
     }
     for (const File& file : files)
         if (!used.count(&file)) start.unused.push_back(file.path.string());
@@ -369,14 +372,16 @@ Start guess(const fs::path& folder) {
     for (const StageBinding& binding : parity::bindings()) order.push_back(binding.info.name);
     std::stable_sort(start.manifest.stages.begin(), start.manifest.stages.end(),
                      [&](const io::ManifestStage& a, const io::ManifestStage& b) {
-                         return std::find(order.begin(), order.end(), a.stage) < std::find(order.begin(), order.end(), b.stage);
+                         return std::find(order.begin(), order.end(), a.stage) <
+                                std::find(order.begin(), order.end(), b.stage);
                      });
     return start;
 }
 
 std::string comment(const Start& start) {
     std::string text =
-        "# What was dumped from a GPU, pass by pass: guessed from the names of the files. Look through all of it, then\n"
+        "# What was dumped from a GPU, pass by pass: guessed from the names of the files. Look through all of it, "
+        "then\n"
         "#     plumb validate manifest.toml\n"
         "# io/README.md lists the keys. What is often needed:\n"
         "#     scene = \"scene.toml\"       # gives uniforms, patterns and geometry that were not dumped\n"
@@ -395,7 +400,8 @@ int init_manifest(const std::string& given, bool json) {
     std::error_code error;
     if (!fs::is_directory(folder, error)) throw InputError(io::shown(given), "", "is no folder");
     const std::string path = (folder / "manifest.toml").string();
-    if (fs::exists(fs::symlink_status(path, error))) throw InputError(io::shown(path), "", "is there already, and is kept");
+    if (fs::exists(fs::symlink_status(path, error)))
+        throw InputError(io::shown(path), "", "is there already, and is kept");
     const Start start = guess(folder);
     if (start.manifest.stages.empty())
         throw InputError(io::shown(given), "",
@@ -407,8 +413,9 @@ int init_manifest(const std::string& given, bool json) {
         Json guessed = Json::array();
         for (const Guess& g : start.guesses)
             guessed.push_back({{"file", g.file}, {"stage", g.stage}, {"slot", g.slot}, {"format", g.format}});
-        std::fputs(json_text({{"manifest", path}, {"guessed", guessed}, {"missing", start.missing}, {"unused", start.unused}}).c_str(),
-                   stdout);
+        const auto report = json_text(
+            {{"manifest", path}, {"guessed", guessed}, {"missing", start.missing}, {"unused", start.unused}});
+        std::fputs(report.c_str(), stdout);
         return success;
     }
     std::vector<std::vector<std::string>> rows;
@@ -418,7 +425,8 @@ int init_manifest(const std::string& given, bool json) {
     for (const std::string& missing : start.missing) text += "  " + io::printable(missing, 400) + "\n";
     if (!start.unused.empty()) text += "\nnot used:\n";
     for (const std::string& unused : start.unused) text += "  " + io::printable(unused, 400) + "\n";
-    std::fputs((text + "\nwrote " + path + ": look through it, then run plumb validate " + path + "\n").c_str(), stdout);
+    text += "\nwrote " + path + ": look through it, then run plumb validate " + path + "\n";
+    std::fputs(text.c_str(), stdout);
     return success;
 }
 
