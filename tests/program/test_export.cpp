@@ -157,6 +157,8 @@ TEST_CASE("export: what cannot be exported", "[program]") {
     };
     CHECK_THAT(refused({"--stage", "rsm.disk"}), Contains("rsm.disk") && Contains("rsm.disc"));
     CHECK_THAT(refused({"--stage", "reference"}), Contains("reference"));
+    CHECK_THAT(refused({"--stage", "rsm", "--face", "px"}), Contains("--face px") && Contains("point light"));
+    CHECK_THAT(refused({"--stage", "rsm", "--profile", ""}), Contains("--profile"));
     CHECK_THAT(refused({"--stage", "rsm", "--light", "kee"}), Contains("kee") && Contains("key"));
     CHECK_THAT(refused({"--stage", "shadow", "--light", "lamp"}), Contains("left out"));
     CHECK_THAT(refused({"--stage", "gbuffer", "--profile", "ideel"}), Contains("--profile") && Contains("ideal"));

@@ -397,6 +397,158 @@ TEST_CASE("validate: reports as files", "[program]") {
     CHECK(validate(folder, {"--junit", out + "/pictures"}).exit == 2);
 }
 
+TEST_CASE("validate: packed normals have no zero, and the manifest says where nothing is seen", "[program]") {
+    // What decodes to (0, 0, 1), and (-1, -1, -1) where it is biased, is stored where there is no surface.
+    const std::string folder = dumps("validate_coverage"), manifest = folder + "/manifest.toml";
+    const std::string normals = read(folder + "/gbuffer/out/normal.bin");
+    std::string packed, stencil;
+    std::vector<bool> hit;
+    for (std::size_t i = 0; i < std::size_t(width * height); ++i) {
+        hit.push_back(word<float>(normals, 4 * i + 3) > 0);
+        for (std::size_t c = 0; c < 3; ++c) {
+            const float code = hit[i] ? 0.5f * word<float>(normals, 4 * i + c) + 0.5f : 0.0f;
+            packed.append(reinterpret_cast<const char*>(&code), 4);
+        }
+        stencil += char(hit[i] ? 3 : 2);
+    }
+    const auto nothing = std::count(hit.begin(), hit.end(), false);
+    REQUIRE(nothing > 0);
+    write(folder + "/packed.raw", packed);
+    write(folder + "/stencil.raw", stencil);
+    const std::string normal = "file = \"packed.raw\"\nvk_format = \"R32G32B32_SFLOAT\"\nencoding = \"biased\"\n";
+    const std::string coverage = "[stage.coverage]\nfile = \"stencil.raw\"\nvk_format = \"R8_UINT\"\nabove = 2\n";
+
+    SECTION("an input") {
+        const std::string whole = only_stage(read(manifest), "compose");
+        const std::size_t at = whole.find("[stage.input.normal]"), end = whole.find('[', at + 1);
+        // Light where there is no surface, but for the mask.
+        const std::string lit = replaced(whole.substr(0, at) + "[stage.input.normal]\n" + normal + whole.substr(end),
+                                         "environment = [0, 0, 0, 0]", "environment = [1, 1, 1, 0]");
+        std::string radiance = read(folder + "/compose/out/radiance.bin");
+        const float one = 1;
+        for (std::size_t i = 0; i < hit.size(); ++i)
+            for (std::size_t c = 0; c < 3 && !hit[i]; ++c) std::memcpy(&radiance[16 * i + 4 * c], &one, 4);
+        write(folder + "/compose/out/radiance.bin", radiance);
+        write(manifest, lit);
+        CHECK(stage_of(report(folder, 1), "compose")["counts"]["wrong"] >= nothing);
+        write(manifest, lit + coverage);
+        const Json stage = stage_of(report(folder, 0), "compose");
+        CHECK(stage["counts"]["wrong"] == 0);
+        CHECK_THAT(stage["notes"].back(), Contains(std::to_string(nothing) + " of 2623 pixels"));
+        CHECK_THAT(validate(folder).out, Contains("coverage: nothing is seen at"));
+    }
+    SECTION("an output") {
+        const std::string whole = only_stage(read(manifest), "gbuffer");
+        const std::size_t at = whole.find("[stage.output.normal]"), end = whole.find('[', at + 1);
+        const std::string mine = whole.substr(0, at) + "[stage.output.normal]\n" + normal + whole.substr(end);
+        write(manifest, mine);
+        CHECK(stage_of(report(folder, 1), "gbuffer")["counts"]["wrong"] == nothing);
+        write(manifest, mine + coverage);
+        CHECK(stage_of(report(folder, 0), "gbuffer")["counts"]["wrong"] == 0);
+        // Outputs that are dumped as they are stay: a stray albedo is seen.
+        const auto first = std::size_t(std::find(hit.begin(), hit.end(), false) - hit.begin());
+        set_word(folder + "/gbuffer/out/albedo.bin", 4 * first, 1.0f);
+        CHECK(stage_of(report(folder, 1), "gbuffer")["counts"]["wrong"] == 1);
+    }
+    SECTION("of another size") {
+        const std::string whole = only_stage(read(manifest), "compose");
+        write(folder + "/stencil.raw", stencil.substr(61));
+        CHECK_THAT(refused_manifest(folder, whole + coverage + "width = 61\nheight = 42\n"),
+                   Contains("coverage: is 61 x 42") && Contains("61 x 43"));
+    }
+}
+
+TEST_CASE("validate: a depth buffer of 16 bits, and one that was made linear", "[program]") {
+    const std::string folder = dumps("validate_depth"), manifest = folder + "/manifest.toml";
+    const std::string whole = only_stage(read(manifest), "gbuffer");
+    const std::string bytes = read(folder + "/gbuffer/out/depth.bin");
+    std::string codes;
+    for (std::size_t i = 0; i < bytes.size() / 4; ++i) {
+        const auto code = std::uint16_t(std::lround(65535.0 * word<float>(bytes, i)));
+        codes.append(reinterpret_cast<const char*>(&code), 2);
+    }
+    write(folder + "/depth16.raw", codes);
+    const std::size_t at = whole.find("[stage.output.depth]"), end = whole.find('[', at + 1);
+    auto with = [&](const std::string& lines) {
+        return whole.substr(0, at) + "[stage.output.depth]\n" + lines + whole.substr(end);
+    };
+    const std::string sixteen = with("file = \"depth16.raw\"\nvk_format = \"D16_UNORM\"\n");
+    write(manifest, sixteen);
+    CHECK(stage_of(report(folder, 0), "gbuffer")["counts"]["wrong"] == 0);
+    // Ten codes farther off, at one pixel of the floor.
+    const std::size_t pixel = 40 * width + 30;
+    set_word<std::uint16_t>(folder + "/depth16.raw", pixel, std::uint16_t(word<std::uint16_t>(codes, pixel) - 10));
+    const Json stage = stage_of(report(folder, 1), "gbuffer");
+    CHECK(stage["counts"]["wrong"] == 1);
+    CHECK(stage["worst"]["output"] == "depth");
+
+    const std::string file = "file = \"gbuffer/out/depth.bin\"\nvk_format = \"D32_SFLOAT\"\n";
+    CHECK_THAT(refused_manifest(folder, with(file + "encoding = \"reversed_depth\"\nnear_far = [0.1, 100]\n")),
+               Contains("output.depth") && Contains("linear depth") && Contains("reversed_z"));
+}
+
+TEST_CASE("validate: what was not judged is not called equal", "[program]") {
+    // The shadow pass of a face writes the points in its pyramid alone: below a light at the ceiling, none of +y.
+    const std::string folder = fresh_folder("validate_none"), scene = small_scene(folder);
+    write(scene, replaced(read(scene), "type = \"spot\"\nposition = [0, 1.97, 0]\ndirection = [0, -1, 0]\ncone_deg = [55, 60]",
+                          "type = \"point\"\nposition = [0, 1.999, 0]"));
+    REQUIRE(run({"export", scene, "--stage", "shadow", "--light", "key", "--face", "py", "-o", folder}).exit == 0);
+    const std::string alone = read(folder + "/manifest.toml");
+    const Json all = report(folder, 1);
+    CHECK(all["passed"] == false);
+    CHECK(all["reason"] == "no pixel was judged");
+    CHECK(all["stages"][0]["judged"] == 0);
+    CHECK(all["stages"][0]["verdict"] == "equal");
+    CHECK_THAT(validate(folder).out, Contains("nothing to judge") && Contains("disagree: no pixel was judged"));
+    const Words files = {"--junit", folder + "/j.xml", "--html", folder + "/r.html"};
+    CHECK(validate(folder, files).exit == 1);
+    CHECK_THAT(read(folder + "/j.xml"), Contains("failures=\"1\"") && Contains("<failure message=\"no pixel was judged\""));
+    CHECK_THAT(read(folder + "/r.html"), Contains(">nothing to judge<") && Contains("no pixel was judged"));
+
+    // Beside a stage that was judged it is skipped.
+    REQUIRE(run({"export", scene, "--stage", "gbuffer", "-o", folder + "/g"}).exit == 0);
+    std::string both = read(folder + "/g/manifest.toml");
+    both = both.substr(both.find("[[stage]]"));
+    for (std::size_t at = 0; (at = both.find("file = \"", at)) != both.npos; at += 10) both.insert(at + 8, "g/");
+    write(folder + "/manifest.toml", alone + both);
+    CHECK(report(folder, 0, files)["stages"][1]["judged"] == width * height);
+    CHECK_THAT(read(folder + "/j.xml"), Contains("failures=\"0\"") && Contains("skipped=\"1\""));
+}
+
+TEST_CASE("validate: contradictions and what is not finite are named", "[program]") {
+    const std::string folder = dumps("validate_notes"), whole = read(folder + "/manifest.toml");
+    const std::string compose = only_stage(whole, "compose"), tonemap = only_stage(whole, "tonemap");
+    CHECK_THAT(refused_manifest(folder, replaced(compose, "\nwidth = 61\n", "\nwidth = 60\n")), Contains("width = 60"));
+    CHECK_THAT(refused_manifest(folder, replaced(tonemap, "exposure = 1", "exposure = 1e300")),
+               Contains("exposure") && Contains("too large for a float"));
+    auto with = [&](const std::string& line) { return replaced(tonemap, "[stage.uniforms]", "[stage.params]\n" + line + "\n[stage.uniforms]"); };
+    CHECK_THAT(refused_manifest(folder, with("exposur = 2")), Contains("\"exposure\""));
+    CHECK_THAT(refused_manifest(folder, with("exposure = -2")), Contains("exposure = -2") && !Contains("no scene"));
+    CHECK_THAT(refused_manifest(folder, with("exposure = 2")), Contains("no scene"));
+    for (const char* option : {"--profile", "--html", "--junit", "-o"})
+        CHECK_THAT(refused(run({"validate", folder + "/manifest.toml", option, ""})), Contains("expected a value"));
+
+    write(folder + "/manifest.toml", replaced(compose, "label = \"compose\"", "light = \"key\""));
+    CHECK_THAT(report(folder, 0)["stages"][0]["notes"][0], Contains("\"key\" is no more than a name"));
+
+    write(folder + "/manifest.toml", compose);
+    CHECK(report(folder, 0)["stages"][0]["notes"].empty());
+    set_word(folder + "/compose/in/direct.bin", texel(30, 20), std::numeric_limits<float>::infinity());
+    set_word(folder + "/compose/in/direct.bin", texel(31, 20), std::numeric_limits<float>::quiet_NaN());
+    CHECK(report(folder, 1)["stages"][0]["notes"] == Json({"input direct: 2 values are not finite"}));
+}
+
+TEST_CASE("validate: ideal with a coarser grid of subpixels", "[program]") {
+    const std::string folder = dumps("validate_subpixels"), whole = read(folder + "/manifest.toml");
+    write(folder + "/manifest.toml", "subpixel_bits = 4\n" + only_stage(whole, "gbuffer"));
+    const Json all = report(folder, 0);
+    CHECK(all["subpixel_bits"] == 4);
+    CHECK(all["stages"][0]["wrong"] == 0);
+    CHECK_THAT(validate(folder).out, Contains("ideal with 4 subpixel bits"));
+    // A device that is known states its own.
+    CHECK(report(folder, 1, {"--profile", "swiftshader"})["subpixel_bits"].is_null());
+}
+
 TEST_CASE("validate: a manifest to start from", "[program]") {
     const std::string folder = dumps("validate_init"), manifest = folder + "/manifest.toml";
     CHECK_THAT(refused(run({"validate", "--init", folder})), Contains("is there already"));

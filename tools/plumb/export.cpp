@@ -25,6 +25,7 @@
 #include "tools/plumb/table.h"
 
 #ifdef PLUMB_WITH_VULKAN
+#include "tools/vulkan/profile.h"
 #include "tools/vulkan/runner.h"
 #endif
 
@@ -35,7 +36,7 @@ namespace {
 struct ExportOptions {
     SceneOptions scene;
     Common common;
-    std::string stage, light, face, folder, profile = "ideal", device;
+    std::string stage, light, face, folder, profile, device;
     bool choices = false;
 };
 
@@ -50,18 +51,19 @@ struct Made {
 struct Maker {
     const RunOptions& options;
     const bool choices;
-    const DeviceProfile& profile;
+    DeviceProfile profile;  // as given; else the device's; else ideal
 #ifdef PLUMB_WITH_VULKAN
     std::unique_ptr<vulkan::Device> device;
 #endif
 
-    Maker(const ExportOptions& given, const RunOptions& run, const DeviceProfile& device_profile)
-        : options(run), choices(given.choices), profile(device_profile) {
+    Maker(const ExportOptions& given, const RunOptions& run) : options(run), choices(given.choices) {
+        if (!given.profile.empty()) profile = find_profile(given.profile, "--profile " + given.profile);
         if (given.device.empty()) return;
         require_vulkan("--device");
 #ifdef PLUMB_WITH_VULKAN
         try {
             device = std::make_unique<vulkan::Device>(vulkan::DeviceOptions{given.device, false});
+            if (given.profile.empty()) profile = vulkan::profile_of(*device);
         } catch (const vulkan::Error& error) {
             throw InputError(fmt::format("--device {}: {}", given.device, error.what()));
         }
@@ -84,6 +86,14 @@ struct Maker {
         Made made;
         binding.bind(data)->run(options, profile, made.outputs);
         return made;
+    }
+
+    // What the device says of itself, where no profile does; else 0.
+    int subpixel_bits() const {
+#ifdef PLUMB_WITH_VULKAN
+        if (device && profile.name == "ideal") return int(std::min(device->limits().subPixelPrecisionBits, 16u));
+#endif
+        return 0;
     }
 
     std::string name() const {
@@ -211,7 +221,7 @@ std::vector<frame::PlannedStage> chosen(const frame::Plan& plan, const ExportOpt
 
 int run_export(const ExportOptions& given) {
     const RunOptions options = given.common.run_options();
-    const DeviceProfile& profile = find_profile(given.profile, "--profile " + given.profile);
+    const Maker maker(given, options);
     const Scene scene = load(given.scene);
     frame::Settings settings = settings_of(scene, given.scene);
     choose_method(settings, given.stage);
@@ -219,7 +229,6 @@ int run_export(const ExportOptions& given) {
     const int light = given.light.empty() ? -1 : find_light(scene, given.light);
     const frame::Plan plan = frame::plan(scene, settings);
     const std::vector<frame::PlannedStage> stages = chosen(plan, given, light);
-    const Maker maker(given, options, profile);
     Outputs outputs(given.folder);
 
     // Render what the stages read, then write one after the other: a big frame's inputs are not held twice.
@@ -231,12 +240,15 @@ int run_export(const ExportOptions& given) {
     io::Manifest manifest;
     manifest.file = given.folder + "/manifest.toml";
     manifest.device = maker.name();
-    manifest.profile = profile.name;
+    manifest.profile = maker.profile.name;
+    manifest.subpixel_bits = maker.subpixel_bits();
     Exporter files(outputs, given.folder);
     std::string readme = readme_head(scene.name, maker.name());
     std::vector<std::vector<std::string>> rows;
+    bool any_face = false;
     for (const frame::PlannedStage& planned : stages) {
         for (const StageData& data : dispatches(scene, settings, plan, frame, planned)) {
+            any_face |= !face_of(data).empty();
             if (!given.face.empty() && !face_of(data).empty() && face_of(data) != given.face) continue;
             const StageBinding& binding = parity::find_binding(data.stage, data.label);
             const std::string name = planned.light >= 0 ? scene.lights[std::size_t(planned.light)].name : "";
@@ -246,6 +258,8 @@ int run_export(const ExportOptions& given) {
         }
     }
     if (manifest.stages.empty()) throw InputError(fmt::format("--face {}: expected px, nx, py, ny, pz or nz", given.face));
+    if (!given.face.empty() && !any_face)
+        throw InputError(fmt::format("--face {}: nothing that is exported has faces: expected a point light", given.face));
     files.write("manifest.toml", io::manifest_text(manifest));
     files.write("README.txt", readme);
     outputs.commit();
@@ -275,7 +289,9 @@ void add_export(CLI::App& program, Action& action) {
         ->type_name("NAME");
     command->add_option("--face", given->face, "of a point light: px, nx, py, ny, pz or nz; all six otherwise")
         ->type_name("F");
-    command->add_option("--profile", given->profile, "how the device rounds that the outputs are meant for")
+    command->add_option("--profile", given->profile, "how the device rounds that the outputs are meant for;\n"
+                        "otherwise that of --device as its driver is known, or ideal")
+        ->check(some_word())
         ->type_name("P");
     add_device_option(*command, given->device);
     command->add_flag("--choices", given->choices, "with --device: also write which texels the twin chose, for\n"

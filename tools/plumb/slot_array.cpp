@@ -160,17 +160,20 @@ Array input_array(const Slot& slot, io::DumpedImage dump, glm::ivec2 size, const
     return std::move(array);
 }
 
-Array output_array(const Slot& slot, io::DumpedImage dump, glm::ivec2 size, const std::string& place) {
-    Array& array = dump.array;
-    array.name = slot.name;
-    const glm::ivec2 found = image_size(array, place);
+void fit_output(const Slot& slot, io::DumpedImage& dump, glm::ivec2 size, const std::string& place) {
+    const glm::ivec2 found = image_size(dump.array, place);
     if (found != size)
         throw InputError(
             fmt::format("{}: is {}: the stage's outputs are {}", place, size_text(found), size_text(size)));
-    convert(array, slot, std::size_t(found.x) * std::size_t(found.y), channels_of(array), place);
-    array.shape = {found.y, found.x};
-    if (slot.channels > 1) array.shape.push_back(slot.channels);
-    return std::move(array);
+    // How far each number was moved lies beside it, in the same shape; indices were not.
+    if (slot.dtype != DType::f32) dump.rounding = {};
+    for (Array* array : {&dump.array, &dump.rounding}) {
+        if (array->bytes.empty()) continue;
+        array->name = slot.name;
+        convert(*array, slot, std::size_t(found.x) * std::size_t(found.y), channels_of(*array), place);
+        array->shape = {found.y, found.x};
+        if (slot.channels > 1) array->shape.push_back(slot.channels);
+    }
 }
 
 }  // namespace plumb::cli

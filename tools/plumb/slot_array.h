@@ -15,7 +15,8 @@ namespace plumb::cli {
 // assumed is added to `notes`. Throws InputError at `place`.
 Array input_array(const Slot& slot, io::DumpedImage dump, glm::ivec2 size, const std::string& place,
                   std::vector<std::string>& notes);
-Array output_array(const Slot& slot, io::DumpedImage dump, glm::ivec2 size, const std::string& place);
+// An output likewise, and its rounding.
+void fit_output(const Slot& slot, io::DumpedImage& dump, glm::ivec2 size, const std::string& place);
 
 // Pixels of what was dumped: width, height.
 glm::ivec2 image_size(const Array& array, const std::string& place);

@@ -11,6 +11,7 @@
 #include "io/file.h"
 #include "io/scene_file.h"
 #include "raster/light_view.h"
+#include "tools/plumb/coverage.h"
 #include "tools/plumb/options.h"
 #include "tools/plumb/slot_array.h"
 
@@ -110,6 +111,10 @@ void set_uniforms(const io::ManifestStage& stage, const StageBinding& binding, b
     data.uniforms.resize(binding.uniform_bytes);
     if (!whole) set_size(binding, data);
     for (const auto& [name, value] : stage.uniforms) set_uniform(binding, data, name, value, place);
+    for (const auto& [name, value] : {std::pair("width", data.size.x), std::pair("height", data.size.y)})
+        if (has_uniform(binding, name) && uniform_value(binding, data, name)[0] != value)
+            throw InputError(fmt::format("{}: {} = {}: the stage's outputs are {} x {}", place, name,
+                                         uniform_value(binding, data, name)[0], data.size.x, data.size.y));
     if (whole) return;
 
     std::vector<std::string> missing;
@@ -273,12 +278,32 @@ void read_outputs(const io::ManifestStage& stage, const StageBinding& binding, S
         if (!slot)
             throw InputError(fmt::format("{}: unknown output; the nearest known one is \"{}\"", place,
                                          nearest_name(name, slot_names(binding.outputs))));
+        if (slot->kind == SlotKind::depth && spec.near_far.size() > 0)
+            throw InputError(fmt::format("{}: encoding = \"{}\" gives linear depth: expected the depth buffer as it is, "
+                                         "plain, and reversed_z = true in [stage.params] where 1 is near", place,
+                                         spec.encoding));
         io::DumpedImage dump = io::read_dump(spec);
-        parity::Dumped dumped{name, {}, dump.stored, dump.channels & ((1u << slot->channels) - 1)};
+        fit_output(*slot, dump, out.data.size, place);
+        parity::Dumped dumped{name, std::move(dump.array), dump.stored, dump.channels & ((1u << slot->channels) - 1)};
         if (dumped.channels == 0) throw InputError(place + ": none of the output's channels was dumped");
         dumped.rounding = std::move(dump.rounding), dumped.lowest = dump.lowest, dumped.highest = dump.highest;
-        dumped.array = output_array(*slot, std::move(dump), out.data.size, place);
         out.dumped.push_back(std::move(dumped));
+    }
+}
+
+// Of what was dumped: the verdict calls what follows from NaN wrong, and this is why.
+void note_not_finite(const io::ManifestStage& stage, StageCase& out) {
+    for (const Array& array : out.data.inputs.arrays) {
+        const bool dumped = std::any_of(stage.inputs.begin(), stage.inputs.end(), [&](const auto& input) {
+            return input.first == array.name || input.first.starts_with(array.name + ".");
+        });
+        if (array.dtype != DType::f32 || !dumped) continue;
+        const float* values = floats(out.data, array.name);
+        const auto count = std::count_if(values, values + array.bytes.size() / sizeof(float),
+                                         [](float v) { return !std::isfinite(v); });
+        if (count > 0)
+            out.notes.push_back(fmt::format("input {}: {} value{} not finite", array.name, count,
+                                            count == 1 ? " is" : "s are"));
     }
 }
 
@@ -371,6 +396,10 @@ StageCase CaseReader::read(const io::ManifestStage& stage) const {
     if (scene_) {
         out.data = data_of_scene(stage, binding);
     } else {
+        // What is no parameter, or has no such value, is named first.
+        frame::Settings settings;
+        choose_method(settings, stage.stage);
+        set_params(settings, stage, binding);
         for (const auto& [key, words] : stage.params)
             if (!binding.raster || key != "reversed_z")
                 throw InputError(fmt::format("{}: params: {}: there is no scene whose settings it could replace",
@@ -383,10 +412,15 @@ StageCase CaseReader::read(const io::ManifestStage& stage) const {
     }
     out.data.reversed_z = reversed_z(stage, out.data.reversed_z);
     if (!stage.label.empty()) out.data.label = stage.label;
+    // An export's label names the light, too.
+    if (!scene_ && !stage.light.empty() && stage.label.empty())
+        out.notes.push_back("light: there is no scene, so that \"" + stage.light + "\" is no more than a name");
 
     set_uniforms(stage, binding, stage.inputs.count("pattern") > 0, out.data);
     set_inputs(stage, binding, scene_ ? &*scene_ : nullptr, out);
     read_outputs(stage, binding, out);
+    apply_coverage(stage, out);
+    note_not_finite(stage, out);
     read_choices(stage, out);
     return out;
 }

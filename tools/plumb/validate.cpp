@@ -75,6 +75,8 @@ int run_validate(const ValidateOptions& given) {
     const bool named = !given.profile.empty();
     options.profile =
         find_profile(named ? given.profile : manifest.profile, named ? "--profile" : io::shown(given.manifest));
+    if (manifest.subpixel_bits > 0 && options.profile.name == "ideal")
+        options.profile.subpixel_bits = manifest.subpixel_bits;
     options.max_ambiguous = given.max_ambiguous.value_or(manifest.max_ambiguous);
 
     // A folder that cannot be written to is found before the work, not after it.
@@ -113,20 +115,28 @@ void add_validate(CLI::App& program, Action& action) {
     command->add_option("--init", given->init, "write FOLDER/manifest.toml from the names of the dumps in it")
         ->excludes(manifest)
         ->type_name("FOLDER");
-    command->add_option("--junit", given->junit, "also write JUnit XML, a test case a stage")->type_name("FILE");
-    command->add_option("--html", given->html, "also write a page with pictures and the values of the worst pixels")
+    command->add_option("--junit", given->junit, "also write JUnit XML, a test case a stage")
+        ->check(some_word())
         ->type_name("FILE");
-    command->add_option("--profile", given->profile, "how the device rounds; the manifest's otherwise")->type_name("P");
+    command->add_option("--html", given->html, "also write a page with pictures and the values of the worst pixels")
+        ->check(some_word())
+        ->type_name("FILE");
+    command->add_option("--profile", given->profile, "how the device rounds; the manifest's otherwise")
+        ->check(some_word())
+        ->type_name("P");
     command->add_option("--max-ambiguous", given->max_ambiguous,
                         "share of a stage's pixels that may be ambiguous; the manifest's otherwise")
         ->check(number_within(0, 1))
         ->type_name("S");
-    command->add_option("-o,--output", given->folder, "also write pictures of verdicts and errors")->type_name("DIR");
+    command->add_option("-o,--output", given->folder, "also write pictures of verdicts and errors")
+        ->check(some_word())
+        ->type_name("DIR");
     add_common(*command, given->common);
     command->footer(
         "Each stage is judged from its own dumped inputs, so that errors do not add up. A pixel is equal, within_bound\n"
         "(another rounding, within what the profile grants each operation), ambiguous (a comparison fell inside the\n"
-        "bound) or wrong. Exit code 1 if any is wrong, or too many are ambiguous.");
+        "bound) or wrong. Exit code 1 if any is wrong, or too many are ambiguous, or no pixel\n"
+        "was judged.");
     command->callback([given, &action] {
         action = [=] {
             if (!given->init.empty()) return init_manifest(given->init, given->common.json);

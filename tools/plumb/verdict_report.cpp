@@ -89,6 +89,7 @@ Json stage_json(const StageReport& stage) {
                  {"within_bound", share(Verdict::within_bound)},
                  {"ambiguous", share(Verdict::ambiguous)},
                  {"wrong", share(Verdict::wrong)},
+                 {"judged", v.pixels},
                  {"pixels", v.pixels},
                  {"counts", counts},
                  {"worst", worst ? worst_json(*worst) : Json(nullptr)},
@@ -102,8 +103,12 @@ Json stage_json(const StageReport& stage) {
 
 }  // namespace
 
+bool ValidationReport::judged() const {
+    return std::any_of(stages.begin(), stages.end(), [](const StageReport& s) { return s.verdict.pixels > 0; });
+}
+
 bool ValidationReport::passed() const {
-    return std::all_of(stages.begin(), stages.end(), [](const StageReport& s) { return s.verdict.passed; });
+    return judged() && std::all_of(stages.begin(), stages.end(), [](const StageReport& s) { return s.verdict.passed; });
 }
 
 Verdict ValidationReport::verdict() const {
@@ -115,6 +120,15 @@ Verdict ValidationReport::verdict() const {
 const StageReport* ValidationReport::first_failed() const {
     const auto at = std::find_if(stages.begin(), stages.end(), [](const StageReport& s) { return !s.verdict.passed; });
     return at == stages.end() ? nullptr : &*at;
+}
+
+std::string verdict_text(const StageVerdict& verdict) {
+    return verdict.pixels == 0 ? "nothing to judge" : parity::verdict_name(verdict.verdict);
+}
+
+std::string profile_text(const ValidationReport& report) {
+    const int bits = report.profile == "ideal" ? report.manifest.subpixel_bits : 0;
+    return report.profile + (bits > 0 ? fmt::format(" with {} subpixel bits", bits) : "");
 }
 
 std::string share_text(std::int64_t count, std::int64_t of) {
@@ -134,7 +148,7 @@ std::string validation_text(const ValidationReport& report) {
     std::vector<std::vector<std::string>> rows;
     for (const StageReport& s : report.stages) {
         const StageVerdict& v = s.verdict;
-        std::vector<std::string> row = {v.label, parity::verdict_name(v.verdict)};
+        std::vector<std::string> row = {v.label, verdict_text(v)};
         for (std::int64_t count : v.count) row.push_back(share_text(count, v.pixels));
         row.push_back(fmt::format("{}", v.pixels));
         row.push_back(milliseconds_text(v.ms));
@@ -145,7 +159,7 @@ std::string validation_text(const ValidationReport& report) {
     std::string text = fmt::format("{}, held against the profile {}\n\n",
                                    report.manifest.device.empty() ? io::shown(report.manifest.file.string())
                                                                   : io::printable(report.manifest.device, 200),
-                                   report.profile);
+                                   profile_text(report));
     text += format_table({{"stage"},
                           {"verdict"},
                           {"equal", Align::right},
@@ -158,6 +172,8 @@ std::string validation_text(const ValidationReport& report) {
                          rows);
     for (const StageReport& s : report.stages)
         for (const std::string& note : s.notes) text += fmt::format("note: {}: {}\n", s.verdict.label, note);
+
+    if (!report.judged()) return text + "\ndisagree: " + none_judged + "\n";
 
     // The first stage that fails is the one to look at.
     const StageReport* failed = report.first_failed();
@@ -180,9 +196,13 @@ Json validation_json(const ValidationReport& report) {
     const StageReport* failed = report.first_failed();
     return {{"verdict", parity::verdict_name(report.verdict())},
             {"passed", report.passed()},
+            {"reason", report.judged() ? "" : none_judged},
             {"manifest", report.manifest.file.string()},
             {"device", report.manifest.device},
             {"profile", report.profile},
+            {"subpixel_bits", report.profile == "ideal" && report.manifest.subpixel_bits > 0
+                                  ? Json(report.manifest.subpixel_bits)
+                                  : Json(nullptr)},
             {"max_ambiguous", report.max_ambiguous},
             {"first_failed", failed ? Json(failed->verdict.label) : Json(nullptr)},
             {"stages", stages}};

@@ -26,7 +26,9 @@ struct ValidationReport {
     double max_ambiguous = 0;
     std::vector<StageReport> stages;  // in the manifest's order
 
+    // False where not one pixel was judged in all of them, too.
     bool passed() const;
+    bool judged() const;
     parity::Verdict verdict() const;  // the worst of all stages
     // The first that did not pass; else null. What follows it may be wrong because of it in her program, not in here:
     // each stage is judged from its own dumped inputs.
@@ -37,6 +39,12 @@ std::string validation_text(const ValidationReport& report);
 Json validation_json(const ValidationReport& report);
 std::string validation_junit(const ValidationReport& report);
 std::string validation_html(const ValidationReport& report);
+
+// "equal", "wrong" ...; of a stage of which no pixel was judged "nothing to judge".
+std::string verdict_text(const parity::StageVerdict& verdict);
+// "ideal", "ideal with 4 subpixel bits".
+std::string profile_text(const ValidationReport& report);
+inline constexpr const char* none_judged = "no pixel was judged";
 
 // "12.5 %"; what is there is never shown as 0, and what is not all never as 100.
 std::string share_text(std::int64_t count, std::int64_t of);
