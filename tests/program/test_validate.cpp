@@ -567,7 +567,7 @@ TEST_CASE("validate: a manifest to start from", "[program]") {
     const std::string mine = fresh_folder("validate_init_mine");
     const std::vector<std::pair<std::string, std::string>> names = {
         {"gbuffer/out/position.bin", "WorldPos.raw"}, {"gbuffer/out/normal.bin", "gNormals.raw"},
-        {"rsm.disc.key/in/rsm_position.bin", "RSM_Position.raw"}, {"rsm.disc.key/in/rsm_normal.bin", "RSM_Normal.raw"},
+        {"rsm.key/out/position.bin", "RSM_Position.raw"}, {"rsm.disc.key/in/rsm_normal.bin", "RSM_Normal.raw"},
         {"rsm.disc.key/in/rsm_flux.bin", "RsmFlux.raw"}, {"rsm.disc.key/in/offsets.bin", "offsets.bin"},
         {"rsm.disc.key/in/weights.bin", "weights.bin"}, {"rsm.disc.key/out/irradiance.bin", "Irradiance.raw"},
         {"rsm.disc.key/block.bin", "uniforms.bin"}};
