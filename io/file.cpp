@@ -69,11 +69,16 @@ void write_all(int fd, std::string_view bytes, const std::string& path) {
     }
 }
 
-// Into a device, a pipe or what a link names: a rename would put a file in their place.
+// Into a device, a pipe or what a link names: a rename would put a file in their place. What is this process's standard
+// output goes behind what is there: opened anew, both would write from the start.
 void write_through(const std::string& path, const std::vector<std::string_view>& parts) {
-    Descriptor file{::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666)};
-    if (file.fd < 0) fail(path, "cannot be written", errno);
-    for (std::string_view part : parts) write_all(file.fd, part, path);
+    Descriptor file{::open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666)};
+    struct stat opened, output;
+    if (file.fd < 0 || ::fstat(file.fd, &opened) != 0) fail(path, "cannot be written", errno);
+    const bool is_output = ::fstat(STDOUT_FILENO, &output) == 0 && output.st_dev == opened.st_dev &&
+                           output.st_ino == opened.st_ino;
+    if (!is_output && S_ISREG(opened.st_mode) && ::ftruncate(file.fd, 0) != 0) fail(path, "cannot be written", errno);
+    for (std::string_view part : parts) write_all(is_output ? STDOUT_FILENO : file.fd, part, path);
     const int status = ::close(file.fd);
     file.fd = -1;
     if (status != 0) fail(path, "cannot be written", errno);
