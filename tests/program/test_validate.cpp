@@ -490,7 +490,8 @@ TEST_CASE("validate: a depth buffer of 16 bits, and one that was made linear", "
 TEST_CASE("validate: what was not judged is not called equal", "[program]") {
     // The shadow pass of a face writes the points in its pyramid alone: below a light at the ceiling, none of +y.
     const std::string folder = fresh_folder("validate_none"), scene = small_scene(folder);
-    write(scene, replaced(read(scene), "type = \"spot\"\nposition = [0, 1.97, 0]\ndirection = [0, -1, 0]\ncone_deg = [55, 60]",
+    write(scene, replaced(read(scene),
+                          "type = \"spot\"\nposition = [0, 1.97, 0]\ndirection = [0, -1, 0]\ncone_deg = [55, 60]",
                           "type = \"point\"\nposition = [0, 1.999, 0]"));
     REQUIRE(run({"export", scene, "--stage", "shadow", "--light", "key", "--face", "py", "-o", folder}).exit == 0);
     const std::string alone = read(folder + "/manifest.toml");
@@ -502,7 +503,8 @@ TEST_CASE("validate: what was not judged is not called equal", "[program]") {
     CHECK_THAT(validate(folder).out, Contains("nothing to judge") && Contains("disagree: no pixel was judged"));
     const Words files = {"--junit", folder + "/j.xml", "--html", folder + "/r.html"};
     CHECK(validate(folder, files).exit == 1);
-    CHECK_THAT(read(folder + "/j.xml"), Contains("failures=\"1\"") && Contains("<failure message=\"no pixel was judged\""));
+    CHECK_THAT(read(folder + "/j.xml"),
+               Contains("failures=\"1\"") && Contains("<failure message=\"no pixel was judged\""));
     CHECK_THAT(read(folder + "/r.html"), Contains(">nothing to judge<") && Contains("no pixel was judged"));
 
     // Beside a stage that was judged it is skipped.
@@ -521,7 +523,9 @@ TEST_CASE("validate: contradictions and what is not finite are named", "[program
     CHECK_THAT(refused_manifest(folder, replaced(compose, "\nwidth = 61\n", "\nwidth = 60\n")), Contains("width = 60"));
     CHECK_THAT(refused_manifest(folder, replaced(tonemap, "exposure = 1", "exposure = 1e300")),
                Contains("exposure") && Contains("too large for a float"));
-    auto with = [&](const std::string& line) { return replaced(tonemap, "[stage.uniforms]", "[stage.params]\n" + line + "\n[stage.uniforms]"); };
+    auto with = [&](const std::string& line) {
+        return replaced(tonemap, "[stage.uniforms]", "[stage.params]\n" + line + "\n[stage.uniforms]");
+    };
     CHECK_THAT(refused_manifest(folder, with("exposur = 2")), Contains("\"exposure\""));
     CHECK_THAT(refused_manifest(folder, with("exposure = -2")), Contains("exposure = -2") && !Contains("no scene"));
     CHECK_THAT(refused_manifest(folder, with("exposure = 2")), Contains("no scene"));
