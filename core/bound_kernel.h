@@ -6,9 +6,11 @@
 //     std::array<F, components> pixel<F>(int x, int y, Tap& tap) const  F: float, double, Bounded
 //     void rows<isa>(float* out, int first, int last) const             the same for rows, in packets
 //     bool writes(glm::ivec2 pixel) const
+//     bool surely_writes(glm::ivec2 pixel) const                        optional: no legal device leaves the pixel
 #pragma once
 
 #include <array>
+#include <vector>
 
 #include "core/binding.h"
 #include "core/bounded.h"
@@ -45,6 +47,11 @@ class BoundKernel final : public BoundStage {
             values.insert(values.end(), v.begin(), v.end());
         };
         enumerate_outcomes(one, most_outcomes, out, choices);
+        // What a device left there that does not write the pixel could be anything.
+        if constexpr (requires { kernel_.surely_writes(pixel); }) {
+            if (kernel_.surely_writes(pixel)) return;
+            out.push_back({std::vector<BoundedValue>(components, {0, __builtin_inf()}), true});
+        }
     }
 
     std::vector<TapValue> explain(glm::ivec2 pixel, const DeviceProfile&) const override {

@@ -31,9 +31,19 @@ struct ShadowOf {
         v.visibility = out;
         Rows<isa>::shadow(v, first, last);
     }
-    bool writes(glm::ivec2 pixel) const {
+    template <class F>
+    mask_t<F> served(glm::ivec2 pixel) const {
         const float* x = view.position + 4 * (std::ptrdiff_t(pixel.y) * view.u.width + pixel.x);
-        return view.u.face < 0 || serves<float>(view.u, vec3<float>{x[0], x[1], x[2]});
+        return mask_t<F>(view.u.face < 0) | serves<F>(view.u, vec3<F>{F(x[0]), F(x[1]), F(x[2])});
+    }
+    bool writes(glm::ivec2 pixel) const { return served<float>(pixel); }
+    // Of a pixel that is written: whether its face is the same on every device.
+    bool surely_writes(glm::ivec2 pixel) const {
+        Decisions decisions;
+        decisions.widen = true;
+        const DecisionScope scope(decisions);
+        served<Bounded>(pixel);
+        return view.u.face < 0 || !decisions.ambiguous;
     }
 };
 

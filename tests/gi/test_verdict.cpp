@@ -11,10 +11,13 @@
 #include "core/hash.h"
 #include "core/outcomes.h"
 #include "gi/compose/bindings.h"
+#include "gi/direct/bindings.h"
 #include "gi/frame/frame.h"
 #include "gi/parity/stages.h"
 #include "gi/parity/stored.h"
 #include "gi/parity/verdict.h"
+#include "raster/light_view.h"
+#include "raster/rsm.h"
 
 using namespace plumb;
 using parity::Verdict;
@@ -239,6 +242,69 @@ TEST_CASE("verdict: a store of 8 bits moves a value by at most one step", "[verd
     CHECK(count(v, Verdict::equal) == v.pixels - 2);
 }
 
+namespace {
+
+// Writes (0.3, 0.6, 0.1, 0.7) everywhere, legally +- 1e-6.
+constexpr float written[4] = {0.3f, 0.6f, 0.1f, 0.7f};
+struct ColourStage final : BoundStage {
+    void run(const RunOptions&, const DeviceProfile&, Bundle& outputs) const override {
+        add(outputs, "colour", {1, 1, 4}, written);
+    }
+    void outcomes(glm::ivec2, const DeviceProfile&, std::span<const float>, std::span<const std::int32_t>,
+                  std::vector<Outcome>& out) const override {
+        Outcome o;
+        for (const float x : written) o.values.push_back({x, 1e-6});
+        out.push_back(o);
+    }
+    std::vector<TapValue> explain(glm::ivec2, const DeviceProfile&) const override { return {}; }
+};
+
+Verdict judge_colour(const glm::vec4& got, Format stored, const DeviceProfile& profile = {}) {
+    StageBinding b;
+    b.outputs = {{.name = "colour", .kind = SlotKind::storage_image, .channels = 4}};
+    b.bind = [](const StageData&) -> std::unique_ptr<BoundStage> { return std::make_unique<ColourStage>(); };
+    StageData data;
+    data.size = {1, 1};
+    Bundle bundle;
+    add(bundle, "colour", {1, 1, 4}, &got.x);
+    parity::JudgeOptions options;
+    options.profile = profile;
+    return parity::judge(b, data, {{"colour", bundle.arrays[0], stored, 15}}, options).verdict;
+}
+
+}  // namespace
+
+TEST_CASE("verdict: ours is rounded as the target rounds before it is compared", "[verdict][formats]") {
+    for (const Format f : {Format::rgba8, Format::rgba16f, Format::r10g10b10a2}) {
+        for (const char* profile : {"ideal", "lavapipe-22.3-fma"}) {
+            INFO(info(f).name << " on " << profile);
+            const DeviceProfile& device = find_profile(profile, "test");
+            glm::vec4 texel(written[0], written[1], written[2], written[3]);
+            quantise(f, texel, device.half_store);
+            CHECK(judge_colour(texel, f, device) == Verdict::equal);
+        }
+    }
+    // lavapipe cuts 0.1 to 0.09998 (0x2e66); 0.1001 (0x2e67) is as legal elsewhere and wrong there, or the reverse.
+    glm::vec4 other(written[0], written[1], written[2], written[3]);
+    quantise(Format::rgba16f, other, HalfStore::truncate);
+    glm::vec4 nearest(written[0], written[1], written[2], written[3]);
+    quantise(Format::rgba16f, nearest, HalfStore::nearest);
+    REQUIRE(nearest != other);
+    CHECK(judge_colour(other, Format::rgba16f) == Verdict::within_bound);
+    CHECK(judge_colour(nearest, Format::rgba16f, find_profile("lavapipe-22.3-fma", "test")) == Verdict::wrong);
+}
+
+TEST_CASE("verdict: every component is judged", "[verdict]") {
+    for (int c = 0; c < 4; ++c) {
+        CAPTURE(c);
+        glm::vec4 got(written[0], written[1], written[2], written[3]);
+        got[c] = written[c] + 5e-7f;
+        CHECK(judge_colour(got, Format::rgba32f) == Verdict::within_bound);
+        got[c] = written[c] + 2e-6f;
+        CHECK(judge_colour(got, Format::rgba32f) == Verdict::wrong);
+    }
+}
+
 TEST_CASE("verdict: a dump that says how it was rounded is judged by that", "[verdict]") {
     // Ours is 1, legally 1 +- 0.01; the target held at most 0.95 and rounded by up to 0.02.
     Known k;
@@ -289,13 +355,16 @@ TEST_CASE("verdict: dumps that do not fit are refused by one line", "[verdict]")
 
 // Expected: what a target makes of any value of the interval lies in the range, whichever way it rounds.
 TEST_CASE("stored_range: holds what every format makes of a value", "[verdict][formats]") {
-    const DeviceProfile profile;
+    DeviceProfile profile, nearest, truncating;
+    nearest.half_store_either = truncating.half_store_either = false;
+    truncating.half_store = HalfStore::truncate;
     for (const FormatInfo& f : formats()) {
         int outside = 0, wide_ranges = 0, trials = 0;
         for (int i = 0; i < 40000; ++i) {
             const auto h = pixel_hash<std::int32_t>(i, int(f.format), 1, 5);
             auto uniform = [](std::int32_t bits) { return float(std::uint32_t(bits) >> 8) * 0x1p-24f; };
-            glm::vec4 v(uniform(h.x), uniform(h.y), uniform(h.z), 1);
+            glm::vec4 v(uniform(h.x), uniform(h.y), uniform(h.z), uniform(h.x ^ h.y));
+            if (f.format == Format::d24s8) v.y *= 255;
             const bool direction = f.format == Format::octahedral16 || f.format == Format::octahedral8 ||
                                    f.format == Format::normal8;
             const bool wide = f.format == Format::r16f || f.format == Format::rgba16f ||
@@ -307,19 +376,27 @@ TEST_CASE("stored_range: holds what every format makes of a value", "[verdict][f
                 v = glm::vec4(d / length, 0);
             } else if (wide) {
                 v = glm::vec4(std::ldexp(v.x, int(h.y & 31) - 16), std::ldexp(v.y, int(h.z & 31) - 16),
-                              std::ldexp(v.z, int(h.x & 31) - 16), 1);
+                              std::ldexp(v.z, int(h.x & 31) - 16), v.w);
             }
             double largest = 0;
             for (int c = 0; c < 3; ++c) largest = std::max(largest, double(std::abs(v[c])));
             for (const HalfStore store : {HalfStore::nearest, HalfStore::truncate}) {
                 glm::vec4 stored = v;
                 quantise(f.format, stored, store);
-                for (int c = 0; c < std::min(f.format == Format::d24s8 ? 1 : 3, f.channels); ++c) {  // stencil is none
-                    const parity::StoredRange r = parity::stored_range(f.format, c, v[c], v[c], largest, profile);
-                    outside += !(stored[c] >= r.low && stored[c] <= r.high);
-                    ++trials;
-                    // And is no wider than a few steps: halves and floats of 10 bits to 5, fixed point of 8 and more.
-                    wide_ranges += !(r.high - r.low <= 0.15 * std::max(1.0, largest));
+                const DeviceProfile& known = store == HalfStore::nearest ? nearest : truncating;
+                for (int c = 0; c < 4; ++c) {
+                    if (f.format == Format::r32f && c > 0) continue;  // of one component
+                    for (const DeviceProfile& device : {profile, known}) {
+                        const parity::StoredRange r = parity::stored_range(f.format, c, v[c], v[c], largest, device);
+                        outside += !(stored[c] >= r.low && stored[c] <= r.high);
+                        ++trials;
+                        // And is no wider than a few steps: halves and floats of 10 bits to 5, fixed point of 8 and
+                        // more, an alpha of 2, a stencil.
+                        const double step = f.format == Format::d24s8 && c == 1          ? 1
+                                            : f.format == Format::r10g10b10a2 && c == 3 ? 0.334
+                                                                                        : 0.15;
+                        wide_ranges += !(r.high - r.low <= step * std::max(1.0, largest));
+                    }
                 }
             }
         }
@@ -328,6 +405,76 @@ TEST_CASE("stored_range: holds what every format makes of a value", "[verdict][f
         CHECK(outside == 0);
         CHECK(wide_ranges == 0);
     }
+}
+
+TEST_CASE("stored_range: what a format holds stays, and all else goes to one of two neighbours", "[verdict][formats]") {
+    auto range = [](Format f, int c, double x, const char* profile = "ideal") {
+        const parity::StoredRange r = parity::stored_range(f, c, x, x, x, find_profile(profile, "test"));
+        return std::pair<double, double>(r.low, r.high);
+    };
+    using Ends = std::pair<double, double>;
+    // A float of that format is a fixed point; its neighbours on either side hold what lies between.
+    for (const Format f : {Format::r16f, Format::rgba16f, Format::r11g11b10f}) {
+        for (int c = 0; c < std::min(info(f).channels, 4); ++c) {
+            const int bits = f != Format::r11g11b10f ? 10 : c == 2 ? 5 : 6;
+            const double unit = std::ldexp(1.0, -bits);
+            INFO(info(f).name << " " << c);
+            for (const double x : {0.0, 1.0, 1 + unit, 2 - unit, 0.5, 1024.0, unit * 0x1p-14, 0x1p-14})
+                CHECK(range(f, c, x) == Ends(x, x));
+            CHECK(range(f, c, 1 + 0.4 * unit) == Ends(1, 1 + unit));
+            CHECK(range(f, c, 1 - 0.1 * unit) == Ends(1 - unit / 2, 1));
+            CHECK(range(f, c, 0.3 * unit * 0x1p-14) == Ends(0, unit * 0x1p-14));
+            const double largest = (2 - unit) * 0x1p15;
+            CHECK(range(f, c, largest) == Ends(largest, largest));
+            CHECK(range(f, c, largest + 1) == Ends(largest, HUGE_VAL));
+            if (f == Format::r11g11b10f) CHECK(range(f, c, -1) == Ends(0, 0));
+            if (f != Format::r11g11b10f) CHECK(range(f, c, -1 - 0.4 * unit) == Ends(-1 - unit, -1));
+            if (f != Format::r11g11b10f) CHECK(range(f, c, -largest - 1) == Ends(-HUGE_VAL, -largest));
+        }
+    }
+    // 1.0004 lies between 1 and 1.00098; lavapipe cuts it, and takes 65520 for 65504.
+    CHECK(range(Format::rgba16f, 0, 1.0004, "lavapipe-22.3-fma") == Ends(1, 1));
+    CHECK(range(Format::rgba16f, 3, -1.0009, "lavapipe-22.3-fma") == Ends(-1, -1));
+    CHECK(range(Format::rgba16f, 3, 65520, "lavapipe-22.3-fma") == Ends(65504, 65504));
+    const parity::StoredRange wide = parity::stored_range(Format::rgba16f, 0, 1.0004, 1.0015, 1.0015,
+                                                          find_profile("lavapipe-22.3-fma", "test"));
+    CHECK(Ends(wide.low, wide.high) == Ends(1, 1 + 0x1p-10));
+
+    // Fixed point, in codes; what is not in [0, 1] is clamped.
+    const struct {
+        Format format;
+        int c;
+        double codes;
+    } fixed[] = {{Format::rgba8, 0, 255}, {Format::rgba8, 3, 255}, {Format::r10g10b10a2, 1, 1023},
+                 {Format::r10g10b10a2, 3, 3}};
+    for (const auto& f : fixed) {
+        INFO(info(f.format).name << " " << f.c);
+        auto codes = [&](double x) {
+            const Ends r = range(f.format, f.c, x);
+            // A decoded code is a float: up to two roundings of its own.
+            CHECK(std::abs(r.first * f.codes - std::rint(r.first * f.codes)) <= 0x1p-21 * r.first * f.codes);
+            CHECK(std::abs(r.second * f.codes - std::rint(r.second * f.codes)) <= 0x1p-21 * r.second * f.codes);
+            return Ends(std::rint(r.first * f.codes), std::rint(r.second * f.codes));
+        };
+        CHECK(codes(0) == Ends(0, 0));
+        CHECK(codes(1) == Ends(f.codes, f.codes));
+        CHECK(codes(-0.3) == Ends(0, 0));
+        CHECK(codes(7) == Ends(f.codes, f.codes));
+        CHECK(codes(1.5 / f.codes) == Ends(1, 2));
+        CHECK(codes(0.01 / f.codes) == Ends(0, 1));
+    }
+    CHECK(range(Format::d24s8, 0, 0) == Ends(0, 0));
+    CHECK(range(Format::d24s8, 0, 0.3).first == Approx(0.3).epsilon(2.5e-7));
+    CHECK(range(Format::d24s8, 0, 0.3).second == Approx(0.3).epsilon(2.5e-7));
+    CHECK(range(Format::d24s8, 1, 7) == Ends(7, 7));
+    CHECK(range(Format::d24s8, 1, 7.5) == Ends(7, 8));
+    CHECK(range(Format::d32f, 0, 0.3) == Ends(0.3, 0.3));
+    CHECK(range(Format::d32f, 0, 1.3) == Ends(1, 1));
+    // What is not stored reads as (0, 0, 0, 1), and as 0 after what a shader decodes.
+    CHECK(range(Format::r11g11b10f, 3, 0.2) == Ends(1, 1));
+    CHECK(range(Format::r16f, 1, 0.2) == Ends(0, 0));
+    CHECK(range(Format::d32f, 3, 0.2) == Ends(1, 1));
+    CHECK(range(Format::octahedral16, 3, 0.2) == Ends(0, 0));
 }
 
 namespace {
@@ -480,6 +627,56 @@ TEST_CASE("verdict: a shadow is lit or not", "[verdict][frame]") {
         if (v.pixels > 0) CHECK(count(v, Verdict::wrong) >= 0.9 * double(v.pixels));
     }
     CHECK(judged >= 2);
+}
+
+// The texel of a projection is the first choice of these kernels: one that the bound does not allow leaves no outcome.
+TEST_CASE("verdict: a stage's outcomes follow the choices that were dumped", "[verdict][frame]") {
+    int followed = 0;
+    for (const StageData& d : small_frame(rsm::Gather::disc)) {
+        if (d.stage != "rsm.disc" && d.stage != "shadow") continue;
+        const std::unique_ptr<BoundStage> stage = parity::find_binding(d.stage, "test").bind(d);
+        const std::vector<float> got(4, not_a_number);
+        const std::vector<std::int32_t> choices(4, -77777);
+        std::vector<Outcome> free, bound;
+        for (int x = 0; x < d.size.x; ++x) {
+            const glm::ivec2 pixel(x, d.size.y / 2);
+            if (!stage->writes(pixel)) continue;
+            stage->outcomes(pixel, {}, got, {}, free);
+            stage->outcomes(pixel, {}, got, choices, bound);
+            CHECK_FALSE(free.empty());
+            followed += bound.empty();
+        }
+    }
+    CHECK(followed >= 40);
+}
+
+// x - eye is 1.05 or one unit less, as it is rounded, and z - eye is 1.05: the face is +x or +z.
+TEST_CASE("verdict: a pixel whose face of a point light is undecided may be another face's", "[verdict][frame]") {
+    Light bulb;
+    bulb.name = "bulb", bulb.type = LightType::point, bulb.position = {0.15f, 0.2f, 0}, bulb.rsm_size = 8;
+    const auto views = raster::light_views(bulb, {-2, -2, -2}, {2, 2, 2});
+    std::vector<raster::Rsm> maps;
+    for (const auto& view : views) maps.push_back(raster::unseen_rsm(bulb, view));
+    Image4 position(2, 1), normal(2, 1);
+    const float x = 1.2f;
+    REQUIRE(double(x - 0.15f) > double(x) - 0.15f);  // rounded up; down, it is less than z - eye
+    position.texels[0] = {x, 0.2f, x - 0.15f, 1};    // the float kernel has them equal, and takes +x
+    position.texels[1] = {x, 0.2f, 0.5f, 1};
+    normal.texels[0] = normal.texels[1] = {-1, 0, 0, 0};
+    const StageData d = direct::shadow_data({}, {&position, &normal, maps}, 0);
+    Bundle own;
+    const auto stage = parity::find_binding("shadow", "test").bind(d);
+    REQUIRE(stage->writes({0, 0}));
+    REQUIRE(stage->writes({1, 0}));
+    stage->run({}, {}, own);
+    float* visibility = reinterpret_cast<float*>(own.arrays[0].bytes.data());
+    CHECK(judge_outputs(d, own).verdict == Verdict::equal);
+    for (int i = 0; i < 2; ++i) visibility[i] = 1 - visibility[i];
+    const parity::StageVerdict v = judge_outputs(d, own);
+    CHECK(Verdict(v.map(0, 0)) == Verdict::ambiguous);
+    CHECK(Verdict(v.map(1, 0)) == Verdict::wrong);
+    visibility[0] = not_a_number;
+    CHECK(Verdict(judge_outputs(d, own).map(0, 0)) == Verdict::wrong);
 }
 
 TEST_CASE("binding: data that does not fit is refused by one line", "[verdict][binding]") {
