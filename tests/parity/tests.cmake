@@ -14,22 +14,22 @@ if(TARGET test_parity)
   endforeach()
   # lavapipe rasterises otherwise on a processor without fused multiply-adds: a device of its own.
   add_test(NAME parity_without_fma COMMAND test_parity "device raster*,probes*")
-  set_tests_properties(parity_without_fma PROPERTIES LABELS vulkan SKIP_REGULAR_EXPRESSION "SKIPPED: " TIMEOUT 600
+  set_tests_properties(parity_without_fma PROPERTIES LABELS vulkan SKIP_REGULAR_EXPRESSION "SKIPPED: " TIMEOUT 3000
     ENVIRONMENT GALLIUM_OVERRIDE_CPU_CAPS=sse4.1)
   find_file(SWIFTSHADER_ICD vk_swiftshader_icd.json PATHS /usr/lib/chromium NO_DEFAULT_PATH)
   if(SWIFTSHADER_ICD)
     add_test(NAME parity_swiftshader COMMAND test_parity "device raster*,probes*,twins: every *")
-    set_tests_properties(parity_swiftshader PROPERTIES LABELS vulkan SKIP_REGULAR_EXPRESSION "SKIPPED: " TIMEOUT 600
+    set_tests_properties(parity_swiftshader PROPERTIES LABELS vulkan SKIP_REGULAR_EXPRESSION "SKIPPED: " TIMEOUT 3000
       ENVIRONMENT VK_ICD_FILENAMES=${SWIFTSHADER_ICD})
   endif()
 else()
   add_test(NAME parity COMMAND ${CMAKE_COMMAND} -E echo "SKIPPED: built without Vulkan (libvulkan-dev)")
 endif()
-set_tests_properties(parity PROPERTIES LABELS vulkan SKIP_REGULAR_EXPRESSION "SKIPPED: " TIMEOUT 600)
+set_tests_properties(parity PROPERTIES LABELS vulkan SKIP_REGULAR_EXPRESSION "SKIPPED: " TIMEOUT 3000)
 
 # Errors planted in twins, all of which the judge must find, and legal changes, none of which it may call wrong.
 if(TARGET plumb_mutants)
   add_test(NAME mutants COMMAND plumb_mutants --lists ${PROJECT_SOURCE_DIR}/tests/parity/mutants
     --least-wrong 200 --least-a-stage 20 --least-legal 80)
-  set_tests_properties(mutants PROPERTIES LABELS vulkan SKIP_REGULAR_EXPRESSION "SKIPPED: " TIMEOUT 600)
+  set_tests_properties(mutants PROPERTIES LABELS vulkan SKIP_REGULAR_EXPRESSION "SKIPPED: " TIMEOUT 3000)
 endif()
