@@ -162,17 +162,18 @@ F height(const float* in) {
     if (other_form<F>()) return dot(n, x_p) - dot(n, x);
     return dot(n, {x_p.x - x.x, x_p.y - x.y, x_p.z - x.z});
 }
-// A sum that cancels, times two factors, and more: distributed in part and whole.
+// Sums that cancel, multiplied out: times two factors, and times one with a term to follow.
 template <class F>
 F distributed(const float* in) {
-    const F a(in[0]), b(-in[0] * (1 + 1e-6f * in[1])), c(in[2]), d(1e-7f * in[3]), e(in[4]);
-    if constexpr (other_forms<F>) {
-        const int form = device.reorders ? device.random.below(4) : 0;
-        if (form == 1) return sum_of<F>({a * c * e, b * c * e, d});
-        if (form == 2) return sum_of<F>({a * (c * e), b * (c * e), d});
-        if (form == 3) return sum_of<F>({a * c, b * c}) * e + d;
-    }
-    return ((a + b) * c) * e + d;
+    const F a(in[0]), b(-in[0] * (1 + 1e-6f * in[1])), c(in[2]), e(in[4]);
+    if (other_form<F>()) return a * c * e + b * c * e;
+    return ((a + b) * c) * e;
+}
+template <class F>
+F distributed_sum(const float* in) {
+    const F a(in[0]), b(-in[0] * (1 + 1e-6f * in[1])), c(in[2]), d(1e-7f * in[3]);
+    if (other_form<F>()) return sum_of<F>({a * c, b * c, d});
+    return (a + b) * c + d;
 }
 
 // Nothing but the order of a sum, of which the largest term comes last and half cancels.
@@ -198,7 +199,8 @@ const Expression expressions[] = {
     EXPRESSION(row, 4000),      EXPRESSION(projected, 4000),    EXPRESSION(normalised_x, 4000),
     EXPRESSION(bilinear, 4000), EXPRESSION(interpolated, 4000), EXPRESSION(light, 4000),
     EXPRESSION(form, 4000),     EXPRESSION(long_sum, 200),      EXPRESSION(gather, 8),
-    EXPRESSION(height, 4000),   EXPRESSION(distributed, 4000)};
+    EXPRESSION(height, 4000),   EXPRESSION(distributed, 4000),
+    EXPRESSION(distributed_sum, 4000)};
 constexpr int variants = 20 * roundings;
 
 std::vector<float> random_inputs(Random& random) {
