@@ -3,7 +3,6 @@
 // Expected figures: raster/README.md, "Devices", and data/parity/probes.md.
 #include <catch2/catch.hpp>
 #include <iostream>
-#include <memory>
 
 #include "tools/vulkan/probe.h"
 #include "tools/vulkan/profile.h"
@@ -13,7 +12,8 @@ namespace {
 using namespace plumb;
 using vulkan::Probe;
 
-// The first device whose profile was measured, probed once; null, and said so, where there is none.
+// The first device whose profile was measured, probed once; null, and said so, where there is none. It is never ended: a
+// driver's own statics may be gone before ours.
 struct Probed {
     vulkan::Device device;
     DeviceProfile expected;
@@ -24,13 +24,10 @@ struct Probed {
           probe(vulkan::probe_device(device)) {}
 };
 const Probed* known_device() {
-    static std::unique_ptr<Probed> probed;
-    if (probed) return probed.get();
+    static const Probed* probed = nullptr;
+    if (probed) return probed;
     for (const vulkan::DeviceInfo& d : vulkan::list_devices())
-        if (vulkan::profile_of(d).name != "ideal") {
-            probed = std::make_unique<Probed>(std::to_string(d.index));
-            return probed.get();
-        }
+        if (vulkan::profile_of(d).name != "ideal") return probed = new Probed(std::to_string(d.index));
     for (const vulkan::DeviceInfo& d : vulkan::list_devices())
         std::cout << "SKIPPED: no profile for " << d.name() << ", " << d.driver_info << "; try plumb probe-device\n";
     std::cout << "SKIPPED: no device of a known profile (mesa-vulkan-drivers)\n";
