@@ -136,7 +136,7 @@ inline StageData compose_case(glm::ivec2 size, const std::string& id) {
                               -0.0f,
                               65520,
                               1e-20f};
-    for (int i = 0; i < 28; ++i) images[i % 4].texels[std::size_t(2 * i)].x = extremes[i % 7];
+    for (int i = 0; i < 28; ++i) images[i % 4].texels[std::size_t(2 * i) % images[i % 4].size()].x = extremes[i % 7];
     compose::ComposeInputs in{&p.normal, &images[0], &images[1], &images[2], &images[3], {0.25f, 0.5f, 1}};
     return named(compose::compose_data(in), id);
 }
