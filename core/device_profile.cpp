@@ -20,7 +20,7 @@ Precision correctly_rounded() {
 DeviceProfile lavapipe(const char* name, bool fused) {
     DeviceProfile d;
     d.name = name;
-    d.driver = "Mesa 22.3";
+    d.driver = "llvmpipe, Mesa 22.3.";
     d.interpolation = Interpolation::plane_equation;
     d.fused_raster = fused;
     d.snap_uncertainty = 0;  // its window positions are emulated to the bit

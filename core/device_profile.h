@@ -32,7 +32,7 @@ enum class Interpolation : int {
 
 struct DeviceProfile {
     std::string name = "ideal";
-    std::string driver;                 // what a device's name and driver version must say, "" for any
+    std::string driver;                 // what a driver says of itself, name and version; "" for any
     // Rasterisation.
     int subpixel_bits = 8;
     Interpolation interpolation = Interpolation::ideal;

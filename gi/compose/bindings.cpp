@@ -3,7 +3,7 @@
 #include <cstddef>
 
 #include "core/detmath_bounded.h"
-#include "gi/bind_kernel.h"
+#include "gi/bind_stage.h"
 #include "gi/compose/compose_rows.h"
 
 namespace plumb::compose {

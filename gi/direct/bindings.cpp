@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-#include "gi/bind_kernel.h"
+#include "gi/bind_stage.h"
 #include "gi/direct/direct_rows.h"
 
 namespace plumb::direct {

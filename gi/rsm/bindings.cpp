@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-#include "gi/bind_kernel.h"
+#include "gi/bind_stage.h"
 #include "gi/rsm/gather_rows.h"
 
 namespace plumb::rsm {

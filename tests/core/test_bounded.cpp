@@ -744,7 +744,7 @@ TEST_CASE("device profiles: the four that are known, and the name that was meant
         const DeviceProfile& p = find_profile(name, "--profile");
         const bool lavapipe = p.name != "swiftshader";
         CAPTURE(p.name);
-        CHECK(p.driver == (lavapipe ? "Mesa 22.3" : "SwiftShader"));
+        CHECK(p.driver == (lavapipe ? "llvmpipe, Mesa 22.3." : "SwiftShader"));
         CHECK(p.interpolation == (lavapipe ? Interpolation::plane_equation : Interpolation::snapped_planes));
         CHECK(p.subpixel_bits == (lavapipe ? 8 : 4));
         CHECK(p.snap_uncertainty == 0);

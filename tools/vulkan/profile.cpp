@@ -3,8 +3,6 @@
 namespace plumb::vulkan {
 namespace {
 
-bool has(const std::string& text, const char* part) { return text.find(part) != std::string::npos; }
-
 bool processor_fuses() {
 #if defined(__x86_64__)
     return __builtin_cpu_supports("fma");
@@ -13,16 +11,18 @@ bool processor_fuses() {
 #endif
 }
 
-const char* profile_name(const DeviceInfo& device) {
-    if (has(device.name(), "SwiftShader")) return "swiftshader";
-    if (!has(device.name(), "llvmpipe") || !has(device.driver_info, "Mesa 22.3.")) return "ideal";
-    const bool fused = processor_fuses() && !has(device.name(), "128 bits");
-    return fused ? "lavapipe-22.3-fma" : "lavapipe-22.3-sse4.1";
-}
-
 }  // namespace
 
-const DeviceProfile& profile_of(const DeviceInfo& device) { return find_profile(profile_name(device), device.name()); }
+// Of lavapipe's two profiles the processor decides, or what it was told of the processor: 128 bits are SSE.
+const DeviceProfile& profile_of(const DeviceInfo& device) {
+    const std::string text = device.driver_name + ", " + device.driver_info + ", " + device.name();
+    const bool fused = processor_fuses() && device.name().find("128 bits") == std::string::npos;
+    for (const DeviceProfile& p : device_profiles()) {
+        const bool fits = p.interpolation != Interpolation::plane_equation || p.fused_raster == fused;
+        if (fits && !p.driver.empty() && text.find(p.driver) != std::string::npos) return p;
+    }
+    return find_profile("ideal", device.name());
+}
 const DeviceProfile& profile_of(const Device& device) { return profile_of(device.info()); }
 
 }  // namespace plumb::vulkan
