@@ -2,13 +2,13 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cstring>
-#include <iostream>
 
 #include "core/hash.h"
 #include "core/tap.h"
 #include "gi/parity/stages.h"
 #include "gi/parity/verdict.h"
 #include "raster/project_kernel.h"
+#include "tests/parity/devices.h"
 #include "tests/parity/twin_data.h"
 #include "tools/vulkan/choices.h"
 #include "tools/vulkan/compute.h"
@@ -38,17 +38,6 @@ std::vector<glm::vec4> points() {
         out.push_back({coordinate(h.x), coordinate(h.y), coordinate(h.z), 1});
     }
     return out;
-}
-
-const vulkan::Device* lavapipe() {
-    const std::vector<std::string> names = vulkan::device_names();
-    if (std::none_of(names.begin(), names.end(),
-                     [](const std::string& n) { return n.find("llvmpipe") != std::string::npos; })) {
-        std::cout << "SKIPPED: no lavapipe here (mesa-vulkan-drivers)\n";
-        return nullptr;
-    }
-    static const vulkan::Device device({.name = "llvmpipe", .validate = true});
-    return &device;
 }
 
 void check_silence(const vulkan::Device& device) {
@@ -149,7 +138,7 @@ Outcomes outcomes(const StageData& data, const vulkan::TwinResult& made, const v
 }  // namespace
 
 TEST_CASE("choices: the twins' own are legal, and nothing is left ambiguous", "[vulkan][choices]") {
-    const vulkan::Device* device = lavapipe();
+    const vulkan::Device* device = test::lavapipe();
     if (!device) return;
     for (const StageData& data : projecting_stages()) {
         INFO(data.id);
@@ -177,7 +166,7 @@ TEST_CASE("choices: the twins' own are legal, and nothing is left ambiguous", "[
 }
 
 TEST_CASE("choices: a texel's offset is no legal choice", "[vulkan][choices]") {
-    const vulkan::Device* device = lavapipe();
+    const vulkan::Device* device = test::lavapipe();
     if (!device) return;
     for (const StageData& data : projecting_stages()) {
         INFO(data.id);
@@ -198,7 +187,7 @@ TEST_CASE("choices: a texel's offset is no legal choice", "[vulkan][choices]") {
 }
 
 TEST_CASE("choices: a legal other texel is followed", "[vulkan][choices]") {
-    const vulkan::Device* device = lavapipe();
+    const vulkan::Device* device = test::lavapipe();
     if (!device) return;
     for (StageData data : projecting_stages()) {
         if (data.id == "shadow.ny") continue;  // a border of the map may be one of its faces
@@ -227,7 +216,7 @@ TEST_CASE("choices: a legal other texel is followed", "[vulkan][choices]") {
 }
 
 TEST_CASE("choices: a twin stores the texels that it chose, a pixel's own together", "[vulkan][choices]") {
-    const vulkan::Device* found = lavapipe();
+    const vulkan::Device* found = test::lavapipe();
     if (!found) return;
     const vulkan::Device& device = *found;
     const raster::Projection map = map_of_64();

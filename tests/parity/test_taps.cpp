@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cstring>
-#include <iostream>
 
 #include "gi/parity/stages.h"
+#include "tests/parity/devices.h"
 #include "tools/vulkan/runner.h"
 #include "tools/vulkan/twins.h"
 
@@ -56,17 +56,6 @@ Scene lattice_scene() {
     s.camera.look_at = {0, 0.8, 0};
     s.frame_size = {48, 36};
     return s;
-}
-
-const vulkan::Device* lavapipe() {
-    const std::vector<std::string> names = vulkan::device_names();
-    if (std::none_of(names.begin(), names.end(),
-                     [](const std::string& n) { return n.find("llvmpipe") != std::string::npos; })) {
-        std::cout << "SKIPPED: no lavapipe here (mesa-vulkan-drivers)\n";
-        return nullptr;
-    }
-    static const vulkan::Device device({.name = "llvmpipe", .validate = true});
-    return &device;
 }
 
 vulkan::TwinResult run_tapped(const vulkan::Device& device, const StageBinding& binding, const StageData& data,
@@ -153,7 +142,7 @@ const Run& run() {
 // Expected: barycentrics are the device's own, so values are held against what the device wrote; names and their order
 // are the kernels'. Of the lattice some fragments are discarded, and behind it lies a wall.
 TEST_CASE("taps: raster stages list the fragment that is seen", "[vulkan][tap]") {
-    const vulkan::Device* device = lavapipe();
+    const vulkan::Device* device = test::lavapipe();
     if (!device) return;
     for (const StageData& data : run().stages) {
         const StageBinding& binding = parity::find_binding(data.stage, "test");

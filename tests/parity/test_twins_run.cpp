@@ -5,14 +5,13 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstdlib>
-#include <iostream>
-#include <map>
 
 #include "core/error.h"
 #include "core/formats.h"
 #include "gi/parity/stages.h"
 #include "io/scene_file.h"
 #include "io/scenes/generate.h"
+#include "tests/parity/devices.h"
 #include "tests/parity/twin_data.h"
 #include "tools/vulkan/batches.h"
 #include "tools/vulkan/profile.h"
@@ -26,25 +25,9 @@ using namespace plumb;
 
 bool full() { return std::getenv("PLUMB_FULL") != nullptr; }
 
-// Null, and said so, where there is none of these drivers. Made once, as devices are slow to make, and never ended: a
-// driver's own statics may be gone before ours.
-const vulkan::Device* first_of(const std::vector<std::string>& drivers, const char* missing) {
-    for (const std::string& name : vulkan::device_names())
-        for (const std::string& driver : drivers)
-            if (name.find(driver) != name.npos) {
-                static auto& devices = *new std::map<std::string, vulkan::Device*>;
-                vulkan::Device*& device = devices[driver];
-                if (!device) device = new vulkan::Device({.name = driver, .validate = true});
-                return device;
-            }
-    std::cout << "SKIPPED: " << missing << "\n";
-    return nullptr;
-}
-const vulkan::Device* lavapipe() { return first_of({"llvmpipe"}, "no lavapipe here (mesa-vulkan-drivers)"); }
-
 // Devices whose operations round as IEEE's: each was probed.
 const vulkan::Device* exact_device() {
-    return first_of({"llvmpipe", "SwiftShader"}, "neither lavapipe (mesa-vulkan-drivers) nor SwiftShader here");
+    return test::first_of({"llvmpipe", "SwiftShader"}, "neither lavapipe (mesa-vulkan-drivers) nor SwiftShader here");
 }
 
 void check_silence(const vulkan::Device& device) {
@@ -105,7 +88,7 @@ TEST_CASE("twins: every compute stage gives the kernel's bits", "[twins][vulkan]
 
 // What would be missed if outputs were not read back, or inputs not sent.
 TEST_CASE("twins: one point that is off by a millimetre is seen", "[twins][vulkan]") {
-    const vulkan::Device* device = lavapipe();
+    const vulkan::Device* device = test::lavapipe();
     if (!device) return;
     StageData data = test::direct_case({37, 23}, "direct");
     const Bundle ours = run_here(binding_of(data), data);
@@ -120,7 +103,7 @@ TEST_CASE("twins: one point that is off by a millimetre is seen", "[twins][vulka
 
 // Expected: lavapipe of Mesa 22.3 stores 16-bit floats towards zero (HalfStore::truncate).
 TEST_CASE("twins: what is stored as rgba16f is the kernel's value, rounded by the device", "[twins][vulkan]") {
-    const vulkan::Device* device = lavapipe();
+    const vulkan::Device* device = test::lavapipe();
     if (!device) return;
     const StageData data = test::direct_case({37, 23}, "direct");
     Bundle ours = run_here(binding_of(data), data);
@@ -133,7 +116,7 @@ TEST_CASE("twins: what is stored as rgba16f is the kernel's value, rounded by th
 }
 
 TEST_CASE("twins: a twin that is kept on the device gives the same bits again", "[twins][vulkan]") {
-    const vulkan::Device* device = lavapipe();
+    const vulkan::Device* device = test::lavapipe();
     if (!device) return;
     const StageData data = test::gather_case({37, 23}, rsm::Gather::disc, LightType::spot, 0, "rsm.disc");
     const Bundle ours = run_here(binding_of(data), data);
@@ -147,7 +130,7 @@ TEST_CASE("twins: a twin that is kept on the device gives the same bits again", 
 
 // Expected: a face writes only what it serves, so that the dispatches of six faces fill one image.
 TEST_CASE("twins: what a twin does not write is 0", "[twins][vulkan]") {
-    const vulkan::Device* device = lavapipe();
+    const vulkan::Device* device = test::lavapipe();
     if (!device) return;
     const StageData data = test::shadow_case({37, 23}, LightType::point, 3, direct::ShadowMode::hard,
                                              direct::ShadowVariant::corrected, "shadow.ny");
@@ -166,7 +149,7 @@ TEST_CASE("twins: what a twin does not write is 0", "[twins][vulkan]") {
 
 // Expected: explain() names the same values in the same order, since the twins' taps stand where the kernels' do.
 TEST_CASE("twins: the taps of a pixel are the kernel's values", "[twins][vulkan][tap]") {
-    const vulkan::Device* device = lavapipe();
+    const vulkan::Device* device = test::lavapipe();
     if (!device) return;
     const glm::ivec2 pixel(14, 9);
     for (const StageData& data : test::compute_cases({37, 23})) {
@@ -246,7 +229,7 @@ TEST_CASE("twins: every stage of a frame gives the kernel's bits", "[twins][vulk
 
 // Expected: every batch has the same vertices as the whole, and the numbers of its triangles.
 TEST_CASE("twins: a draw in batches gives the bits of one draw", "[twins][vulkan]") {
-    const vulkan::Device* device = lavapipe();
+    const vulkan::Device* device = test::lavapipe();
     if (!device) return;
     const std::vector<StageData> frame = frame_of({"shapes", {120, 90}});
     for (const StageData& data : frame) {
@@ -299,7 +282,7 @@ std::string refusal(const vulkan::Device& device, const StageBinding& binding, c
 }
 
 TEST_CASE("twins: what cannot run is refused in one line", "[twins][vulkan]") {
-    const vulkan::Device* device = lavapipe();
+    const vulkan::Device* device = test::lavapipe();
     if (!device) return;
     const StageData data = test::direct_case({37, 23}, "direct");
     const StageBinding& binding = binding_of(data);
@@ -321,7 +304,7 @@ TEST_CASE("twins: what cannot run is refused in one line", "[twins][vulkan]") {
 }
 
 TEST_CASE("twins: what a device is too small for is refused before it is asked", "[twins][vulkan]") {
-    const vulkan::Device* device = lavapipe();
+    const vulkan::Device* device = test::lavapipe();
     if (!device) return;
     const std::uint32_t most = device->limits().maxImageDimension2D;
     try {
