@@ -15,6 +15,7 @@
 
 #include "core/bundle.h"
 #include "core/device_profile.h"
+#include "core/followed.h"
 #include "core/isa.h"
 #include "core/stage.h"
 #include "core/tap.h"
@@ -39,6 +40,7 @@ struct Slot {
     int channels = 4;          // components of a texel or an element: 1, 2 or 4
     bool frame = true;         // of the size of the outputs; else of a size of its own (maps, buffers)
     std::string unit = "", meaning = "";
+    std::uint32_t fixed = 0;   // bit c: column c is a flag, a whole number or the rasteriser's: nothing rounds it
 };
 
 // A member of the uniform block; members of a struct are written with a dot: "map.to_texel_x".
@@ -46,6 +48,7 @@ struct UniformMember {
     std::string name;
     std::string type;  // float, int, uint, vec3, vec4
     int offset = 0;    // bytes, std140
+    std::uint32_t fixed = 0;  // bit c: component c is a flag or a whole number
 };
 
 struct StageData {
@@ -87,6 +90,11 @@ class BoundStage {
     // was not dumped). `choices`: the discrete choices that the device dumped, in the order of the twin's, or empty.
     virtual void outcomes(glm::ivec2 pixel, const DeviceProfile& profile, std::span<const float> got,
                           std::span<const std::int32_t> choices, std::vector<Outcome>& out) const = 0;
+
+    // The same invocation in float and, along float's decisions, in double: all components of float outputs, in the
+    // outputs' order, as run() would write them (a depth buffer's, which rasterisation computes, left out). `tape` says
+    // whether it records or follows; who follows may be bound to data with other numbers, but with the same indices.
+    virtual void follow(glm::ivec2 pixel, DecisionTape& tape, std::vector<Followed>& out) const = 0;
 
     // Every named value of one invocation; what is seen at the pixel, and where in its triangle, follows the profile.
     virtual std::vector<TapValue> explain(glm::ivec2 pixel, const DeviceProfile& profile = {}) const = 0;

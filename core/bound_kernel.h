@@ -3,7 +3,7 @@
 // Kernel is a small struct made from StageData that offers
 //
 //     static constexpr int components                                   of its one output
-//     std::array<F, components> pixel<F>(int x, int y, Tap& tap) const  F: float, double, Bounded
+//     std::array<F, components> pixel<F>(int x, int y, Tap& tap) const  F: float, Bounded, Followed
 //     void rows<isa>(float* out, int first, int last) const             the same for rows, in packets
 //     bool writes(glm::ivec2 pixel) const
 //     bool surely_writes(glm::ivec2 pixel) const                        optional: no legal device leaves the pixel
@@ -52,6 +52,14 @@ class BoundKernel final : public BoundStage {
             if (kernel_.surely_writes(pixel)) return;
             out.push_back({std::vector<BoundedValue>(components, {0, __builtin_inf()}), true});
         }
+    }
+
+    void follow(glm::ivec2 pixel, DecisionTape& tape, std::vector<Followed>& out) const override {
+        FpEnvironment environment;
+        const FollowScope scope(tape);
+        NoTap tap;
+        const std::array<Followed, components> v = kernel_.template pixel<Followed>(pixel.x, pixel.y, tap);
+        out.assign(v.begin(), v.end());
     }
 
     std::vector<TapValue> explain(glm::ivec2 pixel, const DeviceProfile&) const override {

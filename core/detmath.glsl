@@ -42,7 +42,16 @@ int det_shift_right(int a, int n) { return int(uint(a) >> uint(n)); }
 
 float det_power_of_two(int k) { return intBitsToFloat((k + 127) << 23); }
 
-float det_exp2_of(FloatFloat v) {
+struct Exp2Parts {
+    int k;
+    float r;
+    FloatFloat linear;
+    FloatFloat one;
+    float quadratic;
+    float from_lo;
+};
+
+Exp2Parts det_exp2_parts(FloatFloat v) {
     int k = int(roundEven(v.hi));
     precise float nearest = v.hi - float(k);
     FloatFloat rest = det_sum_ordered(nearest, v.lo);
@@ -52,12 +61,17 @@ float det_exp2_of(FloatFloat v) {
         r * r *
         (0.240226507f + r * (0.0555041097f + r * (0.00961808953f +
         r * (0.00133333867f + r * (0.000154508918f + r * 1.53310245e-05f)))));
-    FloatFloat s = det_sum_ordered(1.0f, linear.hi);
-    precise float from_lo = s.hi * (rest.lo * 0.693147182f) + r * -1.90465421e-09f;
-    precise float y = s.hi + (s.lo + (linear.lo + (quadratic + from_lo)));
+    FloatFloat one = det_sum_ordered(1.0f, linear.hi);
+    precise float from_lo = one.hi * (rest.lo * 0.693147182f) + r * -1.90465421e-09f;
+    return Exp2Parts(k, r, linear, one, quadratic, from_lo);
+}
 
-    int half_k = k >> 1;
-    precise float result = y * det_power_of_two(half_k) * det_power_of_two(k - half_k);
+float det_exp2_of(FloatFloat v) {
+    Exp2Parts p = det_exp2_parts(v);
+    precise float y = p.one.hi + (p.one.lo + (p.linear.lo + (p.quadratic + p.from_lo)));
+
+    int half_k = p.k >> 1;
+    precise float result = y * det_power_of_two(half_k) * det_power_of_two(p.k - half_k);
     return result;
 }
 
@@ -101,11 +115,26 @@ float det_logarithm(float x, float finite) {
 
 float det_exp2(float x) { return det_exp2_of(FloatFloat(det_clamp(x, -200.0f, 200.0f), 0.0f)); }
 
-float det_exp(float x) {
-    float bounded = det_clamp(x, -150.0f, 150.0f);
-    FloatFloat v = det_product(bounded, 1.44269502f);
-    precise float lo = v.lo + bounded * 1.92596303e-08f;
-    return det_exp2_of(FloatFloat(v.hi, lo));
+FloatFloat det_times_log2_e(float x) {
+    FloatFloat v = det_product(x, 1.44269502f);
+    precise float lo = v.lo + x * 1.92596303e-08f;
+    return FloatFloat(v.hi, lo);
+}
+
+float det_exp(float x) { return det_exp2_of(det_times_log2_e(det_clamp(x, -150.0f, 150.0f))); }
+
+float det_expm1(float x) {
+    FloatFloat v = det_times_log2_e(det_clamp(x, -150.0f, 150.0f));
+    Exp2Parts p = det_exp2_parts(v);
+    float scale = det_power_of_two(min(max(p.k, -126), 30));
+    precise float of_square = det_product(p.r, p.r).lo * 0.240226507f;
+    precise float whole = scale - 1.0f;
+    precise float whole_lo = (scale - whole) - 1.0f;
+    precise float part = scale * p.linear.hi;
+    FloatFloat s = det_sum_ordered(whole, part);
+    precise float rest = p.quadratic + (p.linear.lo + (p.from_lo + of_square));
+    precise float near = s.hi + (s.lo + (whole_lo + scale * rest));
+    return abs(x) < 5.9604644775390625e-08f ? x : x > 20.0f ? det_exp2_of(v) : near;
 }
 
 float det_log2(float x) { return det_logarithm(x, det_log2_of(x).hi); }

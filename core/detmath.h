@@ -10,10 +10,11 @@
 // against MPFR over all floats (pow: 2^30 pairs):
 //
 //     exp 0.78  exp2 0.78  pow 0.79  (denormal results, which round twice; about 0.65 for normal ones)
-//     log 0.501  log2 0.501  sin 0.56  cos 0.56  acos 0.64
+//     expm1 0.85  log 0.501  log2 0.501  sin 0.56  cos 0.56  acos 0.64
 //
 // Special values are those of C Annex F; sin and cos hold for arguments of any size. Which NaN comes out is not told.
-// Overloads: double goes to core/host_math.h, Bounded (core/detmath_bounded.h) computes its value as float does.
+// Overloads: double goes to core/host_math.h; Bounded (core/detmath_bounded.h) and Followed (core/detmath_followed.h)
+// compute their values as float does.
 #pragma once
 
 #include "core/host_math.h"
@@ -64,9 +65,19 @@ PLUMB_INLINE F power_of_two(index_t<F> k) {
     return number<F>::from_bits((k + index_t<F>(127)) << 23);
 }
 
-// 2^v for |v| <= 220, as 2^k 2^r with k the integer nearest to v. 2^r = 1 + r ln 2 + r^2 P(r), to 2^-31.
+// 2^v = 2^k (1 + linear + quadratic + from_lo), with k the integer nearest to v and |linear| < 0.35.
+// 2^r = 1 + r ln 2 + r^2 P(r) for r = v - k, to 2^-31.
 template <class F>
-PLUMB_INLINE F exp2_of(FloatFloat<F> v) {
+struct Exp2Parts {
+    index_t<F> k;
+    F r;
+    FloatFloat<F> linear;  // r ln 2
+    FloatFloat<F> one;     // 1 + linear.hi
+    F quadratic;           // r^2 P(r)
+    F from_lo;             // what the lower parts of v and of ln 2 add
+};
+template <class F>
+PLUMB_INLINE Exp2Parts<F> exp2_parts(FloatFloat<F> v) {
     const index_t<F> k = number<F>::round_to_index(v.hi);
     const FloatFloat<F> rest = sum_ordered(v.hi - number<F>::from_index(k), v.lo);
     const F r = rest.hi;
@@ -75,13 +86,20 @@ PLUMB_INLINE F exp2_of(FloatFloat<F> v) {
         r * r *
         (0.240226507f + r * (0.0555041097f + r * (0.00961808953f +
         r * (0.00133333867f + r * (0.000154508918f + r * 1.53310245e-05f)))));
-    const FloatFloat<F> s = sum_ordered(F(1.0f), linear.hi);
-    const F from_lo = s.hi * (rest.lo * 0.693147182f) + r * -1.90465421e-09f;
-    const F y = s.hi + (s.lo + (linear.lo + (quadratic + from_lo)));
+    const FloatFloat<F> one = sum_ordered(F(1.0f), linear.hi);
+    const F from_lo = one.hi * (rest.lo * 0.693147182f) + r * -1.90465421e-09f;
+    return {k, r, linear, one, quadratic, from_lo};
+}
+
+// 2^v for |v| <= 220.
+template <class F>
+PLUMB_INLINE F exp2_of(FloatFloat<F> v) {
+    const Exp2Parts<F> p = exp2_parts(v);
+    const F y = p.one.hi + (p.one.lo + (p.linear.lo + (p.quadratic + p.from_lo)));
 
     // Scales in two steps, of which only the second can round, overflow or underflow.
-    const index_t<F> half = k >> 1;
-    return y * power_of_two<F>(half) * power_of_two<F>(k - half);
+    const index_t<F> half = p.k >> 1;
+    return y * power_of_two<F>(half) * power_of_two<F>(p.k - half);
 }
 
 // log2 x to 2^-36 for finite x > 0; some finite number for others. x = 2^e m with m in [sqrt(1/2), sqrt(2)), and
@@ -138,12 +156,33 @@ PLUMB_INLINE F exp2(F x) {
     return exp2_of<F>({clamp(x, F(-200.0f), F(200.0f)), F(0.0f)});
 }
 
-// e^x = 2^(x log2 e), the product to twice the precision.
+// x log2 e for |x| <= 150, to twice the precision.
+template <class F>
+PLUMB_INLINE FloatFloat<F> times_log2_e(F x) {
+    const FloatFloat<F> v = product(x, F(1.44269502f));
+    return {v.hi, v.lo + x * 1.92596303e-08f};
+}
+
+// e^x = 2^(x log2 e).
 template <class F>
 PLUMB_INLINE F exp(F x) {
+    return exp2_of(times_log2_e(clamp(x, F(-150.0f), F(150.0f))));
+}
+
+// e^x - 1 = (2^k - 1) + 2^k (linear + ...): where k = 0, nothing cancels. Below 2^-24 it is x, above 20 it is e^x.
+template <class F>
+PLUMB_INLINE F expm1(F x) {
+    using I = index_t<F>;
     const F bounded = clamp(x, F(-150.0f), F(150.0f));
-    const FloatFloat<F> v = product(bounded, F(1.44269502f));
-    return exp2_of<F>({v.hi, v.lo + bounded * 1.92596303e-08f});
+    const FloatFloat<F> v = times_log2_e(bounded);
+    const Exp2Parts<F> p = exp2_parts(v);
+    const F scale = power_of_two<F>(min(max(p.k, I(-126)), I(30)));
+    const F of_square = product(p.r, p.r).lo * 0.240226507f;  // what rounding r^2 lost
+    const FloatFloat<F> whole = {scale - 1.0f, (scale - (scale - 1.0f)) - 1.0f};
+    const FloatFloat<F> s = sum_ordered(whole.hi, scale * p.linear.hi);
+    const F rest = p.quadratic + (p.linear.lo + (p.from_lo + of_square));
+    const F near = s.hi + (s.lo + (whole.lo + scale * rest));
+    return select(abs(x) < F(0x1p-24f), x, select(x > F(20.0f), exp2_of(v), near));
 }
 
 template <class F>
@@ -336,6 +375,7 @@ PLUMB_INLINE F acos(F x) {
 
 PLUMB_INLINE double exp(double x) { return host::exp(x); }
 PLUMB_INLINE double exp2(double x) { return host::exp2(x); }
+PLUMB_INLINE double expm1(double x) { return host::expm1(x); }
 PLUMB_INLINE double log(double x) { return host::log(x); }
 PLUMB_INLINE double log2(double x) { return host::log2(x); }
 PLUMB_INLINE double pow(double x, double y) { return host::pow(x, y); }
@@ -347,3 +387,4 @@ PLUMB_INLINE double acos(double x) { return host::acos(x); }
 
 // Here, so that a kernel's template sees these overloads wherever it sees the others.
 #include "core/detmath_bounded.h"
+#include "core/detmath_followed.h"

@@ -38,6 +38,9 @@ PLUMB_INLINE double log2_grant(double size) { return max(size * bounded_state.lo
     }
 PLUMB_MONOTONE(exp, exp2_grant(size, 1.4427 * x.size()) + 1.5 * bounded_state.multiply * x.size() * size)
 PLUMB_MONOTONE(exp2, exp2_grant(size, x.size()))
+// A shader of one's own may say exp(x) - 1: the exponential errs at its own size, and the difference rounds.
+PLUMB_MONOTONE(expm1, exp2_grant(size + 1, 1.4427 * x.size()) +
+                          1.5 * bounded_state.multiply * x.size() * (size + 1) + bounded_state.add * (size + 1))
 PLUMB_MONOTONE(log, log2_grant(size) + 1.5 * bounded_state.multiply * size)
 PLUMB_MONOTONE(log2, log2_grant(size))
 #undef PLUMB_MONOTONE

@@ -18,6 +18,16 @@ namespace plumb {
 
 inline constexpr double unbounded = std::numeric_limits<double>::infinity();
 
+// What `plumb sweep` tries: values worth a point or a curve.
+struct SweepRange {
+    enum class Role { along, curves };  // points of one curve, which trades error for time; or a curve for each value
+    Role role = Role::along;
+    std::vector<double> values;  // of an enumeration: its numbers; none: it is not swept unless it is asked for
+    // A parameter of the same struct, and the value that it must have for this one to change anything: a word of its
+    // choices, or a number. Empty: always.
+    std::string when, is;
+};
+
 struct Field {
     std::string name;
     std::variant<int*, float*, bool*, glm::vec3*, std::string*> value;
@@ -26,6 +36,7 @@ struct Field {
     double min = -unbounded, max = unbounded;
     std::vector<std::string> choices;  // for an enumeration: value is an int that counts from 0 along this list
     bool uniform = true;               // false: shapes the host's tables only, and is no member of the twin's block
+    SweepRange sweep = {};
 };
 
 // An enumeration is stored as int; its names are the words that users write.

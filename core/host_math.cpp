@@ -179,6 +179,19 @@ double exp2(double x) {
     return assemble(DoubleDouble(1) + expm1_kernel(ln_2 * (x - k)), int(k));
 }
 
+double expm1(double x) {
+    if (is_nan(x)) return nan;
+    if (x > 710) return infinity;
+    if (x < -60) return -1;
+    if (std::fabs(x) < 0x1p-60) return x;
+    // e^x - 1 = 2^k m + (2^k - 1); above 60, 1 is less than half a unit of the last place.
+    if (x > 60) return exp_rounded(x);
+    const double k = round_to_integer(x * one_over_ln_2.hi), power = power_of_two(int(k));
+    const DoubleDouble m = scale(expm1_kernel(DoubleDouble(x) - ln_2 * k), power);
+    const DoubleDouble result = DoubleDouble(power) - DoubleDouble(1) + m;
+    return result.hi + result.lo;
+}
+
 double log(double x) {
     if (x == 0) return -infinity;
     if (!(x > 0)) return nan;

@@ -20,6 +20,7 @@ inline constexpr double pi = 0x1.921fb54442d18p+1;
 
 double exp(double x);
 double exp2(double x);
+double expm1(double x);  // e^x - 1, without cancellation near 0
 double log(double x);
 double log2(double x);
 double pow(double x, double y);

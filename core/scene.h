@@ -90,6 +90,45 @@ struct Setting {
     std::string place;  // for messages: "cornell.toml: line 31"
 };
 
+// A value at a frame. Numbers alone lie in x, pairs in x and y, truth values are 0 or 1.
+struct Key {
+    double frame = 0;
+    glm::dvec3 value{0};
+};
+using Track = std::vector<Key>;  // by ascending frames, none twice; empty: what it would move stays as it is
+
+struct CameraTracks {
+    Track position, look_at, up, fov_y_deg;
+    bool empty() const { return position.empty() && look_at.empty() && up.empty() && fov_y_deg.empty(); }
+};
+
+struct LightTracks {
+    int light = 0;  // index into Scene::lights
+    Track position, direction, cone_deg, intensity;
+    Track on;       // changes at its keys and not between them
+};
+
+struct MovingMesh {
+    int mesh = 0;       // index into Scene::meshes
+    glm::dmat4 own{1};  // its transform without motion
+};
+
+// Meshes that move as one: they are scaled, turned (yaw about y, pitch about x, roll about z) about the pivot, then
+// moved, all in world space.
+struct MeshTracks {
+    std::string name;
+    std::vector<MovingMesh> meshes;
+    glm::dvec3 pivot{0};  // m, world
+    Track translate, rotate_deg, scale;
+};
+
+// What moves, core/animation.h. A mesh is in one entry at most.
+struct Animation {
+    CameraTracks camera;
+    std::vector<LightTracks> lights;
+    std::vector<MeshTracks> meshes;
+};
+
 struct Scene {
     std::string name;
     std::vector<Mesh> meshes;
@@ -103,6 +142,7 @@ struct Scene {
     glm::ivec2 frame_size{1024, 1024};
     std::string method = "rsm";   // [render] method
     std::string layout = "fp32";  // [render] layout
+    Animation animation;          // what moves from frame to frame; the rest of the scene is its pose at one of them
     std::vector<Setting> settings;
     std::vector<std::string> notes;  // what was chosen for the user: "no camera in the file: one that sees everything"
 };

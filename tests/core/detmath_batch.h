@@ -5,9 +5,10 @@
 
 namespace plumb {
 
-enum class Elementary { exp, exp2, log, log2, sin, cos, acos, pow };
-inline constexpr const char* elementary_names[] = {"exp", "exp2", "log", "log2", "sin", "cos", "acos", "pow"};
-inline constexpr int elementary_count = 8;
+enum class Elementary { exp, exp2, log, log2, sin, cos, acos, pow, expm1 };
+inline constexpr const char* elementary_names[] = {"exp", "exp2", "log", "log2", "sin", "cos", "acos", "pow",
+                                                  "expm1"};
+inline constexpr int elementary_count = 9;
 
 // result[i] = f(x[i]), or pow(x[i], y[i]); count is a multiple of 16.
 template <Isa isa>

@@ -29,6 +29,7 @@ void detmath_batch<Isa::PLUMB_ISA>(Elementary f, const float* x, const float* y,
         case Elementary::sin: return apply<detmath::sin<F>>(x, result, count);
         case Elementary::cos: return apply<detmath::cos<F>>(x, result, count);
         case Elementary::acos: return apply<detmath::acos<F>>(x, result, count);
+        case Elementary::expm1: return apply<detmath::expm1<F>>(x, result, count);
         case Elementary::pow: break;
     }
     for (int i = 0; i < count; i += N::width) {

@@ -59,6 +59,7 @@ double in_double(Elementary f, double x, double y) {
         case Elementary::sin: return std::sin(x);
         case Elementary::cos: return std::cos(x);
         case Elementary::acos: return std::acos(x);
+        case Elementary::expm1: return std::expm1(x);
         default: return std::pow(x, y);
     }
 }
@@ -90,6 +91,7 @@ class Mpfr {
             case Elementary::sin: mpfr_sin(result_, x_, MPFR_RNDN); break;
             case Elementary::cos: mpfr_cos(result_, x_, MPFR_RNDN); break;
             case Elementary::acos: mpfr_acos(result_, x_, MPFR_RNDN); break;
+            case Elementary::expm1: mpfr_expm1(result_, x_, MPFR_RNDN); break;
             case Elementary::pow: mpfr_pow(result_, x_, y_, MPFR_RNDN); break;
         }
         const double rounded = mpfr_get_d(result_, MPFR_RNDN);
@@ -114,6 +116,7 @@ Spots spots(Elementary f) {
     switch (f) {
         case Elementary::exp: return {-104.5, 89, -87.4};
         case Elementary::exp2: return {-150.5, 128.5, -126};
+        case Elementary::expm1: return {-18, 89, -0.35};
         case Elementary::acos: return {-1, 1, 0.5};
         case Elementary::sin:
         case Elementary::cos: return {-7, 7, pi / 4};

@@ -221,6 +221,8 @@ void measure(const char* name, const Unary& f, double low, double high) {
 TEST_CASE("host_math: exp and exp2 err by at most 0.501 ulp", "[host_math][mpfr]") {
     measure("exp", Unary{host::exp, expl, mpfr_exp}, -750, 712);
     measure("exp2", Unary{host::exp2, exp2l, mpfr_exp2}, -1080, 1026);
+    measure("expm1", Unary{host::expm1, expm1l, mpfr_expm1}, -40, 712);
+    measure("expm1", Unary{host::expm1, expm1l, mpfr_expm1}, -0.4, 0.4);
 }
 
 TEST_CASE("host_math: log and log2 err by at most 0.501 ulp", "[host_math][mpfr]") {

@@ -88,6 +88,17 @@ TEST_CASE("detmath: exp and exp2 treat special values as C Annex F.10.3 says", "
     require_bits(exp(88.72283f), std::bit_cast<float>(0x7f7fff84)), require_bits(exp(88.72284f), inf);
 }
 
+TEST_CASE("detmath: expm1 treats special values as C Annex F.10.3.3 says, and loses nothing near 0", "[detmath]") {
+    using namespace detmath;
+    require_bits(expm1(0.0f), 0), require_bits(expm1(-0.0f), -0.0f);
+    require_bits(expm1(inf), inf), require_bits(expm1(-inf), -1), require_bits(expm1(no_number), no_number);
+    require_bits(expm1(-1e30f), -1), require_bits(expm1(0x1p-149f), 0x1p-149f), require_bits(expm1(-1e-30f), -1e-30f);
+    // Rounded from 40 digits: e^x - 1 for x = 2^-12, -2^-12, 1, -1.
+    require_bits(expm1(0x1p-12f), 0x1.0008p-12f), require_bits(expm1(-0x1p-12f), -0x1.fffp-13f);
+    require_bits(expm1(1.0f), 0x1.b7e152p+0f), require_bits(expm1(-1.0f), -0x1.43a54ep-1f);
+    require_bits(expm1(88.72283f), std::bit_cast<float>(0x7f7fff84)), require_bits(expm1(88.72284f), inf);
+}
+
 TEST_CASE("detmath: log and log2 treat special values as C Annex F.10.3 says", "[detmath]") {
     using namespace detmath;
     for (auto f : {log<float>, log2<float>}) {
@@ -191,7 +202,7 @@ TEST_CASE("detmath: Bounded holds what any argument within its bound gives", "[d
         double (*exact)(double);
         double low, high;
     };
-    const Case cases[] = {{exp, host::exp, -20, 20}, {exp2, host::exp2, -20, 20}, {log, host::log, 0.01, 9},
+    const Case cases[] = {{exp, host::exp, -20, 20}, {exp2, host::exp2, -20, 20}, {expm1, host::expm1, -20, 20}, {log, host::log, 0.01, 9},
                           {log2, host::log2, 0.01, 9}, {sin, host::sin, -9, 9},   {cos, host::cos, -9, 9},
                           {acos, host::acos, -1, 1}};
     for (const Case& c : cases)

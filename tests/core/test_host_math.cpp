@@ -27,6 +27,9 @@ TEST_CASE("host_math: exp and log treat special values as C Annex F.6.3 says", "
     require_bits(host::exp(0.0), 1), require_bits(host::exp(-0.0), 1);
     require_bits(host::exp(infinity), infinity), require_bits(host::exp(-infinity), 0);
     require_bits(host::exp2(infinity), infinity), require_bits(host::exp2(-infinity), 0);
+    require_bits(host::expm1(0.0), 0), require_bits(host::expm1(-0.0), -0.0);
+    require_bits(host::expm1(infinity), infinity), require_bits(host::expm1(-infinity), -1);
+    require_bits(host::expm1(-1e-300), -1e-300), require_bits(host::expm1(no_number), no_number);
     require_bits(host::log(0.0), -infinity), require_bits(host::log(-0.0), -infinity);
     require_bits(host::log(1), 0), require_bits(host::log2(1), 0);
     require_bits(host::log(-1), no_number), require_bits(host::log2(-0x1p-1074), no_number);
