@@ -10,6 +10,7 @@
 #include "io/choose_view.h"
 #include "io/file.h"
 #include "io/image_file.h"
+#include "io/scene_keyframes.h"
 #include "io/scene_model.h"
 #include "io/scene_parts.h"
 #include "io/toml_reader.h"
@@ -38,6 +39,7 @@ class SceneReader {
         read_render(top);
         read_settings(top);
         read_camera(top);
+        read_keyframes(top, path_, named_, scene_);
         top.finish();
         complete_tangents(scene_);
         return std::move(scene_);
@@ -124,13 +126,15 @@ class SceneReader {
             const glm::dmat4 transform = read_transform(mesh);
             const bool dynamic = mesh.flag("dynamic", false);
             const double share = mesh.number("share", 1, 0, 1);
-            const std::string material = mesh.word("material", "");
+            const std::string name = read_name(mesh), material = mesh.word("material", "");
             if (mesh.has("material") && material.empty()) mesh.fail("material", "expected a name");
             SceneModel model = read_model(mesh, options);
             const std::string from = "\"" + printable(mesh.word(mesh.has("file") ? "file" : "generate", "")) + "\"";
             mesh.finish();
             move_model(model, transform);
+            if (!name.empty()) named_.push_back({name, glm::dvec3(transform[3])});
             for (Mesh& m : model.scene.meshes) {
+                if (!name.empty()) m.name = model.scene.meshes.size() == 1 ? name : name + "/" + m.name;
                 if (mesh.has("dynamic")) m.dynamic = dynamic;
                 if (mesh.has("share")) m.share = share;
                 if (!material.empty())
@@ -142,6 +146,14 @@ class SceneReader {
             has_coordinates_.insert(has_coordinates_.end(), model.has_texture_coordinates.begin(),
                                     model.has_texture_coordinates.end());
         }
+    }
+
+    std::string read_name(TomlReader& mesh) {
+        const std::string name = mesh.word("name", "");
+        if (mesh.has("name") && name.empty()) mesh.fail("name", "expected a name");
+        for (const NamedMesh& other : named_)
+            if (other.name == name) mesh.fail("name", "another mesh has that name");
+        return name;
     }
 
     // Camera, lights and settings of a model, for what this file leaves open.
@@ -290,6 +302,7 @@ class SceneReader {
     const std::vector<std::string>& method_tables_;
     Scene scene_;
     std::vector<bool> has_coordinates_;  // of each mesh
+    std::vector<NamedMesh> named_;
     std::vector<Wanted> wanted_;
     std::vector<std::string> described_here_;
     bool has_whole_ = false;           // a generated scene among the meshes

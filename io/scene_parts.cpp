@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "io/angles.h"
+#include "core/rotation.h"
 #include "io/file.h"
 #include "io/gltf_document.h"
 #include "io/image_file.h"
@@ -15,29 +15,6 @@ namespace plumb::io {
 namespace {
 
 constexpr int max_rsm_size = 16384;
-
-// Rotation by `degrees` that takes axis a towards axis b.
-glm::dmat4 rotation(double degrees, int a, int b) {
-    const glm::dvec2 sc = sin_cos_deg(degrees);
-    glm::dmat4 m(1);
-    m[a][a] = m[b][b] = sc.y;
-    m[a][b] = sc.x;
-    m[b][a] = -sc.x;
-    return m;
-}
-
-glm::dvec3 read_scale(TomlReader& mesh) {
-    glm::dvec3 scale(1);
-    if (!mesh.has("scale")) return scale;
-    if (mesh.holds_array("scale"))
-        scale = mesh.vector("scale", scale);
-    else
-        scale = glm::dvec3(mesh.number("scale", 1));
-    for (int axis = 0; axis < 3; ++axis)
-        if (!(std::fabs(scale[axis]) >= 1e-30 && std::fabs(scale[axis]) <= 1e30))
-            mesh.fail("scale", "expected a size of 1e-30 to 1e30");
-    return scale;
-}
 
 bool is_plain(char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
@@ -62,6 +39,19 @@ std::string layer_name(std::string name, const std::vector<Light>& others) {
     return name;
 }
 
+glm::dvec3 read_scale(TomlReader& mesh) {
+    glm::dvec3 scale(1);
+    if (!mesh.has("scale")) return scale;
+    if (mesh.holds_array("scale"))
+        scale = mesh.vector("scale", scale);
+    else
+        scale = glm::dvec3(mesh.number("scale", 1));
+    for (int axis = 0; axis < 3; ++axis)
+        if (!(std::fabs(scale[axis]) >= 1e-30 && std::fabs(scale[axis]) <= 1e30))
+            mesh.fail("scale", "expected a size of 1e-30 to 1e30");
+    return scale;
+}
+
 glm::dmat4 read_transform(TomlReader& mesh) {
     glm::dmat4 m(1);
     if (const auto rows = mesh.numbers("matrix", 16)) {
@@ -76,12 +66,20 @@ glm::dmat4 read_transform(TomlReader& mesh) {
         return m;
     }
     // The object is scaled, rolls about z, pitches about x, turns by yaw about y, and moves.
-    const glm::dvec3 angles = mesh.vector("rotate_deg", glm::dvec3(0));
-    m = rotation(angles.x, 2, 0) * rotation(angles.y, 1, 2) * rotation(angles.z, 0, 1);
+    m = rotation_deg(mesh.vector("rotate_deg", glm::dvec3(0)));
     const glm::dvec3 scale = read_scale(mesh);
     for (int axis = 0; axis < 3; ++axis) m[axis] *= scale[axis];
     m[3] = glm::dvec4(mesh.vector("translate", glm::dvec3(0)), 1);
     return m;
+}
+
+std::optional<glm::dvec2> read_cone(TomlReader& reader) {
+    const auto cone = reader.numbers("cone_deg", 2, 0, 89);
+    if (!cone) return {};
+    const glm::dvec2 degrees((*cone)[0], (*cone)[1]);
+    if (!(float(degrees.y) > 0 && degrees.x <= degrees.y))
+        reader.fail("cone_deg", "expected 0 <= inner <= outer <= 89, outer above 0");
+    return degrees;
 }
 
 Light read_light(TomlReader& reader, const std::vector<Light>& others) {
@@ -96,11 +94,7 @@ Light read_light(TomlReader& reader, const std::vector<Light>& others) {
     const glm::dvec3 d = reader.vector("direction", glm::dvec3(0, -1, 0), -1e30, 1e30);
     if (d == glm::dvec3(0)) reader.fail("direction", "has no length");
     light.direction = made_unit(d);
-    if (const auto cone = reader.numbers("cone_deg", 2, 0, 89)) {
-        light.cone_inner_deg = float((*cone)[0]), light.cone_outer_deg = float((*cone)[1]);
-        if (!(light.cone_outer_deg > 0 && light.cone_inner_deg <= light.cone_outer_deg))
-            reader.fail("cone_deg", "expected 0 <= inner <= outer <= 89, outer above 0");
-    }
+    if (const auto cone = read_cone(reader)) light.cone_inner_deg = float(cone->x), light.cone_outer_deg = float(cone->y);
     light.intensity = glm::vec3(reader.vector("intensity", glm::dvec3(1), 0, 3e38));
     light.on = reader.flag("on", true);
     light.rsm_size = reader.integer("rsm_size", 512, 1, max_rsm_size);

@@ -1,6 +1,7 @@
 // Parts of a scene file that stand alone. Private to io/.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,12 @@ namespace plumb::io {
 
 // [[mesh]]: matrix, or scale, rotate_deg and translate.
 glm::dmat4 read_transform(TomlReader& mesh);
+
+// scale: a number or three, none of them 0; 1 where it is not there.
+glm::dvec3 read_scale(TomlReader& mesh);
+
+// cone_deg: inner and outer half angle; none where it is not there.
+std::optional<glm::dvec2> read_cone(TomlReader& light);
 
 // [[light]]; its name must be none of the others'.
 Light read_light(TomlReader& reader, const std::vector<Light>& others);

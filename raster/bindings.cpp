@@ -98,8 +98,9 @@ std::unique_ptr<BoundStage> bind_rsm(const StageData& data) {
     return std::make_unique<BoundPass<RsmPass>>(rsm_binding(), data);
 }
 
-Slot buffer(const char* name, int binding, DType dtype, int channels, const char* unit, const char* meaning) {
-    return {name, SlotKind::buffer, binding, dtype, channels, false, unit, meaning};
+Slot buffer(const char* name, int binding, DType dtype, int channels, const char* unit, const char* meaning,
+            std::uint32_t fixed = 0) {
+    return {name, SlotKind::buffer, binding, dtype, channels, false, unit, meaning, fixed};
 }
 Slot target(const char* name, int location, const char* unit, const char* meaning) {
     return {name, SlotKind::target, location, DType::f32, 4, true, unit, meaning};
@@ -116,13 +117,15 @@ std::vector<Slot> surface_slots() {
         buffer("triangle_material", 3, DType::i32, 1, "", "[triangle]: material"),
         buffer("materials", 4, DType::f32, 4, "W/m2",
                "[material][16]: reflectance, alpha; emission, alpha cutoff; rows of textures (base, emission, normal), "
-               "scale of the normal; padding"),
-        buffer("tangents", 5, DType::f32, 4, "", "[vertex]: tangent, side of the bitangent; zeros where none is read"),
+               "scale of the normal; padding", 0xf700),
+        buffer("tangents", 5, DType::f32, 4, "", "[vertex]: tangent, side of the bitangent; zeros where none is read",
+               8),
         buffer("textures", 6, DType::i32, 4, "",
                "[row]: first texel, width, height, 1 nearest | 2 sRGB | 4 wrap u | 16 wrap v | 64 levels; 0 is white"),
         buffer("texels", 7, DType::i32, 1, "", "RGBA8 texels of all textures and levels"),
         buffer("decode", 8, DType::f32, 1, "", "[2][256]: byte to linear value, plain and sRGB"),
-        buffer("clip_positions", 9, DType::f32, 4, "", "[vertex]: position in clip space, y down, 0 <= z <= w"),
+        buffer("clip_positions", 9, DType::f32, 4, "", "[vertex]: position in clip space, y down, 0 <= z <= w",
+               15),
     };
 }
 
@@ -132,7 +135,7 @@ StageBinding make_gbuffer() {
     b.info = info_gbuffer();
     b.raster = true;
     b.twin = "raster/gbuffer";
-    b.uniforms = {{"viewer", "vec4", offsetof(U, viewer)},
+    b.uniforms = {{"viewer", "vec4", offsetof(U, viewer), 8},
                   {"eye", "vec3", offsetof(U, eye)},
                   {"forward", "vec3", offsetof(U, forward)},
                   {"pixel_area", "float", offsetof(U, pixel_area)}};
@@ -158,7 +161,7 @@ StageBinding make_rsm() {
     b.info = info_rsm();
     b.raster = true;
     b.twin = "raster/rsm";
-    b.uniforms = {{"viewer", "vec4", offsetof(U, viewer)},
+    b.uniforms = {{"viewer", "vec4", offsetof(U, viewer), 8},
                   {"eye", "vec3", offsetof(U, eye)},
                   {"forward", "vec3", offsetof(U, forward)},
                   {"pixel_area", "float", offsetof(U, pixel_area)},
@@ -167,7 +170,7 @@ StageBinding make_rsm() {
                   {"light.direction", "vec3", light + int(offsetof(LightArgs, direction))},
                   {"light.falloff_scale", "float", light + int(offsetof(LightArgs, falloff_scale))},
                   {"light.intensity", "vec3", light + int(offsetof(LightArgs, intensity))},
-                  {"light.directional", "float", light + int(offsetof(LightArgs, directional))},
+                  {"light.directional", "float", light + int(offsetof(LightArgs, directional)), 1},
                   {"texel_scale", "float", offsetof(U, texel_scale)},
                   {"half_width", "float", offsetof(U, half_width)}};
     b.uniform_bytes = sizeof(U);

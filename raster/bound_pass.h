@@ -82,6 +82,25 @@ class BoundPass final : public BoundStage {
         if (nothing && ours.triangle >= 0 && may_be(-1)) append(pixel, empty_pixel(), true, choices, out);
     }
 
+    // The triangle and the barycentrics that the rasteriser hands over are inputs of the kernel. The depth buffer is
+    // the rasteriser's own: exact numbers, rounded once.
+    void follow(glm::ivec2 pixel, DecisionTape& tape, std::vector<Followed>& out) const override {
+        FpEnvironment environment;
+        if (tape.recording()) {
+            const VisibilityBuffer& seen = ideal_visibility();
+            const glm::vec2& l = seen.barycentrics(pixel.x, pixel.y);
+            tape.given = {l.x, l.y}, tape.given_index = {seen.triangle(pixel.x, pixel.y)};
+        }
+        const std::int32_t triangle = tape.given_index.at(0);
+        out.assign(Pass::components, Followed());
+        if (triangle < 0) return;
+        const FollowScope scope(tape);
+        NoTap tap;
+        const vec2<Followed> l{Followed(tape.given[0]), Followed(tape.given[1])};
+        const auto components = pass_.template pixel<Followed>(pixel, triangle, l, tap);
+        out.assign(components.begin(), components.end());
+    }
+
     std::vector<TapValue> explain(glm::ivec2 pixel, const DeviceProfile& profile) const override {
         const bool ideal = profile.interpolation == Interpolation::ideal;
         const VisibilityBuffer row = ideal ? row_of(pixel.y) : VisibilityBuffer();
@@ -100,6 +119,15 @@ class BoundPass final : public BoundStage {
     }
 
   private:
+    const VisibilityBuffer& ideal_visibility() const {
+        std::call_once(ideal_drawn_, [&] {
+            RunOptions one;
+            one.threads = 1;
+            ideal_ = reference_visibility(scene_.geometry, &scene_.surfaces, scene_.clip_positions, data_.reversed_z,
+                                          data_.size, 0, data_.size.y, one);
+        });
+        return ideal_;
+    }
     VisibilityBuffer row_of(int y) const {
         RunOptions one;
         one.threads = 1;
@@ -239,6 +267,8 @@ class BoundPass final : public BoundStage {
     const Pass pass_;
     mutable std::mutex mutex_;
     mutable std::vector<std::unique_ptr<Drawn>> drawn_;
+    mutable std::once_flag ideal_drawn_;
+    mutable VisibilityBuffer ideal_;
 };
 
 }  // namespace plumb::raster

@@ -68,7 +68,7 @@ GBufferArgs gbuffer_args(const Geometry& geometry, const Surfaces& surfaces, con
 void draw_gbuffer(const Geometry& geometry, const Surfaces& surfaces, const View& view, glm::ivec2 size,
                   const Layout& layout, const RunOptions& options, GBuffer& out, const GBufferWants& wants,
                   Workspace* workspace) {
-    check_gbuffer(layout, geometry, view, options.threads);
+    check_gbuffer(layout, geometry, surfaces.brightest, view, wants.emission, options.threads);
     check_frame_size(size);
     fit(out.position, size, wants.position);
     fit(out.normal, size, wants.normal);
@@ -82,6 +82,9 @@ void draw_gbuffer(const Geometry& geometry, const Surfaces& surfaces, const View
     if (wants.albedo) args.albedo = &out.albedo.data()->x;
     if (wants.emission) args.emission = &out.emission.data()->x;
     if (wants.id) args.id = &out.id.data()->x;
+    out.covered = Covered(size);
+    args.covered = out.covered.any.data();
+    args.covered_columns = out.covered.tiles.x;
     dispatch(options.isa, [&](auto isa) {
         draw_visible_tiles(geometry, &surfaces, view, size, options, out.depth, workspace, [&](const TilePixels& seen) {
             ResolveTile<isa()>::gbuffer(args, seen);

@@ -9,6 +9,7 @@
 #include "core/stage.h"
 #include "core/tap.h"
 #include "core/view.h"
+#include "raster/covered.h"
 #include "raster/layout.h"
 #include "raster/surfaces.h"
 
@@ -29,6 +30,7 @@ struct GBuffer {
     Image4 emission;       // xyz: radiant exitance, W/m2
     Image1 depth;          // z of the depth buffer; where nothing: 1 (reversed z: 0)
     Image<glm::ivec2> id;  // object, triangle; -1, -1 where there is nothing
+    Covered covered;       // where the position, the normal or a colour is not 0 everywhere
 };
 
 // Buffers are rounded as the layout says. Those of `out` that have the right size are written in place. Throws

@@ -26,6 +26,8 @@ struct GBufferArgs {
     float* albedo;
     float* emission;
     std::int32_t* id;             // [height][width][2]: object, triangle
+    std::uint8_t* covered;        // raster/covered.h, out: set to 1 where a surface is seen; null: not wanted
+    std::int32_t covered_columns; // tiles a row of it
     GBufferStore store;
 };
 

@@ -4,18 +4,12 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cmath>
-#include <mutex>
 
 #include "core/error.h"
-#include "core/parallel.h"
 #include "core/quantise_kernel.h"
 
 namespace plumb::raster {
 namespace {
-
-constexpr double largest_half = 65504;
-constexpr int vertices_per_band = 65536;
 
 Layout all_half(const char* name) {
     Layout l;
@@ -78,70 +72,6 @@ const std::vector<BufferRule>& buffer_rules() {
     return rules;
 }
 
-// The largest |coordinate| along each axis among all vertices.
-glm::dvec3 extent_of(const Geometry& geometry, int threads) {
-    glm::vec3 extent(0);
-    std::mutex mutex;  // a maximum does not depend on the order in which it is taken
-    const int n = int(geometry.vertices.size());
-    parallel_bands(n, vertices_per_band, threads, [&](int first, int last) {
-        glm::vec3 m(0);
-        for (int i = first; i < last; ++i) {
-            const glm::vec3 p = glm::abs(geometry.vertices[std::size_t(i)].position);
-            m = {std::max(m.x, p.x), std::max(m.y, p.y), std::max(m.z, p.z)};
-        }
-        const std::lock_guard lock(mutex);
-        extent = {std::max(extent.x, m.x), std::max(extent.y, m.y), std::max(extent.z, m.z)};
-    });
-    return glm::dvec3(extent);
-}
-
-// Linear depth of the far plane, m.
-double far_of(const View& view) {
-    if (!view.orthographic) return view.far;
-    // z = a depth + b is 0 at one end and 1 at the other.
-    const glm::dmat4 clip = view.world_to_clip();
-    double a = 0, b = clip[3][2];
-    for (int c = 0; c < 3; ++c) a += clip[c][2] * view.forward[c], b += clip[c][2] * view.eye[c];
-    return std::max(-b / a, (1 - b) / a);
-}
-
-// Distance from the eye to the corner of the far plane that lies farthest away, m; infinite without a far plane.
-double reach_of(const View& view) {
-    const double x = 1 / view.view_to_clip[0][0], y = 1 / view.view_to_clip[1][1], far = far_of(view);
-    return view.orthographic ? std::sqrt(far * far + x * x + y * y) : far * std::sqrt(1 + x * x + y * y);
-}
-
-// What a pass stores in halves, and what else it could do.
-struct Halves {
-    bool positions, depths;
-    const char *instead_of_positions, *instead_of_depths;
-};
-
-// Throws InputError where a position or a depth that the view may see overflows its target: what is seen lies within the
-// frustum and within the scene.
-void check_range(const std::string& place, const std::string& layout, const Halves& halves, const Geometry& geometry,
-                 const View& view, int threads) {
-    if (!halves.positions && !halves.depths) return;
-    const double reach = reach_of(view);
-    const glm::dvec3 eye = glm::abs(view.eye);
-    if (std::max({eye.x, eye.y, eye.z}) + reach <= largest_half) return;
-    const glm::dvec3 extent = extent_of(geometry, threads);
-    double coordinate = 0, squared = 0;
-    for (int c = 0; c < 3; ++c) {
-        coordinate = std::max(coordinate, std::min(extent[c], eye[c] + reach));
-        squared += (extent[c] + eye[c]) * (extent[c] + eye[c]);
-    }
-    const double depth = std::min(far_of(view), std::sqrt(squared));
-    if (halves.positions && !(coordinate <= largest_half))
-        throw InputError(fmt::format("{}: positions up to {:.6g} km do not fit rgba16f (65.504 km), which layout "
-                                     "\"{}\" stores them in: use {}",
-                                     place, coordinate / 1000, layout, halves.instead_of_positions));
-    if (halves.depths && !(depth <= largest_half))
-        throw InputError(fmt::format("{}: depths up to {:.6g} km do not fit r16f (65.504 km), which layout \"{}\" "
-                                     "stores them in: use {}",
-                                     place, depth / 1000, layout, halves.instead_of_depths));
-}
-
 }  // namespace
 
 const Layout Layout::fp32{};
@@ -199,31 +129,6 @@ void validate(const Layout& layout, const std::string& place) {
     if (layout.radiation_mask && (layout.albedo == Format::r11g11b10f || layout.albedo == Format::rgbe))
         throw InputError(fmt::format("{}: [layout] radiation_mask: albedo = \"{}\" has no alpha", place,
                                      info(layout.albedo).name));
-}
-
-void check_gbuffer(const Layout& layout, const Geometry& geometry, const View& view, int threads) {
-    validate(layout, "gbuffer");
-    if (layout.position_from_depth && view.orthographic)
-        throw InputError(fmt::format("gbuffer: layout \"{}\" rebuilds positions from depth (ISR 4.3): expected a "
-                                     "perspective view", layout.name));
-    if (layout.depth_over_far && !std::isfinite(view.far))
-        throw InputError(fmt::format("gbuffer: layout \"{}\" divides depth by the far plane, which is infinite: "
-                                     "expected a finite one, or a layout that stores metres", layout.name));
-
-    check_range("gbuffer", layout.name,
-                {layout.position == Format::rgba16f && !layout.position_from_depth,
-                 layout.depth == Format::r16f && !layout.depth_from_position && !layout.depth_over_far,
-                 "fp32, or positions rebuilt from depth", "fp32, or a nearer far plane"},
-                geometry, view, threads);
-}
-
-void check_rsm(const Layout& layout, const std::string& light, const Geometry& geometry, const View& view,
-               int threads) {
-    const std::string place = fmt::format("rsm: light \"{}\"", light);
-    validate(layout, place);
-    check_range(place, layout.name,
-                {layout.rsm_position == Format::rgba16f, layout.rsm_depth == Format::r16f, "fp32", "fp32"}, geometry,
-                view, threads);
 }
 
 void quantise_rest(Format format, Image4& image, glm::ivec2 first, glm::ivec2 end) {

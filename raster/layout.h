@@ -66,12 +66,37 @@ std::vector<Field> fields(Layout& layout);
 // other, and for a preset's name on anything but the preset.
 void validate(const Layout& layout, const std::string& place);
 
-// Before a pass computes: throws InputError that names layout and extent where a position or a depth that the view may
-// see overflows its 16-bit target, and where the layout asks what the view has not: a far plane, a perspective.
-void check_gbuffer(const Layout& layout, const Geometry& geometry, const View& view, int threads);
+// The largest number that a target holds, by channel, and below which all of them round to 0.
+struct Range {
+    glm::dvec3 largest;
+    double least;
+};
+Range range_of(Format format);
 
-// The same for a light's map, named by its light.
-void check_rsm(const Layout& layout, const std::string& light, const Geometry& geometry, const View& view, int threads);
+// The most that any material which is drawn reflects and emits, by channel. Textures darken: a reflectance counts
+// without its texture, an emission that may not fit with the largest texel of its own.
+struct Brightest {
+    glm::vec3 reflectance{0};
+    glm::vec3 emission{0};     // W/m2
+    std::string emitting;      // the material that emits most
+};
+Brightest brightest_of(const Scene& scene, const Geometry& geometry);
+
+// An upper bound of the flux of any texel of a light's map, W: its whole intensity through the largest texel onto the
+// brightest surface.
+glm::dvec3 largest_flux(const Light& light, const View& view, const Brightest& brightest);
+
+// Throws InputError where the layout asks what the view has not: a far plane, a perspective.
+void check_view(const Layout& layout, const View& view);
+
+// Before a pass computes: check_view(), and throws InputError that names layout and extent where a position or a depth
+// that the view may see overflows its 16-bit target, or `emission` is asked for and some does not fit its own.
+void check_gbuffer(const Layout& layout, const Geometry& geometry, const Brightest& brightest, const View& view,
+                   bool emission, int threads);
+
+// The same for a light's map; `flux`: whether it is asked for.
+void check_rsm(const Layout& layout, const Light& light, const Geometry& geometry, const Brightest& brightest,
+               const View& view, bool flux, int threads);
 
 // Rounds pixels [first, end) where the kernels leave a format out (quantised_by_kernel()); else does nothing.
 void quantise_rest(Format format, Image4& image, glm::ivec2 first, glm::ivec2 end);

@@ -1,5 +1,6 @@
 #include "core/tap.h"
 #include "core/wide.h"
+#include "raster/covered.h"
 #include "raster/blocks.h"
 #include "raster/resolve_tiles.h"
 #include "raster/texel_rows.h"
@@ -20,6 +21,7 @@ struct Block {
     I x, y, triangle;  // pixel of the frame
     vec2<F> barycentrics;
     M covered;
+    glm::ivec2 first;
     std::ptrdiff_t pixel;  // the first one's place in the frame
     glm::ivec2 count;      // columns and rows within the frame
 };
@@ -29,7 +31,7 @@ PLUMB_INLINE Block block(const TilePixels& in, std::ptrdiff_t at, int width, int
     const unsigned lanes_covered = lane_bits(covered);
     const I some(lanes_covered ? in.triangle[at + __builtin_ctz(lanes_covered)] : 0);
     return {I(x) + lane_columns(), I(y) + lane_rows(), select(covered, seen, some),
-            {load_lanes(in.l1 + at), load_lanes(in.l2 + at)}, covered, std::ptrdiff_t(y) * width + x,
+            {load_lanes(in.l1 + at), load_lanes(in.l2 + at)}, covered, {x, y}, std::ptrdiff_t(y) * width + x,
             in.end - glm::ivec2(x, y)};
 }
 
@@ -79,6 +81,13 @@ PLUMB_INLINE void prefetch(const SurfaceArgs& in, const TilePixels& seen, std::p
     });
 }
 
+// Squares of 16 pixels hold whole blocks, and tiles whole squares: no other thread writes there.
+PLUMB_INLINE void mark(const GBufferArgs& in, const Block& b) {
+    if (!in.covered) return;
+    const glm::ivec2 tile = b.first >> Covered::shift;
+    in.covered[std::ptrdiff_t(tile.y) * in.covered_columns + tile.x] = 1;
+}
+
 // From so many pixels on the targets of a frame are larger than a core's cache: to read them into it before they are
 // overwritten would be waste.
 constexpr std::ptrdiff_t many_pixels = 1 << 18;
@@ -92,13 +101,30 @@ void gbuffer_tile(const GBufferArgs& in, const TilePixels& seen) {
     for_blocks(seen, in.width, [&](const Block& b, std::ptrdiff_t at) {
         prefetch(in.surfaces, seen, at);
         GBufferPixel<F> out{nothing, nothing, nothing, nothing};
-        if (any(b.covered)) out = stored<F>(in, raster::gbuffer<F>(in, b.triangle, b.barycentrics, tap), b.x, b.y);
+        if (any(b.covered)) {
+            out = stored<F>(in, raster::gbuffer<F>(in, b.triangle, b.barycentrics, tap), b.x, b.y);
+            mark(in, b);
+        }
         put(in.position, in.width, out.position, b, past_caches);
         if (with_normal) put(in.normal, in.width, out.normal, b, past_caches);
         if (with_colour) put(in.albedo, in.width, out.albedo, b, past_caches);
         if (with_colour) put(in.emission, in.width, out.emission, b, past_caches);
     });
     if (past_caches) _mm_sfence();
+}
+
+template <bool with_light>
+void rsm_tile(const RsmArgs& in, const TilePixels& seen, const RsmStore& store) {
+    NoTap tap;
+    const vec4<F> nothing(F(0.0f), F(0.0f), F(0.0f), F(0.0f));
+    for_blocks(seen, in.size, [&](const Block& b, std::ptrdiff_t at) {
+        prefetch(in.surfaces, seen, at);
+        RsmTexel<F> out{nothing, nothing, nothing};
+        if (any(b.covered)) out = stored<F>(store, raster::rsm<F>(in, b.x, b.y, b.triangle, b.barycentrics, tap));
+        put(in.position, in.size, out.position, b);
+        if (with_light) put(in.normal, in.size, out.normal, b);
+        if (with_light) put(in.flux, in.size, out.flux, b);
+    });
 }
 
 }  // namespace
@@ -116,16 +142,8 @@ void ResolveTile<Isa::PLUMB_ISA>::gbuffer(const GBufferArgs& in, const TilePixel
 
 template <>
 void ResolveTile<Isa::PLUMB_ISA>::rsm(const RsmArgs& in, const TilePixels& seen, const RsmStore& store) {
-    NoTap tap;
-    const vec4<F> nothing(F(0.0f), F(0.0f), F(0.0f), F(0.0f));
-    for_blocks(seen, in.size, [&](const Block& b, std::ptrdiff_t at) {
-        prefetch(in.surfaces, seen, at);
-        RsmTexel<F> out{nothing, nothing, nothing};
-        if (any(b.covered)) out = stored<F>(store, raster::rsm<F>(in, b.x, b.y, b.triangle, b.barycentrics, tap));
-        put(in.position, in.size, out.position, b);
-        put(in.normal, in.size, out.normal, b);
-        put(in.flux, in.size, out.flux, b);
-    });
+    if (in.normal || in.flux) return rsm_tile<true>(in, seen, store);
+    rsm_tile<false>(in, seen, store);
 }
 
 }  // namespace plumb::raster

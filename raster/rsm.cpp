@@ -2,6 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <atomic>
+#include <bit>
+
 #include "core/error.h"
 #include "core/formats.h"
 #include "core/fp_environment.h"
@@ -30,14 +34,30 @@ RsmStore store_of(const Layout& layout) {
 }
 
 // Makes room for a map, unless it is there; every texel will be written, and the padding of the records stays 0.
-void fit(int size, bool half, Rsm& out) {
-    for (Image4* image : {&out.position, &out.normal, &out.flux})
-        if (image->width != size || image->height != size) *image = Image4(size, size);
-    const std::size_t components = std::size_t(size) * std::size_t(size) * record_stride;
+void fit(int size, bool half, const RsmWants& wants, Rsm& out) {
+    for (Image4* image : {&out.position, &out.normal, &out.flux}) {
+        if (image != &out.position && !wants.light)
+            *image = Image4();
+        else if (image->width != size || image->height != size)
+            *image = Image4(size, size);
+    }
+    const std::size_t components = wants.light ? std::size_t(size) * std::size_t(size) * record_stride : 0;
     out.half_records.resize(half ? components : 0);
     out.records.resize(half ? 0 : components);
     out.size = size;
     out.half = half;
+}
+
+// The bits of the largest magnitude among pixels [first, end): those of a float, in the order of floats; what is not a
+// number is larger than any.
+std::uint32_t largest_bits(const Image4& image, glm::ivec2 first, glm::ivec2 end) {
+    std::uint32_t largest = 0;
+    for (int y = first.y; y < end.y; ++y)
+        for (int x = first.x; x < end.x; ++x) {
+            const glm::vec4& texel = image(x, y);
+            for (int c = 0; c < 3; ++c) largest = std::max(largest, std::bit_cast<std::uint32_t>(texel[c]) & 0x7fffffff);
+        }
+    return largest;
 }
 
 }  // namespace
@@ -65,23 +85,27 @@ Rsm unseen_rsm(const Light& light, const View& light_view) {
 }
 
 void draw_rsm(const Geometry& geometry, const Surfaces& surfaces, const Light& light, const View& light_view,
-              const Layout& layout, const RunOptions& options, Rsm& out, Workspace* workspace) {
+              const Layout& layout, const RunOptions& options, Rsm& out, Workspace* workspace,
+              const RsmWants& wants) {
     validate(light);
-    check_rsm(layout, light.name, geometry, light_view, options.threads);
+    check_rsm(layout, light, geometry, surfaces.brightest, light_view, wants.light, options.threads);
     const int size = light.rsm_size;
-    fit(size, layout.half_records(), out);
+    fit(size, layout.half_records(), wants, out);
     out.view = light_view;
     out.type = light.type;
     out.texel_scale = 2 * half_width(light_view) / size;
     RsmArgs args = rsm_args(geometry, surfaces, light, light_view);
-    const RsmImages images{&out.position.data()->x, &out.normal.data()->x, &out.flux.data()->x};
+    RsmImages images{&out.position.data()->x, nullptr, nullptr};
+    if (wants.light) images.normal = &out.normal.data()->x, images.flux = &out.flux.data()->x;
     args.position = images.position, args.normal = images.normal, args.flux = images.flux;
     const RsmStore store = store_of(layout);
     Workspace temporary;
     Workspace& memory = workspace ? *workspace : temporary;
+    std::atomic<std::uint32_t> flux_bits{0};
     dispatch(options.isa, [&](auto isa) {
         auto resolve = [&](const TilePixels& seen) {
             ResolveTile<isa()>::rsm(args, seen, store);
+            if (!wants.light) return;
             quantise_rest(layout.rsm_flux, out.flux, seen.origin, seen.end);
             for (int y = seen.origin.y; y < seen.end.y; ++y) {
                 const std::ptrdiff_t row = std::ptrdiff_t(y) * size;
@@ -91,9 +115,12 @@ void draw_rsm(const Geometry& geometry, const Surfaces& surfaces, const Light& l
                 else
                     RsmRows<isa()>::pack(images, out.records.data(), first, end);
             }
+            const std::uint32_t bits = largest_bits(out.flux, seen.origin, seen.end);
+            for (std::uint32_t now = flux_bits; bits > now && !flux_bits.compare_exchange_weak(now, bits);) {}
         };
         draw_visible_tiles(geometry, &surfaces, light_view, {size, size}, options, memory.depth, &memory, resolve);
     });
+    out.largest_flux = wants.light ? std::bit_cast<float>(flux_bits.load()) : Rsm().largest_flux;
 }
 
 std::vector<TapValue> explain_rsm(const Geometry& geometry, const Surfaces& surfaces, const Light& light,

@@ -2,6 +2,7 @@
 // 4.2.2). See raster/README.md.
 #pragma once
 
+#include <limits>
 #include <vector>
 
 #include "core/image.h"
@@ -17,6 +18,12 @@ namespace plumb::raster {
 
 struct Workspace;  // raster/workspace.h
 
+// What a later stage reads of a map. A shadow test reads the depth alone: without `light` normals, flux and records come
+// back empty, and what they alone need is not computed; no texture is read, but for alpha.
+struct RsmWants {
+    bool light = true;
+};
+
 struct Rsm {
     int size = 0;  // texels a side
     View view;
@@ -27,6 +34,7 @@ struct Rsm {
     Image4 flux;                // xyz W, reflected; w 0
     Buffer<float> records;      // !half: [size][size] records of 64 bytes (core/number.h): position, normal, flux
     Buffer<Half> half_records;  // half: records of 32 bytes
+    float largest_flux = std::numeric_limits<float>::infinity();  // W, of any texel and channel; infinite: not known
     double texel_scale = 0;     // side of a texel: spot: at depth 1 m, m/m; directional: m
 };
 
@@ -37,7 +45,8 @@ Rsm unseen_rsm(const Light& light, const View& light_view);
 // Images are rounded as the layout says. Memory of `out` that has the right size is written in place. Throws InputError
 // for what the layout cannot hold (check_rsm() of raster/layout.h).
 void draw_rsm(const Geometry& geometry, const Surfaces& surfaces, const Light& light, const View& light_view,
-              const Layout& layout, const RunOptions& options, Rsm& out, Workspace* workspace = nullptr);
+              const Layout& layout, const RunOptions& options, Rsm& out, Workspace* workspace = nullptr,
+              const RsmWants& wants = {});
 
 // Every named value of one texel, in the order in which the kernel computes them, before rounding to the layout; then
 // what the layout makes of position, normal and flux: "stored_position" and so on.

@@ -29,7 +29,7 @@ struct RsmArgs {
     float half_width;             // half the map's side, in the same unit
     std::int32_t size;            // texels a side
     float* position;              // [size][size] rgba32f, out
-    float* normal;
+    float* normal;                // both or none: null where the map's depth alone is wanted
     float* flux;
 };
 

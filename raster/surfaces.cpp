@@ -63,8 +63,10 @@ void append_material(Surfaces& s, const Material& m, const std::vector<std::int3
     const float base = row_of(m, "texture", m.texture, rows);
     const float emission = row_of(m, "emission_texture", m.emission_texture, rows);
     const float normal = row_of(m, "normal_texture", m.normal_texture, rows);
-    s.materials.insert(s.materials.end(), {m.reflectance.x, m.reflectance.y, m.reflectance.z, m.alpha,    //
-                                           m.emission.x, m.emission.y, m.emission.z, m.alpha_cutoff,      //
+    // A zero has no sign, so that a colour which nobody computes is the 0 that it would be.
+    const glm::vec3 reflectance = m.reflectance + 0.0f, exitance = m.emission + 0.0f;
+    s.materials.insert(s.materials.end(), {reflectance.x, reflectance.y, reflectance.z, m.alpha,          //
+                                           exitance.x, exitance.y, exitance.z, m.alpha_cutoff,            //
                                            base, emission, tangents ? normal : 0.0f, m.normal_scale,      //
                                            0, 0, 0, 0});
     s.masked.push_back(m.alpha_cutoff > 0 ? 1 : 0);
@@ -98,6 +100,7 @@ Surfaces prepare(const Scene& scene, const Geometry& geometry) {
         if (geometry.material[t] < 0 || geometry.material[t] >= int(scene.materials.size()))
             throw InputError(fmt::format("triangle {}: material = {}: the scene has {}", t, geometry.material[t],
                                          scene.materials.size()));
+    s.brightest = brightest_of(scene, geometry);
     return s;
 }
 

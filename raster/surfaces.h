@@ -8,6 +8,7 @@
 #include "core/scene.h"
 #include "core/stage.h"
 #include "core/view.h"
+#include "raster/layout.h"
 #include "raster/surface_kernel.h"
 
 namespace plumb::raster {
@@ -21,6 +22,7 @@ struct Surfaces {
     Buffer<std::int32_t> texels;    // RGBA8, red in the lowest byte
     bool any_levels = false;        // whether any texture has levels of detail
     Buffer<float> decode;           // [2][256]: byte / 255, and the exact sRGB curve, each rounded once
+    Brightest brightest;            // of what is drawn; 0 where nobody has said
 };
 
 // Row 0 of `textures` is one white texel, for materials that have none. The scene's textures follow in their order,

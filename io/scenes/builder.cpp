@@ -6,8 +6,8 @@
 
 #include "core/hash.h"
 #include "core/host_math.h"
-#include "io/angles.h"
 #include "core/parallel.h"
+#include "core/rotation.h"
 
 namespace plumb::io::scenes {
 namespace {

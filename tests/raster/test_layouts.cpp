@@ -68,7 +68,10 @@ struct Drawn {
     }
     void draw_into(GBuffer& out, const Layout& layout, RunOptions options = {}, const GBufferWants& wants = {}) const {
         const View view = make_view(camera, double(frame.x) / frame.y);
-        draw_gbuffer(geometry, prepare(scene, geometry), view, frame, layout, options, out, wants);
+        // Some emissions fit no target, to see what a store makes of them: nobody has said how bright it may be.
+        Surfaces surfaces = prepare(scene, geometry);
+        surfaces.brightest = {};
+        draw_gbuffer(geometry, surfaces, view, frame, layout, options, out, wants);
     }
 };
 
@@ -291,7 +294,9 @@ TEST_CASE("layout: what does not fit is refused by layout, extent and cause", "[
     Camera camera = camera_at(INFINITY);
     auto draw = [&](const Layout& layout, const View& view) {
         GBuffer out;
-        draw_gbuffer(far_away, prepare(scene, far_away), view, frame, layout, {}, out);
+        Surfaces surfaces = prepare(scene, far_away);
+        surfaces.brightest = {};
+        draw_gbuffer(far_away, surfaces, view, frame, layout, {}, out);
     };
     CHECK_NOTHROW(draw(Layout::fp32, make_view(camera, 1.5)));
     CHECK_THROWS_WITH(draw(Layout::vrsm, make_view(camera, 1.5)),
