@@ -8,13 +8,16 @@ namespace plumb {
 
 // Calls kernel(px, py, tap) for the pixels of rows [first, last) of an image `width` pixels wide and stores its vec3 in
 // `out` (rgba32f, w = `w`). Lanes beyond the row repeat its last pixel and are not stored. Packets go down the columns of
-// the band, so that a tile about as high as it is wide shares what it reads.
+// the band, so that a tile about as high as it is wide shares what it reads. tiles: of these rows, a byte for every 16
+// columns, 0 where nothing is called and stored (raster/covered.h); null: everywhere.
 template <class Kernel>
-PLUMB_INLINE void shade_rows(int width, int first, int last, float* out, float w, Kernel kernel) {
+PLUMB_INLINE void shade_rows(int width, int first, int last, const std::uint8_t* tiles, float* out, float w,
+                             Kernel kernel) {
     using F = PLUMB_ISA::Real;
     using N = number<F>;
     using I = index_t<F>;
     for (int x = 0; x < width; x += N::width) {
+        if (tiles && !tiles[x >> 4]) continue;
         const I px = min(N::iota(x), I(width - 1));
         for (int y = first; y < last; ++y) {
             NoTap tap;
@@ -26,11 +29,13 @@ PLUMB_INLINE void shade_rows(int width, int first, int last, float* out, float w
 
 // The same for a kernel whose value is one number, stored in an r32f image.
 template <class Kernel>
-PLUMB_INLINE void shade_rows_scalar(int width, int first, int last, float* out, Kernel kernel) {
+PLUMB_INLINE void shade_rows_scalar(int width, int first, int last, const std::uint8_t* tiles, float* out,
+                                    Kernel kernel) {
     using F = PLUMB_ISA::Real;
     using N = number<F>;
     using I = index_t<F>;
     for (int x = 0; x < width; x += N::width) {
+        if (tiles && !tiles[x >> 4]) continue;
         const I px = min(N::iota(x), I(width - 1));
         for (int y = first; y < last; ++y) {
             NoTap tap;

@@ -69,7 +69,7 @@ const StageBinding& compose_binding() {
                      {"width", "int", offsetof(U, width)},
                      {"height", "int", offsetof(U, height)}},
         .uniform_bytes = sizeof(U),
-        .inputs = {{.name = "normal", .binding = 1, .meaning = "w: 1 on a surface, 0 where nothing is"},
+        .inputs = {{.name = "normal", .binding = 1, .meaning = "w: 1 on a surface, 0 where nothing is", .fixed = 8},
                    {.name = "albedo", .binding = 2, .meaning = "diffuse reflectance rho"},
                    {.name = "emission", .binding = 3, .unit = "W/m2", .meaning = "radiant exitance M"},
                    {.name = "direct", .binding = 4, .unit = "W/m2", .meaning = "direct irradiance"},

@@ -17,15 +17,14 @@ layout(binding = 2, rgba32f) uniform writeonly image2D display_image;
 
 // Hable 2010.
 float filmic_curve(float x) {
-    precise float y =
-        (x * (0.15 * x + 0.05) + 0.004) / (x * (0.15 * x + 0.5) + 0.06) - 0.0666666701;
+    precise float y = x * (0.14 * x + 0.0166666675) / (x * (0.15 * x + 0.5) + 0.06);
     return y;
 }
 
 float tone_curve(int op, float value) {
     precise float x = min(max(value, 0.0), 1e10);
     precise float y = min(x, 1.0);
-    if (op == 1) y = 1.0 - det_exp(-x);
+    if (op == 1) y = -det_expm1(-x);
     if (op == 2) y = x / (1.0 + x);
     if (op == 3) y = filmic_curve(x + x) / filmic_curve(11.2);
     return y;

@@ -26,9 +26,12 @@ struct TonemapInputsView {
 
 // Hable 2010, "Uncharted 2: HDR lighting", slide 142: (x (A x + C B) + D E) / (x (A x + B) + D F) - E / F, with
 // A, B, C, D, E, F = 0.15, 0.5, 0.1, 0.2, 0.02, 0.3.
+//
+// differs: the difference of the two quotients is taken on paper, so that nothing cancels where x is small:
+// x (A (1 - E/F) x + B (C - E/F)) / (x (A x + B) + D F).
 template <class F>
 PLUMB_INLINE F filmic_curve(F x) {
-    return (x * (F(0.15f) * x + F(0.05f)) + F(0.004f)) / (x * (F(0.15f) * x + F(0.5f)) + F(0.06f)) - F(0.0666666701f);
+    return x * (F(0.14f) * x + F(0.0166666675f)) / (x * (F(0.15f) * x + F(0.5f)) + F(0.06f));
 }
 
 template <class F>
@@ -36,7 +39,7 @@ PLUMB_INLINE F tone_curve(int op, F x) {
     const F one(1.0f);
     // Beyond 1e10 every curve has reached its end, and products stay finite.
     x = min(max(x, F(0.0f)), F(1e10f));
-    if (op == int(Operator::exposure)) return one - detmath::exp(-x);     // IPR 3.3: exposure tone mapping
+    if (op == int(Operator::exposure)) return -detmath::expm1(-x);     // IPR 3.3: 1 - exp(-x)
     if (op == int(Operator::reinhard)) return x / (one + x);              // Reinhard 2002 (3)
     if (op == int(Operator::filmic)) return filmic_curve(x + x) / filmic_curve(F(11.2f));  // white at 11.2, bias 2
     return min(x, one);

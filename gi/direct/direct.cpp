@@ -15,19 +15,22 @@ namespace plumb::direct {
 
 namespace {
 
-constexpr int band = 16;
+constexpr int band = raster::Covered::side;
 
-void require_equal_sizes(const char* stage, const Image4* position, const Image4* normal) {
+void require_equal_sizes(const char* stage, const Image4* position, const Image4* normal,
+                         const raster::Covered* tiles) {
     if (!position || !normal) throw InputError(fmt::format("{}: position and normal must be bound", stage));
     if (position->width != normal->width || position->height != normal->height)
         throw InputError(fmt::format("{}: normal is {} x {}, position is {} x {}: expected equal sizes", stage,
                                      normal->width, normal->height, position->width, position->height));
+    if (tiles && !tiles->fits({position->width, position->height}))
+        throw InputError(fmt::format("{}: tiles are of another size than position", stage));
 }
 
 void validate(const ShadowParams& params, const ShadowInputs& in) {
     ShadowParams copy = params;
     validate_fields("shadow", fields(copy));
-    require_equal_sizes("shadow", in.position, in.normal);
+    require_equal_sizes("shadow", in.position, in.normal, in.tiles);
     if (in.rsms.size() != 1 && in.rsms.size() != raster::light_faces)
         throw InputError(fmt::format("shadow: {} maps are bound: expected 1, or {} of a point light", in.rsms.size(),
                                      raster::light_faces));
@@ -44,7 +47,7 @@ ShadowInputsView view_of(const ShadowParams& params, const ShadowInputs& in, int
 }
 
 DirectInputsView view_of(const DirectInputs& in, const std::vector<raster::LightArgs>& lights) {
-    require_equal_sizes("direct", in.position, in.normal);
+    require_equal_sizes("direct", in.position, in.normal, in.tiles);
     if (!in.visibility || in.visibility->size() != lights.size() * in.position->size())
         throw InputError(fmt::format("direct: visibility has {} values: expected {} lights of {} pixels",
                                      in.visibility ? in.visibility->size() : 0, lights.size(), in.position->size()));
@@ -65,6 +68,23 @@ std::vector<raster::LightArgs> args_of(const DirectInputs& in) {
     std::vector<raster::LightArgs> args;
     for (const Light& light : *in.lights) args.push_back(raster::light_args(light));
     return args;
+}
+
+const std::uint8_t* tile_row(const raster::Covered* tiles, int y) { return tiles ? tiles->row(y) : nullptr; }
+
+// Writes the visibility of the world's origin to the tiles that are not shaded.
+void fill_where_nothing_is(const ShadowParams& params, const ShadowInputs& in, Isa isa, float* visibility) {
+    const Image4 nothing(1, 1);
+    RunOptions one;
+    one.isa = isa, one.threads = 1;
+    float value = 1;
+    run(params, {&nothing, &nothing, in.rsms}, one, &value);
+    const int width = in.position->width;
+    for (int y = 0; y < in.position->height; ++y)
+        for (int x = 0; x < width; x += raster::Covered::side)
+            if (!in.tiles->row(y)[x >> raster::Covered::shift])
+                std::fill(visibility + std::ptrdiff_t(y) * width + x,
+                          visibility + std::ptrdiff_t(y) * width + std::min(x + raster::Covered::side, width), value);
 }
 
 }  // namespace
@@ -110,6 +130,7 @@ void run(const ShadowParams& params, const ShadowInputs& in, const RunOptions& o
     validate(params, in);
     const int maps = int(in.rsms.size());
     if (maps > 1) std::fill_n(visibility, in.position->size(), 1.0f);
+    if (in.tiles) fill_where_nothing_is(params, in, options.isa, visibility);
     for (int face = 0; face < maps; ++face) {
         if (in.rsms[std::size_t(face)].size == 0) continue;
         RunOptions part = options;
@@ -118,7 +139,7 @@ void run(const ShadowParams& params, const ShadowInputs& in, const RunOptions& o
         view.visibility = visibility;
         dispatch(options.isa, [&](auto isa) {
             parallel_bands(in.position->height, band, part,
-                           [&](int first, int last) { Rows<isa()>::shadow(view, first, last); });
+                           [&](int first, int last) { Rows<isa()>::shadow(view, first, last, tile_row(in.tiles, first)); });
         });
     }
 }
@@ -162,7 +183,7 @@ void run(const DirectInputs& in, const RunOptions& options, Image4& irradiance) 
     view.irradiance = &irradiance.data()->x;
     dispatch(options.isa, [&](auto isa) {
         parallel_bands(irradiance.height, band, options,
-                       [&](int first, int last) { Rows<isa()>::direct(view, first, last); });
+                       [&](int first, int last) { Rows<isa()>::direct(view, first, last, tile_row(in.tiles, first)); });
     });
 }
 

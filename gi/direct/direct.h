@@ -9,6 +9,7 @@
 #include "core/scene.h"
 #include "core/stage.h"
 #include "core/tap.h"
+#include "raster/covered.h"
 #include "raster/rsm.h"
 
 namespace plumb::direct {
@@ -30,8 +31,10 @@ struct ShadowInputs {
     const Image4* position = nullptr;  // xyz world, m
     const Image4* normal = nullptr;    // xyz unit; all 0 where nothing is
     std::span<const raster::Rsm> rsms; // the light's map, or the six of a point light; position.w is the depth map
+    const raster::Covered* tiles = nullptr;  // the others, which must see nothing, are not shaded; null: all are
 };
-// visibility: [height][width] floats, 1 lit, 0 shadowed. What a face of size 0 would serve is lit.
+// visibility: [height][width] floats, 1 lit, 0 shadowed. What a face of size 0 would serve is lit. Where nothing is seen,
+// position and normal are 0, and so the visibility is one number all over: that of the world's origin.
 void run(const ShadowParams& params, const ShadowInputs& inputs, const RunOptions& options, float* visibility);
 std::vector<TapValue> explain(const ShadowParams& params, const ShadowInputs& inputs, glm::ivec2 pixel);
 StageInfo shadow_info();
@@ -41,6 +44,7 @@ struct DirectInputs {
     const Image4* normal = nullptr;
     const std::vector<Light>* lights = nullptr;
     const Buffer<float>* visibility = nullptr;  // [lights][height][width]
+    const raster::Covered* tiles = nullptr;     // the others keep irradiance 0; null: all are shaded
 };
 // irradiance: W/m2 in xyz.
 void run(const DirectInputs& inputs, const RunOptions& options, Image4& irradiance);

@@ -9,8 +9,9 @@ namespace plumb::direct {
 
 template <Isa isa>
 struct Rows {
-    static void shadow(const ShadowInputsView& in, int first, int last);
-    static void direct(const DirectInputsView& in, int first, int last);
+    // tiles: which columns to shade, as shade_rows() takes them (gi/shade_rows.h).
+    static void shadow(const ShadowInputsView& in, int first, int last, const std::uint8_t* tiles = nullptr);
+    static void direct(const DirectInputsView& in, int first, int last, const std::uint8_t* tiles = nullptr);
 };
 
 }  // namespace plumb::direct

@@ -87,7 +87,8 @@ std::vector<Explanation> explain(const Scene& scene, const Settings& settings, c
         throw InputError("explain: the stage reference is a mean over paths; it has no values to list");
     std::vector<const PlannedStage*> chosen;
     std::string left_out;
-    for (const PlannedStage& s : plan.stages) {
+    const Plan ran = as_it_ran(plan, frame);
+    for (const PlannedStage& s : ran.stages) {
         if (stage.empty() ? s.name == "rsm" || s.name == "reference" : s.name != stage) continue;
         if (light >= 0 && s.light >= 0 && s.light != light) continue;
         if (!s.needed) {

@@ -10,6 +10,7 @@
 #include "core/scene.h"
 #include "core/stage.h"
 #include "core/tap.h"
+#include "gi/frame/rules.h"
 #include "gi/frame/settings.h"
 #include "gi/frame/truth.h"
 #include "raster/gbuffer.h"
@@ -17,33 +18,54 @@
 
 namespace plumb::frame {
 
+// A part of a stage's work that a rule leaves out (rules.h).
+struct LeftOut {
+    std::string rule;
+    std::string reason;  // "no emission: nothing emits"
+    double saved_ms = 0;
+};
+
 struct PlannedStage {
     std::string name;      // of the kind of stage: "gbuffer", "rsm", "shadow", "direct", "rsm.disc", ...
     int light = -1;        // index into Scene::lights, for a stage that runs once a light
     std::string label;     // as people read it: "rsm.disc (key)"
     bool needed = true;
     std::string reason;    // why it is needed, or why it is left out
+    std::string rule;      // the rule that leaves it out (rules.h), or empty
     std::string layer;     // of a path traced stage: which layer it makes (truth.h)
     int samples = 0;       // of a path traced stage: paths a pixel; 0: as many as it takes
     double work = 0;       // how often its inner loop runs: pixels, triangles, samples
     std::string work_unit;
     double expected_ms = 0;  // on one core with AVX-512, from the benchmark's figures; an order of magnitude
+    double saved_ms = 0;     // what leaving it out, or parts of it, is expected to save; the same order of magnitude
+    std::vector<LeftOut> parts;  // of a stage that is needed
+};
+
+// What is drawn of a light's maps.
+struct PlannedMaps {
+    raster::RsmWants wants;
+    unsigned faces = 0x3f;  // bit m: map m is drawn
 };
 
 struct Plan {
     std::vector<PlannedStage> stages;  // in the order in which they run
     raster::GBufferWants gbuffer;      // the buffers that are computed; the others are 0
+    std::vector<PlannedMaps> maps;     // [lights]
+    std::vector<Rule> at_run;          // those that the run has to ask; none without pruning
 };
 
-// A pure function of what it is given. Leaves out what cannot change the picture: a light that is off, black or shines
-// away from everything, gathers where nothing reflects, colours that no material has, everything where the scene is
-// empty. Throws InputError for what this version cannot render.
+// A pure function of what it is given. Leaves out what cannot change the picture, by rules() of rules.h. Throws
+// InputError for what this version cannot render, and for what no frame can serve (refusals.h).
 Plan plan(const Scene& scene, const Settings& settings);
 
 struct StageRun {
     std::string label;
     bool needed = true;
+    bool kept = false;      // not run: what it makes was kept from an earlier frame (kept.h)
     std::string reason;
+    std::string rule;       // as PlannedStage has it
+    double saved_ms = 0;    // of a kept stage: what making it took; of one left out: as PlannedStage has it
+    std::vector<LeftOut> parts;  // as PlannedStage has them, and those that only the run could tell
     double ms = 0;
     std::size_t bytes = 0;  // of its output
     Isa isa = Isa::scalar;  // of the kernels that ran
@@ -67,9 +89,12 @@ struct Frame {
 using Progress = std::function<void(const std::string& label, double done)>;
 
 // The picture does not depend on the options. Path traced layers that `store` keeps are taken from it, the others are
-// kept there.
+// kept there. kept.h has one that also keeps what every other stage made, for the frame after.
 Frame execute(const Scene& scene, const Settings& settings, const Plan& plan, const RunOptions& options,
               const Progress& progress = {}, reference::Store* store = nullptr);
+
+// The plan as it ran: what only the run could leave out is not needed, either.
+Plan as_it_ran(const Plan& plan, const Frame& frame);
 
 // The traced layer of that name, or null.
 const Traced* find_traced(const Frame& frame, const std::string& layer);

@@ -1,7 +1,10 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "core/error.h"
 #include "gi/frame/frame.h"
+#include "gi/frame/refusals.h"
 #include "gi/rsm/all_rays.h"
 #include "raster/light_view.h"
 
@@ -14,38 +17,9 @@ namespace {
 constexpr double ms_pixels = 60, ms_shadow = 8, ms_direct = 6, ms_disc = 4.2, ms_all = 0.55,
                  ms_exact_rays = 100, ms_native_rays = 25, ms_compose = 5, ms_tonemap = 25,
                  ms_paths = 1000;
-
-bool black(const glm::vec3& v) { return !(v.x > 0 || v.y > 0 || v.z > 0); }
-
-// Why a light cannot change the picture; empty if it may.
-std::string why_dark(const Light& light, const glm::vec3& low, const glm::vec3& high) {
-    if (!light.on) return "the light is off";
-    if (black(light.intensity)) return "the light is black";
-    if (light.type != LightType::spot) return "";
-    // A spot of half angle below 90 degrees lights nothing when every corner of the scene's bounds lies behind it.
-    for (int corner = 0; corner < 8; ++corner) {
-        const glm::vec3 p(corner & 1 ? high.x : low.x, corner & 2 ? high.y : low.y, corner & 4 ? high.z : low.z);
-        if (dot3(p - light.position, light.direction) > 0) return "";
-    }
-    return "everything lies behind the light";
-}
-
-// True if that colour of some material is not 0. Textures multiply it.
-bool any_surface(const Scene& scene, const Geometry& geometry, glm::vec3 Material::* colour) {
-    for (std::int32_t m : geometry.material)
-        if (scene.materials[m].*colour != glm::vec3(0)) return true;
-    return false;
-}
-
-// The buffers that can hold anything but 0; adds to `left_out` what the others are.
-raster::GBufferWants wanted(bool reflects, bool emits, std::string& left_out) {
-    raster::GBufferWants wants;
-    wants.albedo = reflects;
-    wants.emission = emits;
-    if (!reflects) left_out += "; no albedo: nothing reflects";
-    if (!emits) left_out += "; no emission: nothing emits";
-    return wants;
-}
+// What a part of a stage takes of that, for a million pixels: the light of a map, by `tools/bench pruning` (the Cornell
+// box with direct light alone); the two colours of a G-buffer with their textures and one of them alone, estimated.
+constexpr double ms_light = 45, ms_colours = 12, ms_colour = 4;
 
 // All maps of a frame are held at once, three images and a record a texel: 112 bytes in fp32, 28 GiB at this bound.
 constexpr double max_map_texels = 0x1p28;
@@ -64,103 +38,167 @@ void add_texels(const Scene& scene, const Light& light, double texels, double& t
 struct Planner {
     const Scene& scene;
     const Settings& settings;
+    const std::vector<Rule>& rules;
+    const Known& known;
     Plan plan;
 
-    void add(const char* name, int light, double work, const char* unit, double ms_per_million, const std::string& why,
-             const std::string& why_not) {
-        PlannedStage s;
+    const Rule* left_out(const Work& work) const { return left_out_by(rules, known, work); }
+
+    // `kind`: the stage as rules name it.
+    PlannedStage& add(const char* name, const char* kind, int light, double work, const char* unit,
+                      double ms_per_million, const std::string& why) {
+        PlannedStage& s = plan.stages.emplace_back();
+        const Rule* rule = left_out({kind, "", light});
+        const double ms = work * 1e-6 * ms_per_million;
         s.name = name;
         s.light = light;
         s.label = light < 0 ? name : fmt::format("{} ({})", name, scene.lights[light].name);
-        s.needed = why_not.empty() || !settings.pruning;
-        s.reason = why_not.empty() ? why : settings.pruning ? why_not : "pruning is off: " + why_not;
+        s.needed = !rule || !settings.pruning;
+        s.reason = !rule ? why : (settings.pruning ? "" : "pruning is off: ") + rule->reason;
         s.work = work;
         s.work_unit = unit;
-        s.expected_ms = s.needed ? work * 1e-6 * ms_per_million : 0;
-        plan.stages.push_back(std::move(s));
+        s.expected_ms = s.needed ? ms : 0;
+        if (!s.needed) s.rule = rule->name, s.saved_ms = ms;
+        return s;
     }
 
-    void add_gather(int light, double pixels, int maps, double texels, const std::string& why_not) {
+    // The rule that leaves out a part of a needed stage, or null.
+    const Rule* part_left_out(const PlannedStage& stage, const Work& work) const {
+        return settings.pruning && stage.needed ? left_out(work) : nullptr;
+    }
+    static void note(PlannedStage& stage, const Rule& rule, const std::string& reason, double ms) {
+        ms = std::min(ms, stage.expected_ms);
+        stage.parts.push_back({rule.name, reason, ms});
+        stage.reason += "; " + reason;
+        stage.expected_ms -= ms, stage.saved_ms += ms;
+    }
+    bool leave_out(PlannedStage& stage, const Work& work, double ms) const {
+        const Rule* rule = part_left_out(stage, work);
+        if (rule) note(stage, *rule, rule->reason, ms);
+        return rule;
+    }
+
+    void add_gbuffer(double triangles, double pixels) {
+        const bool paths = settings.method == Method::reference;
+        PlannedStage& s = add("gbuffer", "gbuffer", -1, triangles + pixels, "triangles + pixels", ms_pixels,
+                              paths ? "its layers" : "every later stage reads it");
+        plan.gbuffer.albedo = !leave_out(s, {"gbuffer", "albedo"}, pixels * 1e-6 * ms_colour);
+        // Without either colour no texture is read.
+        plan.gbuffer.emission = !leave_out(s, {"gbuffer", "emission"},
+                                           pixels * 1e-6 * (plan.gbuffer.albedo ? ms_colour : ms_colours - ms_colour));
+    }
+
+    // ms: of one face.
+    void leave_out_faces(PlannedStage& stage, PlannedMaps& planned, double ms) const {
+        const int maps = raster::map_count(scene.lights[std::size_t(stage.light)]);
+        const Rule* by = nullptr;
+        int left_out = 0;
+        for (int m = 0; maps > 1 && m < maps; ++m)
+            if (const Rule* rule = part_left_out(stage, {"rsm", "face", stage.light, m}))
+                by = rule, ++left_out, planned.faces &= ~(1u << m);
+        if (by) note(stage, *by, fmt::format("{} left out: each {}", left_out, by->reason), left_out * ms);
+    }
+
+    // The stages rsm and shadow of a light, and its gather. Adds the texels of its maps to those of the lights before.
+    void add_light(int l, double triangles, double pixels, double& total_texels) {
+        const Light& light = scene.lights[std::size_t(l)];
+        const int maps = raster::map_count(light);
+        const double side = light.rsm_size, texels = maps * side * side;
+        PlannedStage& s = add("rsm", "rsm", l, maps * triangles + texels, "triangles + texels", ms_pixels,
+                              maps > 1 ? fmt::format("shadow and gather read it; {} faces", maps)
+                                       : "shadow and gather read it");
+        if (s.needed) add_texels(scene, light, texels, total_texels);
+        PlannedMaps& planned = plan.maps[std::size_t(l)];
+        planned.wants.light = !leave_out(s, {"rsm", "light", l}, texels * 1e-6 * ms_light);
+        leave_out_faces(s, planned, (triangles + side * side) * 1e-6 * ms_pixels);
+        add("shadow", "shadow", l, pixels, "pixels", ms_shadow, "direct light reads it");
+        if (settings.method == Method::rsm) add_gather(l, pixels, maps, texels);
+    }
+
+    void add_gather(int light, double pixels, int maps, double texels) {
         const rsm::GatherParams& params = settings.rsm;
         const std::string name = rsm::stage_name(params.gather), why = "indirect light of this light";
-        if (params.gather == rsm::Gather::disc)
-            return add(name.c_str(), light, pixels * maps * params.samples, "samples", ms_disc, why, why_not);
-        if (params.gather == rsm::Gather::all)
-            return add(name.c_str(), light, pixels * texels, "texel pairs", ms_all, why, why_not);
-        // How many texels are lit and how many pixels see a surface, only the run knows.
-        const double asked = double(rsm::texels_asked(params, std::uint64_t(pixels), std::uint64_t(texels)));
-        const std::string subset =
-            asked < texels ? fmt::format("; subset of at least {} of {} texels a pixel", asked, texels) : "";
-        const double ms = params.rays == Rays::exact ? ms_exact_rays : ms_native_rays;
-        add(name.c_str(), light, pixels * asked, "shadow rays at most", ms, why + subset, why_not);
+        if (params.gather == rsm::Gather::disc) {
+            add(name.c_str(), "gather", light, pixels * maps * params.samples, "samples", ms_disc, why);
+        } else if (params.gather == rsm::Gather::all) {
+            add(name.c_str(), "gather", light, pixels * texels, "texel pairs", ms_all, why);
+        } else {
+            // How many texels are lit and how many pixels see a surface, only the run knows.
+            const double asked = double(rsm::texels_asked(params, std::uint64_t(pixels), std::uint64_t(texels)));
+            const std::string subset =
+                asked < texels ? fmt::format("; subset of at least {} of {} texels a pixel", asked, texels) : "";
+            const double ms = params.rays == Rays::exact ? ms_exact_rays : ms_native_rays;
+            add(name.c_str(), "gather", light, pixels * asked, "shadow rays at most", ms, why + subset);
+        }
     }
 
     // A layer that is path traced. Until the error is small enough, nobody knows how many samples that takes: what is
     // expected is the number that is given all the same.
-    void add_traced(const char* layer, double pixels, const std::string& why, const std::string& why_not = "") {
+    void add_traced(const char* layer, double pixels, const std::string& why) {
         const reference::PathParams& p = settings.reference;
         std::string reason = why;
         if (p.until_error > 0)
             reason += fmt::format("; until its error is {} of its mean, at most {} samples", p.until_error,
                                   p.max_samples);
-        add("reference", -1, pixels * double(p.samples), "paths", ms_paths, reason, why_not);
-        PlannedStage& s = plan.stages.back();
+        PlannedStage& s = add("reference", layer, -1, pixels * double(p.samples), "paths", ms_paths, reason);
         s.layer = layer;
         s.samples = p.until_error > 0 ? 0 : p.samples;
         if (s.layer != "color") s.label = layer;
     }
 };
 
+Plan plan_of(const Scene& scene, const Settings& settings, const Geometry& geometry, const std::vector<Rule>& rules) {
+    const Known known = known_of(scene, settings, geometry);
+    const double pixels = double(scene.frame_size.x) * scene.frame_size.y;
+    const double triangles = double(geometry.triangles.size());
+
+    Planner planner{scene, settings, rules, known, {}};
+    planner.plan.maps.resize(scene.lights.size());
+    planner.add_gbuffer(triangles, pixels);
+    double total_texels = 0;
+    for (int l = 0; l < int(scene.lights.size()); ++l) planner.add_light(l, triangles, pixels, total_texels);
+    planner.add("direct", "direct", -1, pixels * double(scene.lights.size()), "pixels x lights", ms_direct,
+                "direct light");
+    planner.add("compose", "compose", -1, pixels, "pixels", ms_compose, "the picture");
+    if (settings.method == Method::reference) planner.add_traced("color", pixels, "the picture");
+    planner.add("tonemap", "tonemap", -1, pixels, "pixels", ms_tonemap, "the picture");
+    if (settings.truth) {
+        planner.add_traced("truth", pixels, "the truth of color");
+        planner.add_traced("truth.direct", pixels, "the truth of direct: lamps alone");
+        const std::vector<std::string>& own = methods().at(std::size_t(settings.method)).transport;
+        if (std::find(own.begin(), own.end(), "truth.indirect") != own.end())
+            planner.add_traced("truth.indirect", pixels, "the truth of indirect: one bounce of the lamps' light");
+    }
+    if (settings.pruning && known.tame)
+        for (const Rule& rule : rules)
+            if (rule.seen) planner.plan.at_run.push_back(rule);
+    return std::move(planner.plan);
+}
+
 }  // namespace
 
 Plan plan(const Scene& scene, const Settings& settings) {
     const Geometry geometry = flatten(scene);
-    glm::vec3 low(0), high(0);
-    const bool empty = !bounds(geometry, low, high);
-    const std::string nothing = empty ? "the scene is empty" : "";
-    const double pixels = double(scene.frame_size.x) * scene.frame_size.y;
-    const double triangles = double(geometry.triangles.size());
-    const bool reflects = any_surface(scene, geometry, &Material::reflectance);
-    // The path tracer reads the scene itself.
-    const std::string by_paths = settings.method == Method::reference ? "paths are traced instead" : "";
-    const std::string no_bounce = empty ? nothing : reflects ? "" : "nothing reflects";
+    refuse_scene(scene, settings, geometry);
+    Plan plan = plan_of(scene, settings, geometry, rules());
+    refuse_plan(scene, settings, geometry, plan);
+    return plan;
+}
 
-    Planner planner{scene, settings, {}};
-    std::string without;
-    if (settings.pruning)
-        planner.plan.gbuffer = wanted(reflects, any_surface(scene, geometry, &Material::emission), without);
-    planner.add("gbuffer", -1, triangles + pixels, "triangles + pixels", ms_pixels,
-                (by_paths.empty() ? "every later stage reads it" : "its layers") + without, nothing);
-    double total_texels = 0;
-    std::string no_lamp = empty ? nothing : "no light shines on the scene";
-    for (int l = 0; l < int(scene.lights.size()); ++l) {
-        const Light& light = scene.lights[l];
-        std::string dark = empty ? nothing : why_dark(light, low, high);
-        if (dark.empty()) no_lamp = "";
-        if (dark.empty()) dark = by_paths;
-        const int maps = raster::map_count(light);
-        const double texels = double(maps) * light.rsm_size * light.rsm_size;
-        if (dark.empty() || !settings.pruning) add_texels(scene, light, texels, total_texels);
-        planner.add("rsm", l, maps * triangles + texels, "triangles + texels", ms_pixels,
-                    maps > 1 ? fmt::format("shadow and gather read it; {} faces", maps) : "shadow and gather read it",
-                    dark);
-        planner.add("shadow", l, pixels, "pixels", ms_shadow, "direct light reads it", dark);
-        if (settings.method != Method::rsm) continue;
-        planner.add_gather(l, pixels, maps, texels, dark.empty() ? no_bounce : dark);
+Plan plan(const Scene& scene, const Settings& settings, const std::vector<Rule>& rules) {
+    return plan_of(scene, settings, flatten(scene), rules);
+}
+
+Plan as_it_ran(const Plan& plan, const Frame& frame) {
+    Plan ran = plan;
+    for (std::size_t i = 0; i < ran.stages.size() && i < frame.stages.size(); ++i) {
+        PlannedStage& stage = ran.stages[i];
+        const StageRun& run = frame.stages[i];
+        if (!stage.needed || run.needed || stage.label != run.label) continue;
+        stage.needed = false, stage.reason = run.reason, stage.rule = run.rule, stage.saved_ms = run.saved_ms;
+        stage.expected_ms = 0;
     }
-    planner.add("direct", -1, pixels * double(scene.lights.size()), "pixels x lights", ms_direct, "direct light",
-                empty ? nothing : scene.lights.empty() ? "there is no light" : by_paths);
-    planner.add("compose", -1, pixels, "pixels", ms_compose, "the picture", by_paths);
-    if (settings.method == Method::reference) planner.add_traced("color", pixels, "the picture");
-    planner.add("tonemap", -1, pixels, "pixels", ms_tonemap, "the picture", "");
-    if (settings.truth) {
-        planner.add_traced("truth", pixels, "the truth of color");
-        planner.add_traced("truth.direct", pixels, "the truth of direct: lamps alone", no_lamp);
-        if (settings.method == Method::rsm)
-            planner.add_traced("truth.indirect", pixels, "the truth of indirect: one bounce of the lamps' light",
-                               no_lamp.empty() ? no_bounce : no_lamp);
-    }
-    return std::move(planner.plan);
+    return ran;
 }
 
 }  // namespace plumb::frame

@@ -18,10 +18,16 @@ E parse_choice(const char* key, const std::vector<std::string>& choices, const s
     return value;
 }
 
-// As the enumeration counts them.
-std::vector<std::string> method_names() { return {"direct", "rsm", "reference"}; }
-
 }  // namespace
+
+const std::vector<MethodInfo>& methods() {
+    static const std::vector<MethodInfo> all = {
+        {Method::direct, "direct", {"truth.direct"}},
+        {Method::rsm, "rsm", {"truth.direct", "truth.indirect"}},
+        {Method::reference, "reference", {}},
+    };
+    return all;
+}
 
 std::vector<std::string> method_tables() { return {"rsm", "shadow", "tonemap", "reference", "layout"}; }
 
@@ -36,10 +42,12 @@ std::vector<Field> table_fields(Settings& s, const std::string& table, const std
 }
 
 Method parse_method(const std::string& name, const std::string& place) {
-    return parse_choice<Method>("method", method_names(), name, place);
+    std::vector<std::string> names;
+    for (const MethodInfo& info : methods()) names.push_back(info.name);
+    return parse_choice<Method>("method", names, name, place);
 }
 
-std::string method_name(Method method) { return method_names().at(std::size_t(method)); }
+std::string method_name(Method method) { return methods().at(std::size_t(method)).name; }
 
 raster::Layout parse_layout(const std::string& name, const std::string& place) {
     return raster::parse_layout(name, place);

@@ -16,6 +16,16 @@ namespace plumb::frame {
 // reference: the picture itself is path traced.
 enum class Method : int { direct, rsm, reference };
 
+// What everything that goes through all methods knows of one: its parameters are those of the table of its name.
+struct MethodInfo {
+    Method method;
+    std::string name;                    // in scene files: [render] method
+    std::vector<std::string> transport;  // the traced layers (truth.h) of irradiance that add up to what it means to
+                                         // compute; empty: full global illumination
+};
+// As the enumeration counts them.
+const std::vector<MethodInfo>& methods();
+
 struct Settings {
     Method method = Method::rsm;
     raster::Layout layout = raster::Layout::fp32;

@@ -33,9 +33,10 @@ Scene lamps_only(Scene scene) {
     return scene;
 }
 
-Tracer::Tracer(const Scene& scene, const Settings& settings, const Geometry& geometry, reference::Store* store)
-    : scene_(scene), settings_(settings), geometry_(geometry), store_(store), without_(beyond_lamps(scene)) {
-    whole_.scene = own_.scene = &scene_;
+Tracer::Tracer(const Scene& scene, const Settings& settings, const Geometry& geometry, reference::Store* store,
+               PathScenes* paths)
+    : scene_(scene), settings_(settings), geometry_(geometry), store_(store), without_(beyond_lamps(scene)),
+      whole_{&scene, (paths ? *paths : mine_).whole}, own_{&scene, (paths ? *paths : mine_).own} {
     if (!settings.truth || without_.empty()) return;
     lamps_ = lamps_only(scene);
     own_.scene = &lamps_;

@@ -25,12 +25,18 @@ struct Traced {
     bool cached = false;
 };
 
-// Traces layer by layer. What several layers need, the scene as rays see it, is made once, and only where something has
-// to be traced.
+// The scene as rays see it: all of it, and lamps_only() of it where that is less. Made where something has to be traced.
+struct PathScenes {
+    std::unique_ptr<reference::PathScene> whole, own;
+};
+
+// Traces layer by layer.
 class Tracer {
   public:
-    // The arguments must outlive the tracer; store may be null.
-    Tracer(const Scene& scene, const Settings& settings, const Geometry& geometry, reference::Store* store);
+    // The arguments must outlive the tracer; store and paths may be null. `paths`: empty, or what a tracer of the same
+    // scene and kind of rays left there.
+    Tracer(const Scene& scene, const Settings& settings, const Geometry& geometry, reference::Store* store,
+           PathScenes* paths = nullptr);
 
     // "color" and "truth": outgoing radiance by [reference]. "truth.direct" and "truth.indirect": irradiance at the
     // G-buffer's points of lamps_only(scene), without a bounce and by exactly one: emission, the environment, specular
@@ -41,8 +47,8 @@ class Tracer {
 
   private:
     struct View {
-        const Scene* scene = nullptr;
-        std::unique_ptr<reference::PathScene> paths;
+        const Scene* scene;
+        std::unique_ptr<reference::PathScene>& paths;
     };
     Traced begin(const std::string& layer) const;
     const reference::PathScene& paths(View& view) const;
@@ -53,6 +59,7 @@ class Tracer {
     reference::Store* store_;
     Scene lamps_;                       // lamps_only(scene); empty where the scene has nothing else
     std::vector<std::string> without_;  // what else it has
+    PathScenes mine_;                   // where nobody gave any
     View whole_, own_;
 };
 

@@ -2,31 +2,12 @@
 
 #include <cpuid.h>
 
-#include <type_traits>
-
-#include "core/content_hash.h"
+#include "core/content_hasher.h"
 #include "gi/reference/ray_query.h"
 
 namespace plumb::reference {
 
 namespace {
-
-struct Hasher {
-    std::uint64_t hash = 0;
-
-    // Values without padding: numbers, vectors and matrices of them.
-    template <class... T>
-    void add(const T&... values) {
-        static_assert((std::is_trivially_copyable_v<T> && ...));
-        ((hash = content_hash(&values, sizeof values, hash)), ...);
-    }
-    void add(const std::string& text) { hash = content_hash(text, hash); }
-    // The number of elements counts, so that two lists in a row are told apart.
-    template <class List>
-    void add_all(const List& list) {
-        hash = content_hash(list.data(), list.size() * sizeof(list[0]), hash);
-    }
-};
 
 // What the processor calls itself (CPUID leaves 0x80000002 to 4): Embree chooses its code by it.
 std::string processor() {
@@ -36,7 +17,7 @@ std::string processor() {
     return {reinterpret_cast<const char*>(words), sizeof words};
 }
 
-void add_scene(const Scene& scene, const Geometry& geometry, Hasher& h) {
+void add_scene(const Scene& scene, const Geometry& geometry, ContentHasher& h) {
     h.add_all(geometry.vertices);
     h.add_all(geometry.tangents);
     h.add_all(geometry.triangles);
@@ -48,16 +29,16 @@ void add_scene(const Scene& scene, const Geometry& geometry, Hasher& h) {
     }
     for (const Texture& t : scene.textures) {
         h.add(t.srgb, t.filter, t.wrap_u, t.wrap_v, t.mips);
-        h.hash = content_hash(t.texels, h.hash);
+        h.add_image(t.texels);
     }
     for (const Light& l : scene.lights)
         h.add(l.type, l.position, l.direction, l.cone_inner_deg, l.cone_outer_deg, l.intensity, l.on);
     h.add(scene.environment.radiance);
-    h.hash = content_hash(scene.environment.map, h.hash);
+    h.add_image(scene.environment.map);
 }
 
-Hasher begin(const PathParams& given, const Scene& scene, const Geometry& geometry, std::uint32_t seed, Isa isa) {
-    Hasher h;
+ContentHasher begin(const PathParams& given, const Scene& scene, const Geometry& geometry, std::uint32_t seed, Isa isa) {
+    ContentHasher h;
     h.add(seed);
     PathParams params = given;
     for (const Field& f : fields(params)) h.add(f.name + " = " + value_text(f));
@@ -74,7 +55,7 @@ Hasher begin(const PathParams& given, const Scene& scene, const Geometry& geomet
 
 std::uint64_t cache_key(const PathParams& params, const Scene& scene, const Geometry& geometry, std::uint32_t seed,
                         Isa isa) {
-    Hasher h = begin(params, scene, geometry, seed, isa);
+    ContentHasher h = begin(params, scene, geometry, seed, isa);
     const Camera& c = scene.camera;
     h.add(c.position, c.look_at, c.up, c.fov_y_deg, c.near, c.far, scene.frame_size);
     return h.hash;
@@ -82,9 +63,9 @@ std::uint64_t cache_key(const PathParams& params, const Scene& scene, const Geom
 
 std::uint64_t cache_key(const PathParams& params, const Scene& scene, const Geometry& geometry,
                         const PointInputs& points, std::uint32_t seed, Isa isa) {
-    Hasher h = begin(params, scene, geometry, seed, isa);
-    h.hash = content_hash(*points.position, h.hash);
-    h.hash = content_hash(*points.normal, h.hash);
+    ContentHasher h = begin(params, scene, geometry, seed, isa);
+    h.add_image(*points.position);
+    h.add_image(*points.normal);
     return h.hash;
 }
 

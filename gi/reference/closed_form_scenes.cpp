@@ -6,6 +6,7 @@
 #include "core/hash.h"
 #include "core/host_math.h"
 #include "core/sequences.h"
+#include "gi/reference/ray_query.h"
 #include "gi/rsm/gather.h"
 #include "raster/light_view.h"
 
@@ -289,10 +290,14 @@ Measured gather_maps(const std::vector<raster::Rsm>& maps, const ReceiverPoints&
     inputs.position = &points.position;
     inputs.normal = &points.normal;
     inputs.seed = options.seed;
-    std::unique_ptr<PathScene> prepared;
+    Geometry geometry;
+    raster::Surfaces surfaces;
+    std::unique_ptr<RayQuery> rays;
     if (occluders.scene) {
-        prepared = prepare(*occluders.scene, options.rays);
-        inputs.rays = prepared->rays.get();
+        geometry = flatten(*occluders.scene);
+        surfaces = raster::prepare(*occluders.scene, geometry);
+        rays = build_ray_query(geometry, surfaces, options.rays);
+        inputs.rays = rays.get();
         inputs.offsets = {1e-6f, 1e-6f};  // m
     }
     Estimate estimate;

@@ -41,6 +41,7 @@ struct PathArgs {
     float ao_distance;           // m
     std::int32_t jitter;         // 1: camera rays start anywhere in their pixel
     float* sum;                  // [height][width] rgba32f, out: sum over the samples of this round
+    double* exact_sum;           // [height][width][3], out: the same, of a number that keeps a double (core/followed.h)
 };
 
 // Where a path is: at a surface.
@@ -54,6 +55,11 @@ struct PathVertex {
     Bsdf<F> bsdf;
 };
 
+// Survival of Russian roulette is at most 1 - 2^-20, so that no path lasts for ever. A path that carries rho of what it did
+// at each surface is then weighted by (rho / (1 - 2^-20))^k after k of them, and its variance is finite while rho is below
+// 1 - 2^-21: README.md, "How paths end".
+inline constexpr float largest_survival = 1.0f - 0x1p-20f;
+
 // One sample's path on its way, and the pixel's sum.
 template <class F>
 struct PathState {
@@ -64,6 +70,7 @@ struct PathState {
     vec3<F> throughput;
     F pdf;                // of the direction, 1/sr; 0: only this way finds what lies there
     vec3<F> radiance;     // that it found so far
+    vec3<F> found_carry;  // what rounding took from it
     vec3<F> sum, carry;   // over the samples of the pixel, and what rounding took from it
 };
 
@@ -238,10 +245,19 @@ PLUMB_INLINE mask_t<F> scatter_path(const PathArgs& in, const PathVertex<F>& v, 
     s.depth = s.depth + I(1);
 
     const F brightest = raster::largest3(s.throughput);
-    const F survival = select(s.depth > I(2), min(brightest * F(in.inverse_roulette), F(1.0f - 0x1p-16f)), one);
+    const F survival = select(s.depth > I(2), min(brightest * F(in.inverse_roulette), F(largest_survival)), one);
     s.throughput = s.throughput * (one / max(survival, F(1e-37f)));
     return (dot3(v.face, s.direction) > zero) & (brightest > zero) & (s.depth <= I(in.last_depth)) &
            (choice.z < survival);
+}
+
+// Sums with compensation (Kahan 1965): where almost all light is reflected a path has a million terms, all alike, and a
+// round may have as many samples.
+template <class F>
+PLUMB_INLINE void add_compensated(const vec3<F>& value, vec3<F>& sum, vec3<F>& carry) {
+    const vec3<F> term = value - carry, next = sum + term;
+    carry = (next - sum) - term;
+    sum = next;
 }
 
 // The next sample of the pixel where paths end; the lane's next pixel where its samples do. Pixels of a lane are as far
@@ -252,15 +268,18 @@ PLUMB_INLINE mask_t<F> next_sample(const PathArgs& in, const mask_t<F>& ended, s
     using N = number<F>;
     using I = index_t<F>;
     const vec3<F> zero{F(0.0f), F(0.0f), F(0.0f)};
-    // Sums with compensation (Kahan 1965): a round may have millions of samples, all alike.
-    const vec3<F> term = where<F>(ended, s.radiance - s.carry), sum = s.sum + term;
-    s.carry = select3<F>(ended, (sum - s.sum) - term, s.carry);
-    s.sum = sum;
+    vec3<F> sum = s.sum, carry = s.carry;
+    add_compensated<F>(s.radiance, sum, carry);
+    s.sum = select3<F>(ended, sum, s.sum);
+    s.carry = select3<F>(ended, carry, s.carry);
     s.radiance = select3<F>(ended, zero, s.radiance);
+    s.found_carry = select3<F>(ended, zero, s.found_carry);
     s.sample = s.sample + select(ended, I(1), I(0));
     const mask_t<F> finished = ended & (s.sample >= I(in.samples));
     if (any(finished)) {
         N::store4(in.sum, s.pixel, vec4<F>(s.sum, F(0.0f)), finished);
+        if constexpr (requires { s.sum.x.exact; })
+            for (int c = 0; finished && c < 3; ++c) in.exact_sum[3 * std::ptrdiff_t(s.pixel) + c] = s.sum[c].exact;
         s.sum = select3<F>(finished, zero, s.sum);
         s.carry = select3<F>(finished, zero, s.carry);
         s.sample = select(finished, I(0), s.sample);
@@ -309,10 +328,12 @@ PLUMB_INLINE std::uint64_t trace_paths(const PathArgs& in, const RayQuery& query
             const F seen = select(traced & !hit.found, one, open);  // open where no surface is
             s.radiance = vec3<F>{seen, seen, seen};
         } else {
-            s.radiance = s.radiance + light_met<F>(in, s, hit, v, traced);
+            vec3<F> found = light_met<F>(in, s, hit, v, traced);
             const mask_t<F> asks = at_surface & counted<F>(in, s.depth);
             if (in.lights.count > 0 && any(asks))
-                s.radiance = s.radiance + light_chosen<F>(in, s, v, u_light, choice.x, asks, tracer);
+                found = found + light_chosen<F>(in, s, v, u_light, choice.x, asks, tracer);
+            // Once a surface, whether the lane asked or its neighbour: to add 0 is to add what was carried.
+            add_compensated<F>(found, s.radiance, s.found_carry);
             goes_on = at_surface & scatter_path<F>(in, v, u_direction, choice, s);
         }
 

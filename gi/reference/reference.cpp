@@ -10,6 +10,7 @@
 #include "core/fp_environment.h"
 #include "core/host_math.h"
 #include "core/parallel.h"
+#include "gi/reference/path_args.h"
 #include "gi/reference/path_rows.h"
 #include "gi/reference/ray_query.h"
 
@@ -174,7 +175,8 @@ std::vector<Field> fields(PathParams& p) {
          "light reflected any number of times before it reaches the surface that is seen, never, once, or once and "
          "more; or the open share of the hemisphere",
          0, 4, {"all", "direct", "one_bounce", "indirect", "ambient_occlusion"}, false},
-        {"samples", &p.samples, "", "paths a pixel, rounded up to whole rounds", 1, 1 << 24, {}, false},
+        {"samples", &p.samples, "", "paths a pixel, rounded up to whole rounds", 1, 1 << 24, {}, false,
+         {SweepRange::Role::along, {4, 8, 16, 32, 64}, "until_error", "0"}},
         {"rounds", &p.rounds, "",
          "independent estimates that the samples are divided into, at least, if there are so many: fewer lie more "
          "evenly, but tell less of their error",
@@ -228,6 +230,26 @@ void check(const Scene& scene) {
     }
 }
 
+// Where the scene's origin is to be. Along an axis on which all of it lies farther from the world's origin than eight
+// times its size, coordinates are within a factor of two of each other: differences of theirs are exact (Sterbenz).
+glm::vec3 anchor_of(const Geometry& geometry) {
+    glm::vec3 low(0), high(0), anchor(0);
+    bounds(geometry, low, high);
+    const glm::dvec3 sides = glm::dvec3(high) - glm::dvec3(low);
+    const double size = std::max({sides.x, sides.y, sides.z});
+    for (int c = 0; c < 3; ++c) {
+        const double nearest = low[c] > 0 ? low[c] : high[c] < 0 ? -double(high[c]) : 0;
+        if (nearest > 8 * size) anchor[c] = low[c];
+    }
+    return anchor;
+}
+
+// The lamps of a scene that begins at an anchor.
+Scene with_lights_at(Scene scene, const glm::vec3& anchor) {
+    for (Light& l : scene.lights) l.position = glm::vec3(glm::dvec3(l.position) - glm::dvec3(anchor));
+    return scene;
+}
+
 // Lanes whose ray meets nothing read triangle 0: where there is none, one without area stands in.
 Scene with_a_triangle(Scene scene) {
     Mesh dot;
@@ -247,6 +269,8 @@ std::unique_ptr<PathScene> prepare(const Scene& scene, Rays rays) {
     Geometry geometry = flatten(scene);
     if (geometry.triangles.empty()) return prepare(with_a_triangle(scene), rays);
     auto s = std::make_unique<PathScene>();
+    s->anchor = anchor_of(geometry);
+    for (Vertex& v : geometry.vertices) v.position -= s->anchor;
     for (const Material& m : scene.materials) {
         s->any_glossy = s->any_glossy || m.specular != glm::vec3(0) || m.mirror != glm::vec3(0);
         s->reflection.insert(s->reflection.end(), {m.specular.x, m.specular.y, m.specular.z, m.exponent,  //
@@ -255,14 +279,43 @@ std::unique_ptr<PathScene> prepare(const Scene& scene, Rays rays) {
     s->geometry = std::move(geometry);
     s->surfaces = raster::prepare(scene, s->geometry);
     s->environment = environment_table(scene.environment);
-    s->lights = light_table(scene, s->geometry, s->surfaces, s->environment);
+    const bool moved = s->anchor != glm::vec3(0);
+    s->lights = light_table(moved ? with_lights_at(scene, s->anchor) : scene, s->geometry, s->surfaces, s->environment);
     s->rays = build_ray_query(s->geometry, s->surfaces, rays);
     return s;
 }
 
-Estimate trace(const PathParams& params, const PathScene& scene, const Camera& camera, glm::ivec2 size,
-               std::uint32_t seed, const RunOptions& options) {
-    FpEnvironment environment;
+namespace {
+
+void check_points(const PointInputs& points) {
+    if (!points.position || !points.normal) throw InputError("reference: position and normal must be bound");
+    const Image4 &p = *points.position, &n = *points.normal;
+    if (p.width != n.width || p.height != n.height)
+        throw InputError(fmt::format("reference: normal is {} x {}, position is {} x {}: expected equal sizes", n.width,
+                                     n.height, p.width, p.height));
+}
+
+// The largest coordinate of the world's, and the largest side of what lies in it, m.
+double world_extent(const PathScene& scene) {
+    glm::vec3 low(0), high(0);
+    bounds(scene.geometry, low, high);
+    double extent = 0, size = 0;
+    for (int c = 0; c < 3; ++c) {
+        const double a = double(scene.anchor[c]) + low[c], b = double(scene.anchor[c]) + high[c];
+        extent = std::max({extent, std::abs(a), std::abs(b)});
+        size = std::max(size, b - a);
+    }
+    if (size > 0 && extent * 0x1p-19 > size / 64)
+        throw InputError(fmt::format("reference: points up to {:.6g} m from the origin are known to {:.2g} m in a float, "
+                                     "in a scene of {:.6g} m: move the scene towards the origin",
+                                     extent, extent * 0x1p-19, size));
+    return extent;
+}
+
+}  // namespace
+
+PathArgs camera_args(const PathParams& params, const PathScene& scene, const Camera& camera, glm::ivec2 size,
+                     std::uint32_t seed) {
     validate(params, size);
     validate(camera);
     PathArgs args = args_of(params, scene, size.x, seed);
@@ -271,31 +324,47 @@ Estimate trace(const PathParams& params, const PathScene& scene, const Camera& c
     const CameraAxes a = axes(camera);
     const double top = host::tan(camera.fov_y_deg * (host::pi / 360)), right = top * size.x / size.y;
     for (int c = 0; c < 3; ++c) {
-        args.camera.eye[c] = float(camera.position[c]);
+        args.camera.eye[c] = float(camera.position[c] - double(scene.anchor[c]));
         args.camera.corner[c] = float(a.forward[c] - right * a.right[c] + top * a.up[c]);
         args.camera.across[c] = float(2 * right / size.x * a.right[c]);
         args.camera.down[c] = float(-2 * top / size.y * a.up[c]);
     }
-    return run_rounds(params, scene, args, size, 1, options);
+    return args;
+}
+
+Image4 anchored(const PathScene& scene, const PointInputs& points) {
+    Image4 moved = *points.position;
+    if (scene.anchor == glm::vec3(0)) return moved;
+    for (std::size_t i = 0; i < moved.size(); ++i)
+        if (glm::vec3(points.normal->texels[i]) != glm::vec3(0)) moved.texels[i] -= glm::vec4(scene.anchor, 0);
+    return moved;
+}
+
+PathArgs point_args(const PathParams& params, const PathScene& scene, const PointInputs& points, std::uint32_t seed) {
+    check_points(points);
+    const Image4 &p = *points.position, &n = *points.normal;
+    validate(params, {p.width, p.height});
+    PathArgs args = args_of(params, scene, p.width, seed);
+    args.position = &p.data()->x;
+    args.normal = &n.data()->x;
+    args.extent = float(world_extent(scene));
+    return args;
+}
+
+Estimate trace(const PathParams& params, const PathScene& scene, const Camera& camera, glm::ivec2 size,
+               std::uint32_t seed, const RunOptions& options) {
+    FpEnvironment environment;
+    return run_rounds(params, scene, camera_args(params, scene, camera, size, seed), size, 1, options);
 }
 
 Estimate trace_irradiance(const PathParams& params, const PathScene& scene, const PointInputs& points,
                           std::uint32_t seed, const RunOptions& options) {
     FpEnvironment environment;
-    if (!points.position || !points.normal) throw InputError("reference: position and normal must be bound");
-    const Image4 &p = *points.position, &n = *points.normal;
-    if (p.width != n.width || p.height != n.height)
-        throw InputError(fmt::format("reference: normal is {} x {}, position is {} x {}: expected equal sizes", n.width,
-                                     n.height, p.width, p.height));
-    validate(params, {p.width, p.height});
-    PathArgs args = args_of(params, scene, p.width, seed);
-    args.position = &p.data()->x;
-    args.normal = &n.data()->x;
-    glm::vec3 low(0), high(0);
-    bounds(scene.geometry, low, high);
-    for (int c = 0; c < 3; ++c) args.extent = std::max({args.extent, std::abs(low[c]), std::abs(high[c])});
+    check_points(points);
+    const Image4 position = anchored(scene, points);
+    const PathArgs args = point_args(params, scene, {&position, points.normal}, seed);
     const double scale = params.mode == Mode::ambient_occlusion ? 1 : host::pi;
-    return run_rounds(params, scene, args, {p.width, p.height}, scale, options);
+    return run_rounds(params, scene, args, {points.position->width, points.position->height}, scale, options);
 }
 
 StageInfo info() {

@@ -43,6 +43,7 @@ std::vector<Field> fields(PathParams& params);
 
 // A scene as rays need it. Holds pointers into itself: it is made once, in place, and does not move.
 struct PathScene {
+    glm::vec3 anchor{0};            // m: the point of the world that is the origin of all that follows
     Geometry geometry;
     raster::Surfaces surfaces;
     Buffer<float> reflection;       // [material][8]: specular, exponent; mirror, padding
@@ -56,7 +57,9 @@ struct PathScene {
     PathScene& operator=(const PathScene&) = delete;
 };
 
-// Throws InputError that names the material where reflectance + specular + mirror is above 1 in some channel.
+// A scene that lies farther from the origin than eight times its size is moved there, which rounds nothing: rays then keep
+// off its surfaces by a share of its own size (README.md, "Where a ray starts"). Throws InputError that names the material
+// where reflectance + specular + mirror is above 1 in some channel.
 std::unique_ptr<PathScene> prepare(const Scene& scene, Rays rays);
 
 // What a run found, one value a pixel or point.
@@ -75,7 +78,9 @@ Estimate trace(const PathParams& params, const PathScene& scene, const Camera& c
                std::uint32_t seed, const RunOptions& options);
 
 // Irradiance (ambient_occlusion: openness) at given points: the truth of the layers `direct` and `indirect`. Where the
-// normal is 0 there is no point, and the result is 0. Emission of the points' own surface is not part of it.
+// normal is 0 there is no point, and the result is 0. Emission of the points' own surface is not part of it. Throws
+// InputError where points as floats are not known well enough: where 2^-19 of the scene's largest coordinate, by which
+// their rays keep off surfaces, is more than 1/64 of its size.
 struct PointInputs {
     const Image4* position = nullptr;  // xyz world, m
     const Image4* normal = nullptr;    // xyz unit

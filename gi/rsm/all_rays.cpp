@@ -13,6 +13,7 @@
 #include "core/fp_environment.h"
 #include "core/host_math.h"
 #include "core/parallel.h"
+#include "gi/rsm/all_rays_data.h"
 #include "gi/rsm/all_rays_rows.h"
 
 namespace plumb::rsm {
@@ -78,22 +79,15 @@ std::uint32_t even_bits(std::uint32_t code) {
     return (code | code >> 8) & 0x0000ffff;
 }
 
-struct LitTexels {
-    Buffer<float> records;
-    std::vector<std::int32_t> map_ends, row_ends;
-    std::vector<std::int32_t> starts, firsts;
-
-    std::int32_t count() const { return std::int32_t(records.size() / record_stride); }
-    void push(const Texel& t) {
-        if (lit(t)) records.insert(records.end(), t.begin(), t.end());
-    }
-};
+void push(LitTexels& out, const Texel& t) {
+    if (lit(t)) out.records.insert(out.records.end(), t.begin(), t.end());
+}
 
 // Row by row, in the order in which gather_all() adds.
 void collect_rows(std::span<const raster::Rsm> maps, LitTexels& out) {
     for (const raster::Rsm& map : maps) {
         for (int y = 0; y < map.size; ++y) {
-            for (int x = 0; x < map.size; ++x) out.push(texel_of(map, std::size_t(y) * std::size_t(map.size) + x));
+            for (int x = 0; x < map.size; ++x) push(out, texel_of(map, std::size_t(y) * std::size_t(map.size) + x));
             out.row_ends.push_back(out.count());
         }
         out.map_ends.push_back(std::int32_t(out.row_ends.size()));
@@ -107,7 +101,7 @@ void collect_curve(std::span<const raster::Rsm> maps, LitTexels& out) {
         const std::uint64_t side = std::bit_ceil(unsigned(map.size));
         for (std::uint64_t code = 0; code < side * side; ++code) {
             const int x = int(even_bits(std::uint32_t(code))), y = int(even_bits(std::uint32_t(code >> 1)));
-            if (x < map.size && y < map.size) out.push(texel_of(map, std::size_t(y) * std::size_t(map.size) + x));
+            if (x < map.size && y < map.size) push(out, texel_of(map, std::size_t(y) * std::size_t(map.size) + x));
         }
     }
 }
@@ -137,15 +131,20 @@ void share_by_flux(std::uint64_t strata, LitTexels& out) {
     out.firsts.push_back(n - 1);
 }
 
-// Everything that a run or an explanation starts from.
-struct Prepared {
-    RaysReport report;
-    LitTexels texels;
-    AllRaysView view{};
-};
+// validate() of each map that is not left out.
+void validate_maps(const GatherParams& params, GatherInputs in, std::span<const raster::Rsm> maps) {
+    for (const raster::Rsm& map : maps) {
+        if (maps.size() > 1 && map.size == 0) continue;
+        in.rsm = &map;
+        validate(params, in);
+    }
+}
 
-Prepared prepare(const GatherParams& params, const GatherInputs& in, std::span<const raster::Rsm> maps) {
-    Prepared p;
+}  // namespace
+
+AllRaysData prepare_all_rays(const GatherParams& params, const GatherInputs& in, std::span<const raster::Rsm> maps) {
+    validate_maps(params, in, maps);
+    AllRaysData p;
     for (const glm::vec4& n : in.normal->texels) p.report.points += !(n.x == 0 && n.y == 0 && n.z == 0);
     for (const raster::Rsm& map : maps) {
         const std::size_t texels = std::size_t(map.size) * std::size_t(map.size);
@@ -175,21 +174,9 @@ Prepared prepare(const GatherParams& params, const GatherInputs& in, std::span<c
     return p;
 }
 
-// validate() of each map that is not left out.
-void validate_maps(const GatherParams& params, GatherInputs in, std::span<const raster::Rsm> maps) {
-    for (const raster::Rsm& map : maps) {
-        if (maps.size() > 1 && map.size == 0) continue;
-        in.rsm = &map;
-        validate(params, in);
-    }
-}
-
-}  // namespace
-
 void run_all_rays(const GatherParams& params, const GatherInputs& in, std::span<const raster::Rsm> maps,
                   const RunOptions& options, Image4& irradiance, RaysReport* report) {
-    validate_maps(params, in, maps);
-    Prepared p = prepare(params, in, maps);
+    AllRaysData p = prepare_all_rays(params, in, maps);
     const int width = in.position->width, height = in.position->height;
     irradiance = Image4(width, height);
     Image4 standard_error(width, height);
@@ -209,8 +196,7 @@ void run_all_rays(const GatherParams& params, const GatherInputs& in, std::span<
 
 std::vector<TapValue> explain_all_rays(const GatherParams& params, const GatherInputs& in,
                                        std::span<const raster::Rsm> maps, glm::ivec2 pixel) {
-    validate_maps(params, in, maps);
-    const Prepared p = prepare(params, in, maps);
+    const AllRaysData p = prepare_all_rays(params, in, maps);
     FpEnvironment environment;
     Recorder recorder;
     ShadowRays<float> rays(*in.rays, in.offsets);

@@ -120,6 +120,26 @@ struct SubsetEstimate {
     vec3<F> irradiance, standard_error;  // W/m2
 };
 
+// The standard error of the mean E of the estimates E_r: sqrt(sum (E_r - E)^2 / (R (R - 1))). Deviations are those from
+// the first one, less their mean: estimates that are all the same have none, though their mean may round. They are
+// divided by the largest, so that no square leaves the range of a float.
+template <class F>
+PLUMB_INLINE F standard_error_of_mean(const F (&estimates)[replicates]) {
+    F deviations[replicates], mean(0.0f), largest(0.0f), squares(0.0f);
+    for (int r = 0; r < replicates; ++r) {
+        deviations[r] = estimates[r] - estimates[0];
+        mean += deviations[r];
+    }
+    mean = mean * F(1.0f / replicates);
+    for (F& d : deviations) {
+        d = d - mean;
+        largest = max(largest, abs(d));
+    }
+    const F scale = select(largest > F(0.0f), largest, F(1.0f));
+    for (const F& d : deviations) squares += (d / scale) * (d / scale);
+    return scale * sqrt(squares * F(1.0f / (replicates * (replicates - 1))));
+}
+
 // A subset: in each of `replicates` independent estimates one texel a stratum, with probability in proportion to its
 // share of [0, 2^31). A texel of share s counts 2^31 / (s strata) times, so the mean is the complete sum; the standard
 // error is that of the mean of the replicates.
@@ -133,7 +153,8 @@ PLUMB_INLINE SubsetEstimate<F> gather_subset(const AllRaysView& in, index_t<F> p
     if (!any(at.wanted)) return {zero, zero};
     const int strata = 1 << in.strata_log2;
     const F per_share(0x1p31f / float(strata));
-    vec3<F> estimates[replicates], mean = zero;
+    F estimates[3][replicates];
+    vec3<F> mean = zero;
     for (int r = 0; r < replicates; ++r) {
         vec3<F> sum = zero;
         for (int k = 0; k < strata; ++k) {
@@ -150,23 +171,16 @@ PLUMB_INLINE SubsetEstimate<F> gather_subset(const AllRaysView& in, index_t<F> p
             sum.y += flux.y * g;
             sum.z += flux.z * g;                                  tap("sum", sum, "of this replicate: weight Phi_p form, W/m2");
         }
-        estimates[r] = sum * F(in.scale);
-        mean.x += estimates[r].x;
-        mean.y += estimates[r].y;
-        mean.z += estimates[r].z;
+        const vec3<F> estimate = sum * F(in.scale);
+        estimates[0][r] = estimate.x, estimates[1][r] = estimate.y, estimates[2][r] = estimate.z;
+        mean.x += estimate.x;
+        mean.y += estimate.y;
+        mean.z += estimate.z;
     }
     tap.sample(-1);
     mean = mean * F(1.0f / replicates);
-
-    vec3<F> squares = zero;
-    for (const vec3<F>& estimate : estimates) {
-        const vec3<F> d = estimate - mean;
-        squares.x += d.x * d.x;
-        squares.y += d.y * d.y;
-        squares.z += d.z * d.z;
-    }
-    const F of_mean(1.0f / (replicates * (replicates - 1)));
-    const vec3<F> error{sqrt(squares.x * of_mean), sqrt(squares.y * of_mean), sqrt(squares.z * of_mean)};
+    const vec3<F> error{standard_error_of_mean<F>(estimates[0]), standard_error_of_mean<F>(estimates[1]),
+                        standard_error_of_mean<F>(estimates[2])};
     tap("standard_error", error, "sqrt(sum (E_r - E)^2 / (R (R - 1))), W/m2");
     tap("irradiance", mean, "E, mean of the replicates, W/m2");
     return {mean, error};

@@ -18,27 +18,38 @@
 namespace plumb::rsm {
 
 std::vector<Field> fields(GatherParams& p) {
+    // `plumb sweep` draws a curve for each gather, and further ones of the disc for what changes its bias.
+    using enum SweepRange::Role;
+    auto disc = [](SweepRange::Role role, std::vector<double> values) {
+        return SweepRange{role, std::move(values), "gather", "disc"};
+    };
+    auto all_rays = [](std::vector<double> values) {
+        return SweepRange{along, std::move(values), "gather", "all_rays"};
+    };
     return {
         {"gather", as_int(p.gather), "", "which texels of the map are gathered; all_rays: each with a shadow ray",
-         0, 2, {"disc", "all", "all_rays"}, false},
+         0, 2, {"disc", "all", "all_rays"}, false, {curves, {0, 1, 2}, "", ""}},
         {"variant", as_int(p.variant), "",
          "corrected, or the weights and constants as printed: xi1^2 and no 1/pi (LRA 4.3.3, VRSM (3.2))", 0, 1,
-         {"corrected", "published"}, false},
-        {"samples", &p.samples, "", "samples of the disc: VRSM names 400, LRA 200", 1, 65536, {}, true},
-        {"radius", &p.radius, "map sides", "radius of the disc; 0.3 is ours", 1e-6, 16, {}, false},
+         {"corrected", "published"}, false, disc(curves, {0, 1})},
+        {"samples", &p.samples, "", "samples of the disc: VRSM names 400, LRA 200", 1, 65536, {}, true,
+         disc(along, {25, 50, 100, 200, 400, 800})},
+        {"radius", &p.radius, "map sides", "radius of the disc; 0.3 is ours", 1e-6, 16, {}, false,
+         disc(curves, {0.15, 0.3, 0.6})},
         {"rotations", &p.rotations, "", "rotations of the pattern, chosen per pixel by hash; a power of two, 1 = none", 1,
-         4096, {}, true},
-        {"sequence", as_int(p.sequence), "", "where xi1 and xi2 come from", 0, 2, {"hammersley", "r2", "random"}, false},
+         4096, {}, true, disc(curves, {1, 64})},
+        {"sequence", as_int(p.sequence), "", "where xi1 and xi2 come from", 0, 2, {"hammersley", "r2", "random"}, false,
+         disc(curves, {})},
         {"projection", as_int(p.projection), "",
          "plain, or clamped to the map, so that points outside it gather from its border (ours)", 0, 1,
          {"plain", "clamped"}, false},
         {"min_distance", &p.min_distance, "m", "floor of |x - x_p|; 0 is off", 0, unbounded, {}, true},
         {"rays", as_int(p.rays), "",
          "all_rays: exact, the same bits on every processor, or native, the ray tracer's own test", 0, 1,
-         {"exact", "native"}, false},
+         {"exact", "native"}, false, all_rays({})},
         {"max_rays", &p.max_rays, "rays",
          "all_rays: above it a light asks a subset of its texels, at least 16 a pixel; 0 is no limit (ours)", 0,
-         unbounded, {}, false},
+         unbounded, {}, false, all_rays({1e6, 4e6, 1.6e7, 6.4e7})},
     };
 }
 
@@ -61,6 +72,9 @@ void validate(const GatherParams& params, const GatherInputs& in) {
                         in.normal->height, in.position->width, in.position->height));
     require(in.rsm->size >= 1 && in.rsm->size <= 32767,
             fmt::format("the map's side is {} texels: expected 1 to 32767", in.rsm->size));
+    const bool depth_alone = in.rsm->flux.empty() && in.rsm->records.empty() && in.rsm->half_records.empty();
+    require(!depth_alone, "the map was drawn for its depth alone: it holds no flux");
+    require(!in.tiles || in.tiles->fits({in.position->width, in.position->height}), "tiles are of another size");
     require(params.gather != Gather::all_rays || in.rays, "rays must be bound");
     if (params.gather != Gather::disc) return;
     require(in.pattern != nullptr, "pattern must be bound");
@@ -141,7 +155,9 @@ void run(const GatherParams& params, const GatherInputs& in, const RunOptions& o
     const int band = params.gather == Gather::all ? 1 : 16;
     auto shade = [&](auto view, auto rows) {
         view.irradiance = &irradiance.data()->x;
-        parallel_bands(irradiance.height, band, options, [&](int first, int last) { rows(view, first, last); });
+        parallel_bands(irradiance.height, band, options, [&](int first, int last) {
+            rows(view, first, last, in.tiles ? in.tiles->row(first) : nullptr);
+        });
     };
     dispatch(options.isa, [&](auto isa) {
         if (params.gather == Gather::all) {

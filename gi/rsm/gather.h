@@ -13,6 +13,7 @@
 #include "core/stage.h"
 #include "core/tap.h"
 #include "gi/rsm/shadow_rays.h"
+#include "raster/covered.h"
 #include "raster/rsm.h"
 
 namespace plumb::rsm {
@@ -56,6 +57,7 @@ struct GatherInputs {
     std::uint32_t seed = 1;            // of the choice of rotation, or of a subset
     const RayQuery* rays = nullptr;    // all_rays only
     RayOffsets offsets = {};           // all_rays only: ray_offsets(), all_rays.h
+    const raster::Covered* tiles = nullptr;  // disc, all: the others keep irradiance 0; null: all are shaded
 };
 
 // What all_rays reports of a run beside its irradiance.

@@ -7,20 +7,23 @@ using F = PLUMB_ISA::Real;
 using I = index_t<F>;
 
 template <>
-void GatherRows<Isa::PLUMB_ISA, float>::disc(const GatherInputsView<float>& in, int first, int last) {
-    shade_rows(in.u.width, first, last, in.irradiance, 0.0f,
+void GatherRows<Isa::PLUMB_ISA, float>::disc(const GatherInputsView<float>& in, int first, int last,
+                                             const std::uint8_t* tiles) {
+    shade_rows(in.u.width, first, last, tiles, in.irradiance, 0.0f,
                [&](I px, I py, NoTap& tap) { return gather_disc<F>(in, px, py, tap); });
 }
 
 template <>
-void GatherRows<Isa::PLUMB_ISA, Half>::disc(const GatherInputsView<Half>& in, int first, int last) {
-    shade_rows(in.u.width, first, last, in.irradiance, 0.0f,
+void GatherRows<Isa::PLUMB_ISA, Half>::disc(const GatherInputsView<Half>& in, int first, int last,
+                                            const std::uint8_t* tiles) {
+    shade_rows(in.u.width, first, last, tiles, in.irradiance, 0.0f,
                [&](I px, I py, NoTap& tap) { return gather_disc<F>(in, px, py, tap); });
 }
 
 template <>
-void GatherRows<Isa::PLUMB_ISA, float>::all(const GatherInputsView<float>& in, int first, int last) {
-    shade_rows(in.u.width, first, last, in.irradiance, 0.0f,
+void GatherRows<Isa::PLUMB_ISA, float>::all(const GatherInputsView<float>& in, int first, int last,
+                                            const std::uint8_t* tiles) {
+    shade_rows(in.u.width, first, last, tiles, in.irradiance, 0.0f,
                [&](I px, I py, NoTap& tap) { return gather_all<F>(in, px, py, tap); });
 }
 

@@ -8,8 +8,10 @@ namespace plumb::rsm {
 
 template <Isa isa, class Component>
 struct GatherRows {
-    static void disc(const GatherInputsView<Component>& in, int first, int last);
-    static void all(const GatherInputsView<Component>& in, int first, int last);  // float only
+    // tiles: which columns to shade, as shade_rows() takes them (gi/shade_rows.h).
+    static void disc(const GatherInputsView<Component>& in, int first, int last, const std::uint8_t* tiles = nullptr);
+    static void all(const GatherInputsView<Component>& in, int first, int last,
+                    const std::uint8_t* tiles = nullptr);  // float only
 };
 
 }  // namespace plumb::rsm

@@ -9,6 +9,7 @@
 #include "core/hash.h"
 #include "core/host_math.h"
 #include "gi/rsm/all_rays.h"
+#include "gi/rsm/all_rays_kernel.h"
 #include "raster/gbuffer.h"
 #include "raster/light_view.h"
 #include "rsm_scenes.h"
@@ -407,6 +408,25 @@ TEST_CASE("rsm.all_rays: a subset's mean is the complete sum, and its standard e
         CHECK(double(within_3) / n > 0.98);
         CHECK(double(within_3) / n < 0.999);
     }
+}
+
+TEST_CASE("rsm.all_rays: a standard error keeps its digits whatever the estimates' size and however near they are",
+          "[rsm][all_rays][extreme]") {
+    // 1 to 16: a variance of 136 / 6 for 16 numbers, over 16 of them (n (n + 1) / 12 for 1 to n).
+    float ramp[rsm::replicates], scaled[rsm::replicates], same[rsm::replicates], near[rsm::replicates];
+    const double expected = std::sqrt(16.0 * 17.0 / 12 / 16);
+    for (int r = 0; r < rsm::replicates; ++r) ramp[r] = float(r + 1), same[r] = 0.1f, near[r] = 1 + float(r) * 0x1p-23f;
+    CHECK(rsm::standard_error_of_mean<float>(ramp) == Approx(expected).epsilon(1e-6));
+    // Squares of these would overflow, or vanish. Powers of two change no bit.
+    for (const float by : {0x1p100f, 0x1p-100f}) {
+        for (int r = 0; r < rsm::replicates; ++r) scaled[r] = ramp[r] * by;
+        CHECK(rsm::standard_error_of_mean<float>(scaled) == rsm::standard_error_of_mean<float>(ramp) * by);
+    }
+    // The sum of 16 tenths rounds, and so does their mean; they do not differ.
+    CHECK(rsm::standard_error_of_mean<float>(same) == 0);
+    CHECK(rsm::standard_error_of_mean<float>(near) == Approx(expected * 0x1p-23).epsilon(1e-6));
+    ramp[3] = NAN;
+    CHECK(std::isnan(rsm::standard_error_of_mean<float>(ramp)));
 }
 
 TEST_CASE("rsm.all_rays: more texels err less, and flux decides which", "[rsm][all_rays]") {

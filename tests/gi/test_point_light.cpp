@@ -342,7 +342,8 @@ TEST_CASE("point light: a lamp outside of the scene leaves out the faces that lo
     int rows = 0;
     for (const frame::PlannedStage& s : plan.stages)
         if (s.label == "rsm (lamp)") {
-            CHECK(s.reason == "shadow and gather read it; 6 faces");
+            CHECK(s.reason == "shadow and gather read it; 6 faces; 5 left out: each sees nothing");
+            CHECK(plan.maps.at(1).faces == 1u << 3);
             ++rows;
         }
     CHECK(rows == 1);

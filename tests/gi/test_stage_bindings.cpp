@@ -424,7 +424,7 @@ TEST_CASE("frame_data: a light that is off sends nothing, and has dispatches onl
     const Dispatches pruned(scene), whole(scene, false);
     CHECK(pruned.ids("rsm").size() == 5);
     CHECK(pruned.ids("shadow").size() == 5);
-    CHECK(whole.ids("shadow").size() == 6);
+    CHECK(whole.ids("shadow").size() == 7);  // the face that sees nothing, too
     const StageBinding& rsm = parity::find_binding("rsm", "test");
     CHECK(uniform_value(rsm, whole.at("rsm.spot"), "light.intensity") == std::vector<double>{0, 0, 0});
     CHECK(uniform_value(rsm, whole.at("rsm.lamp.ny"), "light.intensity")[0] == scene.lights[0].intensity.x);

@@ -28,9 +28,15 @@ constexpr float not_a_number = std::numeric_limits<float>::quiet_NaN();
 constexpr float infinite = std::numeric_limits<float>::infinity();
 constexpr int side = 20;
 
+// A stage that is judged alone: nothing of it is followed or explained.
+struct JudgedStage : BoundStage {
+    void follow(glm::ivec2, DecisionTape&, std::vector<Followed>&) const override { FAIL("nobody follows it"); }
+    std::vector<TapValue> explain(glm::ivec2, const DeviceProfile&) const override { return {}; }
+};
+
 // Writes 1 everywhere, legally 1 +- 0.01; in column 1 also 2 +- 0.01, and in column 2 also 3 +- 0.01, which is
 // ambiguous; in column 3 nothing is known; column 4 is not written; column 5 follows a choice.
-class KnownStage final : public BoundStage {
+class KnownStage final : public JudgedStage {
   public:
     void run(const RunOptions&, const DeviceProfile&, Bundle& outputs) const override {
         const std::vector<float> ones(side * side, 1.0f);
@@ -47,7 +53,6 @@ class KnownStage final : public BoundStage {
         if (pixel.x == 1) out.push_back({{{2, 0.01}}, false});
         if (pixel.x == 2) out.push_back({{{3, 0.01}}, true});
     }
-    std::vector<TapValue> explain(glm::ivec2, const DeviceProfile&) const override { return {}; }
 };
 
 StageBinding known_binding() {
@@ -133,7 +138,7 @@ TEST_CASE("verdict: NaN and infinity are wrong, wherever they stand", "[verdict]
 TEST_CASE("verdict: a sign of zero is a differing bit within the bound", "[verdict]") {
     StageBinding b = known_binding();
     b.bind = [](const StageData&) -> std::unique_ptr<BoundStage> {
-        struct Zero final : BoundStage {
+        struct Zero final : JudgedStage {
             void run(const RunOptions&, const DeviceProfile&, Bundle& outputs) const override {
                 add(outputs, "value", DType::f32, {1, 1});
             }
@@ -141,7 +146,6 @@ TEST_CASE("verdict: a sign of zero is a differing bit within the bound", "[verdi
                           std::vector<Outcome>& out) const override {
                 out.push_back({{{0, 0}}, false});
             }
-            std::vector<TapValue> explain(glm::ivec2, const DeviceProfile&) const override { return {}; }
         };
         return std::make_unique<Zero>();
     };
@@ -157,7 +161,7 @@ TEST_CASE("verdict: a sign of zero is a differing bit within the bound", "[verdi
 TEST_CASE("verdict: what differs is named where no difference is allowed", "[verdict]") {
     StageBinding b = known_binding();
     b.bind = [](const StageData&) -> std::unique_ptr<BoundStage> {
-        struct Exact final : BoundStage {
+        struct Exact final : JudgedStage {
             void run(const RunOptions&, const DeviceProfile&, Bundle& outputs) const override {
                 const float one = 1;
                 add(outputs, "value", {1, 1}, &one);
@@ -166,7 +170,6 @@ TEST_CASE("verdict: what differs is named where no difference is allowed", "[ver
                           std::vector<Outcome>& out) const override {
                 out.push_back({{{1, 0}}, false});
             }
-            std::vector<TapValue> explain(glm::ivec2, const DeviceProfile&) const override { return {}; }
         };
         return std::make_unique<Exact>();
     };
@@ -199,14 +202,13 @@ TEST_CASE("verdict: too many ambiguous pixels decide nothing", "[verdict]") {
 TEST_CASE("verdict: a dispatch that writes nothing is said to decide nothing", "[verdict]") {
     StageBinding b = known_binding();
     b.bind = [](const StageData&) -> std::unique_ptr<BoundStage> {
-        struct Silent final : BoundStage {
+        struct Silent final : JudgedStage {
             void run(const RunOptions&, const DeviceProfile&, Bundle& outputs) const override {
                 add(outputs, "value", DType::f32, {1, 1});
             }
             bool writes(glm::ivec2) const override { return false; }
             void outcomes(glm::ivec2, const DeviceProfile&, std::span<const float>, std::span<const std::int32_t>,
                           std::vector<Outcome>&) const override {}
-            std::vector<TapValue> explain(glm::ivec2, const DeviceProfile&) const override { return {}; }
         };
         return std::make_unique<Silent>();
     };
@@ -246,7 +248,7 @@ namespace {
 
 // Writes (0.3, 0.6, 0.1, 0.7) everywhere, legally +- 1e-6.
 constexpr float written[4] = {0.3f, 0.6f, 0.1f, 0.7f};
-struct ColourStage final : BoundStage {
+struct ColourStage final : JudgedStage {
     void run(const RunOptions&, const DeviceProfile&, Bundle& outputs) const override {
         add(outputs, "colour", {1, 1, 4}, written);
     }
@@ -256,7 +258,6 @@ struct ColourStage final : BoundStage {
         for (const float x : written) o.values.push_back({x, 1e-6});
         out.push_back(o);
     }
-    std::vector<TapValue> explain(glm::ivec2, const DeviceProfile&) const override { return {}; }
 };
 
 Verdict judge_colour(const glm::vec4& got, Format stored, const DeviceProfile& profile = {}) {

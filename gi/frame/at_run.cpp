@@ -1,0 +1,50 @@
+#include "gi/frame/at_run.h"
+
+#include <fmt/format.h>
+
+namespace plumb::frame {
+
+namespace {
+
+Work work_of(const PlannedStage& stage, const char* part = "") {
+    return {is_gather(stage.name) ? "gather" : stage.layer.empty() ? stage.name : stage.layer, part, stage.light};
+}
+
+Seen seen_by(const Frame& frame, const PlannedStage& stage) {
+    Seen seen{frame.gbuffer, {}};
+    if (stage.light >= 0) seen.maps = frame.rsms[std::size_t(stage.light)];
+    return seen;
+}
+
+}  // namespace
+
+bool left_out_at_run(const Plan& plan, const Frame& frame, const PlannedStage& stage, StageRun& run) {
+    const Rule* rule = left_out_by(plan.at_run, seen_by(frame, stage), work_of(stage));
+    if (!rule) return false;
+    run.needed = false;
+    run.rule = rule->name, run.reason = rule->reason;
+    run.saved_ms += stage.expected_ms;
+    return true;
+}
+
+raster::Covered tiles_to_shade(const Plan& plan, const Frame& frame, const PlannedStage& stage, StageRun& run) {
+    const Seen seen = seen_by(frame, stage);
+    raster::Covered tiles = seen.gbuffer.covered;
+    Work work = work_of(stage, "tile");
+    const Rule* by = nullptr;
+    std::size_t left_out = 0;
+    for (std::size_t i = 0; i < tiles.any.size(); ++i) {
+        work.index = int(i);
+        const Rule* rule = left_out_by(plan.at_run, seen, work);
+        tiles.any[i] = !rule;
+        if (rule) by = rule, ++left_out;
+    }
+    if (!by) return {};
+    const std::string reason = fmt::format("{} of {} tiles left out: each {}", left_out, tiles.any.size(), by->reason);
+    const double saved_ms = stage.expected_ms * double(left_out) / double(tiles.any.size());
+    run.parts.push_back({by->name, reason, saved_ms});
+    run.saved_ms += saved_ms;
+    return tiles;
+}
+
+}  // namespace plumb::frame

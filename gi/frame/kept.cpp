@@ -1,0 +1,44 @@
+#include "gi/frame/kept.h"
+
+#include "core/content_hasher.h"
+#include "gi/frame/kept_memory.h"
+
+namespace plumb::frame {
+
+namespace {
+
+template <class... T>
+std::uint64_t hash_of(const T&... values) {
+    ContentHasher h;
+    h.add(values...);
+    return h.hash;
+}
+
+// True where `key` is another than before, or nobody knows.
+bool changed(std::optional<std::uint64_t>& before, const SceneKeys* keys, std::uint64_t key) {
+    const bool same = keys && before == key;
+    before = keys ? std::optional(key) : std::nullopt;
+    return !same;
+}
+
+}  // namespace
+
+KeptStages::KeptStages(KeysOf keys) : memory_(std::make_unique<KeptMemory>()), other_keys_(std::move(keys)) {}
+KeptStages::~KeptStages() = default;
+
+void World::update(const Scene& scene, const Settings& settings, const SceneKeys* keys) {
+    const SceneKeys k = keys ? *keys : SceneKeys{};
+    const bool moved = changed(geometry_key, keys, k.geometry);
+    if (moved) {
+        geometry = flatten(scene);
+        low = high = glm::vec3(0);
+        bounds(geometry, low, high);
+    }
+    const bool repainted = changed(surfaces_key, keys, hash_of(k.surfaces, k.emission, geometry.tangents.empty()));
+    if (repainted) surfaces = raster::prepare(scene, geometry);
+    if (moved || repainted || kind != settings.rsm.rays) rays.reset();
+    if (changed(paths_key, keys, k.paths) || paths_kind != settings.reference.rays) paths = {};
+    kind = settings.rsm.rays, paths_kind = settings.reference.rays;
+}
+
+}  // namespace plumb::frame

@@ -1,0 +1,45 @@
+// What execute() holds from one frame to the next. Private to gi/frame.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "gi/frame/frame.h"
+#include "gi/frame/keys.h"
+#include "raster/workspace.h"
+
+namespace plumb::frame {
+
+// The scene as stages read it, each part made anew where its key changes.
+struct World {
+    Geometry geometry;
+    glm::vec3 low{0}, high{0};       // bounds
+    raster::Surfaces surfaces;
+    std::unique_ptr<RayQuery> rays;  // built for the first stage that traces
+    PathScenes paths;
+    std::optional<std::uint64_t> geometry_key, surfaces_key, paths_key;
+    Rays kind = Rays::exact, paths_kind = Rays::exact;  // of `rays` and `paths`
+
+    // keys: null where nothing is to be reused. After an exception nothing is.
+    void update(const Scene& scene, const Settings& settings, const SceneKeys* keys);
+};
+
+// A place in the frame: the key of what lies in it, and how that was made.
+struct Made {
+    std::uint64_t key = 0;
+    StageRun run;
+};
+
+struct KeptMemory {
+    World world;
+    raster::Workspace workspace;
+    Frame frame;
+    std::map<std::string, Made> made;                  // by place; empty: `frame` holds nothing to rely on
+    std::vector<Image4> irradiance, irradiance_error;  // [lights]: what each gather adds to the frame's
+};
+
+}  // namespace plumb::frame

@@ -1,0 +1,191 @@
+#include "gi/frame/rules.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "gi/rsm/all_rays.h"
+#include "raster/light_view.h"
+
+namespace plumb::frame {
+
+namespace {
+
+const Light& light_of(const Known& known, const Work& work) {
+    return known.scene.lights[std::size_t(work.light)];
+}
+
+bool any_lit(const Known& known, const Light& light, const std::vector<Box>& boxes) {
+    return std::any_of(boxes.begin(), boxes.end(),
+                       [&](const Box& box) { return may_light(light, grown(box, known.slack)); });
+}
+
+// ---- what the plan knows ----------------------------------------------------------------------------------------------
+
+bool scene_empty(const Known& known, const Work&) { return known.empty; }
+
+bool light_off(const Known& known, const Work& work) { return known.tame && !light_of(known, work).on; }
+
+bool light_black(const Known& known, const Work& work) {
+    return known.tame && light_of(known, work).intensity == glm::vec3(0);
+}
+
+bool light_misses(const Known& known, const Work& work) {
+    return known.tame && !any_lit(known, light_of(known, work), known.drawn);
+}
+
+bool no_light(const Known& known, const Work&) {
+    return known.tame && std::find(known.shines.begin(), known.shines.end(), true) == known.shines.end();
+}
+
+// The path tracer reads the scene itself.
+bool paths_instead(const Known& known, const Work&) { return known.settings.method == Method::reference; }
+
+bool camera_blind(const Known& known, const Work&) {
+    return known.tame && std::none_of(known.drawn.begin(), known.drawn.end(),
+                                      [&](const Box& box) { return may_see(known.scene, box); });
+}
+
+bool nothing_reflects(const Known& known, const Work&) { return known.tame && known.reflecting.empty(); }
+
+bool reflectors_missed(const Known& known, const Work& work) {
+    return known.tame && !any_lit(known, light_of(known, work), known.reflecting);
+}
+
+bool no_albedo(const Known& known, const Work&) { return known.reflecting.empty(); }
+
+bool no_emission(const Known& known, const Work&) { return !known.emits; }
+
+// plan() asks it of the maps that no gather of its own reads.
+bool light_unread(const Known& known, const Work& work) {
+    return known.settings.method != Method::rsm || nothing_reflects(known, work) || reflectors_missed(known, work);
+}
+
+// Where nothing is drawn the corrected shadow test finds every point lit, as it does without the face. The test as it is
+// printed does not.
+bool face_blind(const Known& known, const Work& work) {
+    const Light& light = light_of(known, work);
+    if (light.type != LightType::point || known.settings.shadow.variant == direct::ShadowVariant::published) return false;
+    const View face = raster::light_views(light, known.low, known.high)[std::size_t(work.index)];
+    return known.tame && std::none_of(known.drawn.begin(), known.drawn.end(), [&](const Box& box) {
+        return raster::may_see(face, glm::vec3(box.low), glm::vec3(box.high));
+    });
+}
+
+// ---- what only the run sees -------------------------------------------------------------------------------------------
+
+bool nothing_covered(const Seen& seen, const Work&) {
+    const Buffer<std::uint8_t>& any = seen.gbuffer.covered.any;
+    return !any.empty() && std::find(any.begin(), any.end(), 1) == any.end();
+}
+
+bool map_dark(const Seen& seen, const Work&) {
+    return std::all_of(seen.maps.begin(), seen.maps.end(),
+                       [](const raster::Rsm& map) { return map.size == 0 || map.largest_flux == 0; });
+}
+
+// Without a normal no cosine is above 0; but nothing times an infinite flux is not 0.
+bool tile_empty(const Seen& seen, const Work& work) {
+    const bool finite = work.stage != "gather" || std::all_of(seen.maps.begin(), seen.maps.end(), [](const raster::Rsm& map) {
+        return map.size == 0 || map.largest_flux <= std::numeric_limits<float>::max();
+    });
+    return finite && seen.gbuffer.covered.any[std::size_t(work.index)] == 0;
+}
+
+bool fits(float coordinate) { return std::abs(coordinate) <= 1e15f; }
+bool fits(const glm::vec3& v) { return fits(v.x) && fits(v.y) && fits(v.z); }
+
+// The bounds of each mesh's triangles of each material.
+std::map<std::pair<std::int32_t, std::int32_t>, Box> boxes_of(const Geometry& geometry) {
+    std::map<std::pair<std::int32_t, std::int32_t>, Box> boxes;
+    const std::size_t count = geometry.triangles.size();
+    for (std::size_t first = 0, end = 0; first < count; first = end) {
+        // Neighbours mostly have the same.
+        const std::pair key(geometry.object[first], geometry.material[first]);
+        glm::vec3 low = geometry.vertices[geometry.triangles[first].x].position, high = low;
+        for (end = first; end < count && std::pair(geometry.object[end], geometry.material[end]) == key; ++end)
+            for (int k = 0; k < 3; ++k) {
+                const glm::vec3& p = geometry.vertices[geometry.triangles[end][k]].position;
+                for (int c = 0; c < 3; ++c) low[c] = std::min(low[c], p[c]), high[c] = std::max(high[c], p[c]);
+            }
+        const auto [at, is_new] = boxes.try_emplace(key, Box{glm::dvec3(low), glm::dvec3(high)});
+        if (is_new) continue;
+        Box& box = at->second;
+        box.low = glm::min(box.low, glm::dvec3(low)), box.high = glm::max(box.high, glm::dvec3(high));
+    }
+    return boxes;
+}
+
+const Material& material_of(const Scene& scene, std::int32_t index) {
+    static const Material unknown;  // prepare() of raster/surfaces.h will say so
+    return index >= 0 && index < int(scene.materials.size()) ? scene.materials[std::size_t(index)] : unknown;
+}
+
+}  // namespace
+
+bool Rule::speaks_of(const Work& work) const {
+    return part == work.part && std::find(stages.begin(), stages.end(), work.stage) != stages.end();
+}
+
+const std::vector<Rule>& rules() {
+    static const std::vector<std::string> of_light = {"rsm", "shadow", "gather"};
+    static const std::vector<std::string> of_view = {"gbuffer", "rsm",          "shadow",        "gather",
+                                                     "direct",  "truth.direct", "truth.indirect"};
+    static const std::vector<std::string> of_screen = {"rsm", "shadow", "gather", "direct"};
+    static const std::vector<Rule> all = {
+        {"scene-empty", of_view, "", "the scene is empty", scene_empty},
+        {"light-off", of_light, "", "the light is off", light_off},
+        {"light-black", of_light, "", "the light is black", light_black},
+        {"light-misses", of_light, "", "the light misses everything that is drawn", light_misses},
+        {"paths-instead", {"rsm", "shadow", "direct", "compose"}, "", "paths are traced instead", paths_instead},
+        {"camera-blind", of_view, "", "the camera sees nothing of the scene", camera_blind},
+        {"no-light", {"direct", "truth.direct", "truth.indirect"}, "", "no light shines on the scene", no_light},
+        {"nothing-reflects", {"gather", "truth.indirect"}, "", "nothing reflects", nothing_reflects},
+        {"reflectors-missed", {"gather"}, "", "nothing that the light may meet reflects", reflectors_missed},
+        {"no-albedo", {"gbuffer"}, "albedo", "no albedo: nothing reflects", no_albedo},
+        {"no-emission", {"gbuffer"}, "emission", "no emission: nothing emits", no_emission},
+        {"depth-alone", {"rsm"}, "light", "depth alone: no gather reads the light", light_unread},
+        {"face-blind", {"rsm"}, "face", "sees nothing", face_blind},
+        {"nothing-covered", of_screen, "", "no pixel sees a surface", nullptr, nothing_covered},
+        {"map-dark", {"gather"}, "", "the light's map holds no flux", nullptr, map_dark},
+        {"tile-empty", {"shadow", "gather", "direct"}, "tile", "sees no surface", nullptr, tile_empty},
+    };
+    return all;
+}
+
+const Rule* left_out_by(const std::vector<Rule>& rules, const Known& known, const Work& work) {
+    for (const Rule& rule : rules)
+        if (rule.holds && rule.speaks_of(work) && rule.holds(known, work)) return &rule;
+    return nullptr;
+}
+
+const Rule* left_out_by(const std::vector<Rule>& rules, const Seen& seen, const Work& work) {
+    for (const Rule& rule : rules)
+        if (rule.seen && rule.speaks_of(work) && rule.seen(seen, work)) return &rule;
+    return nullptr;
+}
+
+Known known_of(const Scene& scene, const Settings& settings, const Geometry& geometry) {
+    Known known{scene, settings, geometry};
+    known.empty = !bounds(geometry, known.low, known.high);
+    known.tame = fits(known.low) && fits(known.high) && fits(glm::vec3(scene.camera.position));
+    for (const Light& light : scene.lights) known.tame = known.tame && fits(light.position);
+    for (const auto& [key, box] : boxes_of(geometry)) {
+        const Material& material = material_of(scene, key.second);
+        known.drawn.push_back(box);
+        if (material.reflectance != glm::vec3(0)) known.reflecting.push_back(box);
+        known.emits = known.emits || material.emission != glm::vec3(0);
+    }
+    const glm::ivec2 size = scene.frame_size;
+    const View view = make_view(scene.camera, double(size.x) / size.y, scene.convention, size);
+    known.slack = 2.0 * rsm::ray_offsets(settings.layout, known.low, known.high, view, size).receiver;
+    known.tame = known.tame && known.slack < 1e15;
+    for (int l = 0; l < int(scene.lights.size()); ++l) {
+        const Work work{"shadow", "", l};
+        known.shines.push_back(!light_off(known, work) && !light_black(known, work) && !light_misses(known, work));
+    }
+    return known;
+}
+
+}  // namespace plumb::frame

@@ -1,0 +1,195 @@
+#include "gi/frame/run_stage.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/hash.h"
+#include "gi/frame/at_run.h"
+#include "gi/reference/ray_query.h"
+#include "gi/rsm/all_rays.h"
+#include "raster/light_view.h"
+
+namespace plumb::frame {
+
+namespace {
+
+template <class T>
+std::size_t bytes_of(const Image<T>& image) {
+    return image.size() * sizeof(T);
+}
+std::size_t bytes_of(const raster::GBuffer& g) {
+    return bytes_of(g.position) + bytes_of(g.normal) + bytes_of(g.albedo) + bytes_of(g.emission) + bytes_of(g.depth) +
+           bytes_of(g.id);
+}
+std::size_t bytes_of(const raster::Rsm& r) {
+    return bytes_of(r.position) + bytes_of(r.normal) + bytes_of(r.flux) + r.records.size() * sizeof(float) +
+           r.half_records.size() * sizeof(Half);
+}
+
+void add(Image4& sum, const Image4& term) {
+    for (std::size_t i = 0; i < sum.size(); ++i) sum.texels[i] += term.texels[i];
+}
+
+// Adds a light's standard error to those of others: independent errors add by their squares.
+void add_errors(Image4& sum, const Image4& term) {
+    if (sum.empty()) sum = Image4(term.width, term.height);
+    for (std::size_t i = 0; i < sum.size(); ++i)
+        for (int c = 0; c < 3; ++c) {
+            const double a = sum.texels[i][c], b = term.texels[i][c];
+            sum.texels[i][c] = float(std::sqrt(a * a + b * b));
+        }
+}
+
+void nothing(Context&, const PlannedStage&, StageRun&) {}
+
+void draw_gbuffer(Context& c, const PlannedStage&, StageRun& run) {
+    const View view = make_view(c.scene.camera, double(c.size.x) / c.size.y, c.scene.convention, c.size);
+    raster::GBuffer& g = c.frame.gbuffer;
+    raster::draw_gbuffer(c.world.geometry, c.world.surfaces, view, c.size, c.settings.layout, c.options, g,
+                         c.plan.gbuffer, &c.memory.workspace);
+    // Buffers that were not wanted are 0 where others read them.
+    for (Image4* image : {&g.position, &g.normal, &g.albedo, &g.emission})
+        if (image->empty()) *image = Image4(c.size.x, c.size.y);
+    run.bytes = bytes_of(g);
+}
+
+// A G-buffer that sees nothing: what the pass would write for an empty scene.
+void see_nothing(Context& c, const PlannedStage&, StageRun&) {
+    raster::GBuffer& g = c.frame.gbuffer = {};
+    g.position = g.normal = g.albedo = g.emission = Image4(c.size.x, c.size.y);
+    g.depth = Image1(c.size.x, c.size.y, c.scene.camera.reversed_z ? 0.0f : 1.0f);
+    g.id = Image<glm::ivec2>(c.size.x, c.size.y, glm::ivec2(-1));
+    g.covered = raster::Covered(c.size);
+}
+
+// All maps of a light that the plan wants.
+void draw_maps(Context& c, const PlannedStage& stage, StageRun& run) {
+    const Light& light = c.lights[std::size_t(stage.light)];
+    std::vector<raster::Rsm>& maps = c.frame.rsms[std::size_t(stage.light)];
+    const std::vector<View> views = raster::light_views(light, c.world.low, c.world.high);
+    maps.resize(views.size());
+    for (std::size_t m = 0; m < views.size(); ++m) {
+        const PlannedMaps& planned = c.plan.maps[std::size_t(stage.light)];
+        if (!(planned.faces >> m & 1)) {
+            maps[m] = {};
+            continue;
+        }
+        RunOptions part = c.options;
+        if (part.progress)
+            part.progress = [&, m](double done) { c.options.progress((double(m) + done) / double(views.size())); };
+        raster::draw_rsm(c.world.geometry, c.world.surfaces, light, views[m], c.settings.layout, part, maps[m],
+                         &c.memory.workspace, planned.wants);
+    }
+    for (const raster::Rsm& map : maps) run.bytes += bytes_of(map);
+}
+
+void draw_no_map(Context& c, const PlannedStage& stage, StageRun&) {
+    const std::size_t l = std::size_t(stage.light);
+    c.frame.rsms[l].assign(std::size_t(raster::map_count(c.scene.lights[l])), {});
+}
+
+void cast_shadows(Context& c, const PlannedStage& stage, StageRun& run) {
+    const raster::GBuffer& g = c.frame.gbuffer;
+    const raster::Covered tiles = tiles_to_shade(c.plan, c.frame, stage, run);
+    direct::run(c.settings.shadow, {&g.position, &g.normal, c.frame.rsms[std::size_t(stage.light)], or_all(tiles)},
+                c.options, c.visibility(stage.light));
+    run.bytes = c.pixels * sizeof(float);
+}
+
+void cast_no_shadow(Context& c, const PlannedStage& stage, StageRun&) {
+    std::fill_n(c.visibility(stage.light), c.pixels, 1.0f);
+}
+
+void light_directly(Context& c, const PlannedStage& stage, StageRun& run) {
+    const raster::GBuffer& g = c.frame.gbuffer;
+    const raster::Covered tiles = tiles_to_shade(c.plan, c.frame, stage, run);
+    direct::run({&g.position, &g.normal, &c.lights, &c.frame.visibility, or_all(tiles)}, c.options, c.frame.direct);
+    run.bytes = bytes_of(c.frame.direct);
+}
+
+void light_nothing(Context& c, const PlannedStage&, StageRun&) { c.frame.direct = Image4(c.size.x, c.size.y); }
+
+void gather(Context& c, const PlannedStage& stage, StageRun& run) {
+    const std::size_t l = std::size_t(stage.light);
+    const rsm::GatherParams& params = c.settings.rsm;
+    rsm::Pattern pattern;  // only rsm.disc reads one
+    if (stage.name == "rsm.disc") pattern = rsm::disc_pattern(params, c.lights[l].rsm_size, c.settings.seed);
+    const bool traces = stage.name == "rsm.all_rays";
+    if (traces && !c.world.rays)
+        c.world.rays = reference::build_ray_query(c.world.geometry, c.world.surfaces, params.rays);
+    Image4 irradiance;
+    rsm::RaysReport report;
+    rsm::GatherInputs in = gather_inputs(c.scene, c.settings, c.frame.gbuffer, stage.light, c.world.geometry, pattern,
+                                         c.world.rays.get());
+    raster::Covered tiles;
+    if (!traces) tiles = tiles_to_shade(c.plan, c.frame, stage, run);
+    in.tiles = or_all(tiles);
+    rsm::run_maps(params, in, c.frame.rsms[l], c.options, irradiance, &report);
+    add_gather(c, irradiance, report.standard_error);
+    run.bytes = bytes_of(irradiance) + bytes_of(report.standard_error);
+    // What was asked takes the place of what the plan could tell.
+    if (traces) run.reason = run.reason.substr(0, run.reason.find("; subset of ")) + "; " + rsm::summary(report);
+    if (!c.keeps) return;
+    c.memory.irradiance[l] = std::move(irradiance);
+    c.memory.irradiance_error[l] = std::move(report.standard_error);
+}
+
+void compose_radiance(Context& c, const PlannedStage&, StageRun& run) {
+    const Frame& f = c.frame;
+    compose::run({&f.gbuffer.normal, &f.gbuffer.albedo, &f.gbuffer.emission, &f.direct, &f.indirect,
+                  c.scene.environment.radiance},
+                 c.options, c.frame.radiance);
+    run.bytes = bytes_of(f.radiance);
+}
+
+void trace_paths(Context& c, const PlannedStage& stage, StageRun& run) {
+    c.frame.traced.push_back(c.tracer.trace(stage.layer, c.frame.gbuffer, c.options));
+    const Image4& mean = c.frame.traced.back().estimate.mean;
+    if (stage.layer == "color") c.frame.radiance = mean;
+    run.bytes = 2 * bytes_of(mean);
+}
+
+void trace_nothing(Context& c, const PlannedStage& stage, StageRun&) {
+    c.frame.traced.push_back(c.tracer.dark(stage.layer));
+}
+
+void map_tones(Context& c, const PlannedStage&, StageRun& run) {
+    compose::run(c.settings.tonemap, c.frame.radiance, c.options, c.frame.display);
+    run.bytes = bytes_of(c.frame.display);
+}
+
+}  // namespace
+
+void add_gather(Context& c, const Image4& irradiance, const Image4& error) {
+    if (c.sum_is_kept) return;
+    add(c.frame.indirect, irradiance);
+    if (!error.empty()) add_errors(c.frame.indirect_error, error);
+}
+
+Kind kind_of(const PlannedStage& stage) {
+    if (stage.name == "gbuffer") return {draw_gbuffer, see_nothing};
+    if (stage.name == "rsm") return {draw_maps, draw_no_map};
+    if (stage.name == "shadow") return {cast_shadows, cast_no_shadow};
+    if (stage.name == "direct") return {light_directly, light_nothing};
+    if (is_gather(stage.name)) return {gather, nothing};
+    if (stage.name == "compose") return {compose_radiance, nothing};
+    if (stage.name == "reference") return {trace_paths, trace_nothing};
+    return {map_tones, nothing};
+}
+
+rsm::GatherInputs gather_inputs(const Scene& scene, const Settings& settings, const raster::GBuffer& gbuffer, int light,
+                                const Geometry& geometry, const rsm::Pattern& pattern, const RayQuery* rays) {
+    rsm::GatherInputs in{&gbuffer.position, &gbuffer.normal, nullptr, &pattern, settings.seed};
+    if (settings.rsm.gather != rsm::Gather::all_rays) return in;
+    glm::vec3 low(0), high(0);
+    bounds(geometry, low, high);
+    in.rays = rays;
+    const glm::ivec2 size = scene.frame_size;
+    const View view = make_view(scene.camera, double(size.x) / size.y, scene.convention, size);
+    in.offsets = rsm::ray_offsets(settings.layout, low, high, view, size);
+    // Each light chooses for itself: their errors are independent.
+    in.seed = std::uint32_t(pcg(std::int32_t(settings.seed) + pcg(std::int32_t(light))));
+    return in;
+}
+
+}  // namespace plumb::frame
