@@ -78,6 +78,15 @@ Result run(const std::vector<std::string>& arguments, const std::string& folder)
     return streams.result(exit_code(child));
 }
 
+Result render(const std::string& scene, const std::string& out, Words more) {
+    more.insert(more.begin(), {"render", scene, "-o", out});
+    const Result r = run(more);
+    INFO(r.out << r.err);
+    REQUIRE(r.exit == 0);
+    CHECK(r.err.empty());
+    return r;
+}
+
 Result run_on_terminal(const std::vector<std::string>& arguments) {
     winsize size{24, 80, 0, 0};
     int terminal = -1;

@@ -26,7 +26,10 @@ void set_cache(const std::string& folder);
 // Neither stream is a terminal. `folder`: the working directory.
 Result run(const std::vector<std::string>& arguments, const std::string& folder = ".");
 
-// The same on a terminal of 80 columns; everything that it shows is in out. exit is no_terminal where the system gives no
+// plumb render SCENE -o OUT and more, which has to succeed without a word on standard error.
+Result render(const std::string& scene, const std::string& out, Words more = {});
+
+// As run(), on a terminal of 80 columns; everything that it shows is in out. exit is no_terminal where the system gives no
 // pseudo-terminal, as in a chroot without /dev/pts.
 inline constexpr int no_terminal = -1;
 Result run_on_terminal(const std::vector<std::string>& arguments);

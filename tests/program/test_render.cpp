@@ -15,15 +15,6 @@ using namespace plumb::program;
 
 namespace {
 
-Result render(const std::string& scene, const std::string& out, Words more = {}) {
-    more.insert(more.begin(), {"render", scene, "-o", out});
-    const Result r = run(more);
-    INFO(r.out << r.err);
-    REQUIRE(r.exit == 0);
-    CHECK(r.err.empty());
-    return r;
-}
-
 // The pictures of a folder, by name.
 std::map<std::string, std::string> pictures(const std::string& folder) {
     std::map<std::string, std::string> bytes;
@@ -62,7 +53,8 @@ TEST_CASE("render: writes the contract's files, layers and keys", "[program][con
     CHECK(json["settings"]["rsm"]["samples"] == 37);
     int left_out = 0;
     for (const Json& s : json["stages"]) {
-        CHECK(keys(s) == Words{"name", "needed", "reason", "ms", "bytes"});
+        CHECK(keys(s) == Words{"name", "needed", "kept", "reason", "rule", "ms", "saved_ms", "parts", "bytes"});
+        CHECK_FALSE(s["kept"]);
         if (!s["needed"]) ++left_out;
     }
     CHECK(left_out == 3);  // rsm, shadow and gather of the lamp that is off

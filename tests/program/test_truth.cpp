@@ -16,15 +16,6 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-Result render(const std::string& scene, const std::string& out, Words more) {
-    more.insert(more.begin(), {"render", scene, "-o", out});
-    const Result r = run(more);
-    INFO(r.out << r.err);
-    REQUIRE(r.exit == 0);
-    CHECK(r.err.empty());
-    return r;
-}
-
 Json run_json(const std::string& out) { return Json::parse(read(out + "/run.json")); }
 
 std::map<std::string, std::string> pictures(const std::string& folder) {

@@ -32,7 +32,7 @@ using Catch::Matchers::StartsWith;
 TEST_CASE("usage: commands", "[program]") {
     CHECK_THAT(refused({}), Contains("--help"));
     CHECK_THAT(refused({"rendr"}), Equals("unknown command 'rendr'; the nearest known one is 'render'"));
-    for (const char* later : {"sweep", "stability", "bake"})
+    for (const char* later : {"bake"})
         CHECK_THAT(refused({later, "x"}),
                    Equals(std::string("the command '") + later + "' comes with a later version"));
     CHECK_THAT(refused({"experiment", "closed-form"}),
@@ -46,9 +46,9 @@ TEST_CASE("usage: commands", "[program]") {
     CHECK(help.exit == 0);
     CHECK(help.err.empty());
     for (const char* command : {"render", "plan", "compare", "explain", "validate", "export", "stages", "make-scene",
-                                "experiment", "Examples:"})
+                                "experiment", "stability", "Examples:"})
         CHECK_THAT(help.out, Contains(command));
-    for (const char* later : {"sweep", "stability", "bake"})
+    for (const char* later : {"bake"})
         CHECK_THAT(help.out, !Contains(later));
     const Result version = run({"--version"});
     CHECK(version.exit == 0);
@@ -70,7 +70,9 @@ TEST_CASE("usage: every command takes --json, --threads and --isa", "[program][c
         {"explain", {scene, "--pixel", "30,21"}}, {"stages", {}},    {"make-scene", {"cornell", "-o", folder + "/c"}},
         {"experiment", {"closed-forms", "--error", "0.05", "--only", "eighth"}},
         {"export", {scene, "--stage", "tonemap", "-o", folder + "/e"}},
-        {"validate", {folder + "/d/manifest.toml"}}, {"devices", {}}, {"probe-device", {}}};
+        {"validate", {folder + "/d/manifest.toml"}}, {"devices", {}}, {"probe-device", {}},
+        {"sweep", {scene, "-o", folder + "/f", "--method", "direct", "--spp", "4"}},
+        {"stability", {"--stage", "tonemap", "--case", "room"}}};
     // Of these there may be no Vulkan, or no device.
     const std::set<std::string> on_a_device = {"devices", "probe-device"}, lists = {"stages", "devices"};
 

@@ -9,7 +9,8 @@ if(TARGET plumb)
   target_precompile_headers(test_program PRIVATE <catch2/catch.hpp>)
   target_compile_definitions(test_program PRIVATE PLUMB_PROGRAM="$<TARGET_FILE:plumb>"
     PLUMB_BINARY_DIR="${CMAKE_BINARY_DIR}")
-  foreach(area IN ITEMS usage devices probe_device render truth compare explain explain_device export validate malformed)
+  foreach(area IN ITEMS usage devices probe_device render frames truth sweep compare explain explain_device export validate malformed
+    refusals stability)
     # One test a file, so that they run side by side.
     add_test(NAME program_${area} COMMAND test_program -\# [\#test_${area}])
   endforeach()

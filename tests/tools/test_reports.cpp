@@ -69,11 +69,20 @@ TEST_CASE("reports: run.json has the contract's keys and the kernels that ran", 
     RunOptions options;
     options.isa = Isa::sse;
     options.threads = 3;
-    const std::vector<frame::StageRun> stages = {{"gbuffer", true, "every later stage reads it", 1.5, 64, Isa::sse},
-                                                 {"rsm (key)", false, "the light is off", 0, 0, Isa::sse}};
+    std::vector<frame::StageRun> stages(2);
+    stages[0].label = "gbuffer", stages[0].reason = "every later stage reads it", stages[0].isa = Isa::sse;
+    stages[0].ms = 1.5, stages[0].bytes = 64;
+    stages[0].parts = {{"no-emission", "no emission: nothing emits", 0.5}};
+    stages[1].label = "rsm (key)", stages[1].needed = false, stages[1].isa = Isa::sse;
+    stages[1].reason = "the light is off", stages[1].rule = "light-off", stages[1].saved_ms = 12;
     const Json json = run_json({scene, frame::Settings{}, options, stages, 2.5, 4096});
     CHECK(keys(json) == Words{"scene", "settings", "isa", "kernels", "threads", "stages", "total_ms", "peak_bytes"});
-    CHECK(keys(json["stages"][0]) == Words{"name", "needed", "reason", "ms", "bytes"});
+    CHECK(keys(json["stages"][0]) ==
+          Words{"name", "needed", "kept", "reason", "rule", "ms", "saved_ms", "parts", "bytes"});
+    CHECK(json["stages"][0]["parts"].dump() ==
+          R"([{"rule":"no-emission","reason":"no emission: nothing emits","saved_ms":0.5}])");
+    CHECK(json["stages"][1]["rule"] == "light-off");
+    CHECK(json["stages"][1]["saved_ms"] == 12);
     CHECK(json["isa"] == "sse");
     CHECK(json["threads"] == 3);
     // A stage that was left out ran no kernel.

@@ -33,6 +33,7 @@ struct Box {
         scene.lights.at(0).rsm_size = texels;
         frame::Settings direct;
         direct.method = frame::Method::direct;
+        direct.pruning = false;  // the map is wanted with its flux
         frame = frame::execute(scene, direct, frame::plan(scene, direct), {});
         geometry = flatten(scene);
         surfaces = raster::prepare(scene, geometry);

@@ -38,6 +38,8 @@ void add_compare(CLI::App& program, Action& action);
 void add_explain(CLI::App& program, Action& action);
 void add_validate(CLI::App& program, Action& action);
 void add_export(CLI::App& program, Action& action);
+void add_sweep(CLI::App& program, Action& action);
+void add_stability(CLI::App& program, Action& action);
 void add_stages(CLI::App& program, Action& action);
 void add_devices(CLI::App& program, Action& action);
 void add_probe_device(CLI::App& program, Action& action);

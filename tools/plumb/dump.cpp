@@ -96,8 +96,10 @@ struct Dump {
         const std::string name = map_name(frame, lights, l, map) + ".";
         const std::int64_t side = r.size;
         Json ports = {{"position", files.picture(name + "position", r.position)},
-                      {"normal", files.picture(name + "normal", r.normal)},
-                      {"flux", files.picture(name + "flux", r.flux)}};
+                      {"normal", nullptr}, {"flux", nullptr}, {"records", nullptr}};
+        if (r.flux.empty()) return ports;  // drawn for its depth alone
+        ports["normal"] = files.picture(name + "normal", r.normal);
+        ports["flux"] = files.picture(name + "flux", r.flux);
         ports["records"] = r.half ? files.array(name + "records", {side, side, 16}, r.half_records.data())
                                   : files.array(name + "records", {side, side, 16}, r.records.data());
         return ports;
@@ -236,7 +238,7 @@ void write_dump(const Scene& scene, const frame::Settings& settings, const frame
     Dump dump{scene, settings, plan, frame, options, {outputs, {}}, light_file_names(scene), flatten(scene), {}, {}};
     dump.surfaces = raster::prepare(scene, dump.geometry);
     Json stages = Json::array();
-    for (const frame::PlannedStage& s : plan.stages)
+    for (const frame::PlannedStage& s : frame::as_it_ran(plan, frame).stages)
         if (s.needed) stages.push_back(dump.stage(s));
     const Json json = {{"settings", settings_json(settings)}, {"stages", stages}};
     outputs.write("dump/dump.json", [&](const std::string& path) { io::write_text(path, json_text(json)); });

@@ -85,11 +85,13 @@ struct Checker {
             const int side = scene.lights[s.light].rsm_size;
             const raster::Rsm& r = frame.rsms[s.light][pixel.x / side];
             const glm::ivec2 texel(pixel.x % side, pixel.y);
-            if (r.size == 0 || r.normal(texel.x, texel.y).w == 0) return {};
-            return {{"position", at(r.position, texel), last_value(e, "stored_position")},
-                    {"depth", {r.position(texel.x, texel.y).w}, last_value(e, "stored_depth")},
-                    {"normal", at(r.normal, texel), last_value(e, "stored_normal")},
-                    {"flux", at(r.flux, texel), last_value(e, "stored_flux")}};
+            if (r.size == 0 || last_value(e, "stored_position").empty()) return {};
+            std::vector<Check> of_map = {{"position", at(r.position, texel), last_value(e, "stored_position")},
+                                         {"depth", {r.position(texel.x, texel.y).w}, last_value(e, "stored_depth")}};
+            if (r.flux.empty()) return of_map;  // drawn for its depth alone
+            of_map.push_back({"normal", at(r.normal, texel), last_value(e, "stored_normal")});
+            of_map.push_back({"flux", at(r.flux, texel), last_value(e, "stored_flux")});
+            return of_map;
         }
         if (s.name == "shadow") {
             const std::size_t pixels = g.position.size();
@@ -159,7 +161,8 @@ int explain(const ExplainOptions& given) {
 
     // Explain: hold each stage's last value against the picture, or all of them against the device's.
     const auto explanations = frame::explain(scene, settings, plan, frame, given.stage, light, pixel);
-    const Checker checker{scene, settings, plan, frame, pixel};
+    const frame::Plan ran = frame::as_it_ran(plan, frame);
+    const Checker checker{scene, settings, ran, frame, pixel};
     Json stages = Json::array();
     if (!given.common.json) print_notes(scene);
     std::vector<Check> wrong;

@@ -38,9 +38,12 @@ bool runs(const frame::Plan& plan, const std::string& stage, int light) {
     return false;
 }
 
-void write_pictures(const Scene& scene, const frame::Plan& plan, const frame::Frame& frame, Outputs& outputs) {
-    const std::string name = file_name(io::stem_of(scene.name));
+std::string picture_name(const Scene& scene) { return file_name(io::stem_of(scene.name)); }
+
+void write_pictures(const Scene& scene, const frame::Plan& plan, const frame::Frame& frame, const std::string& name,
+                    Outputs& outputs) {
     const std::vector<std::string> lights = light_file_names(scene);
+    const frame::Plan ran = frame::as_it_ran(plan, frame);
     const raster::GBuffer& g = frame.gbuffer;
     const std::size_t pixels = frame.radiance.size();
 
@@ -63,7 +66,7 @@ void write_pictures(const Scene& scene, const frame::Plan& plan, const frame::Fr
     }
     if (!frame.indirect_error.empty()) layers.push_back(layer("indirect.error", rgb, frame.indirect_error));
     for (int l = 0; l < int(lights.size()); ++l) {
-        if (runs(plan, "shadow", l))
+        if (runs(ran, "shadow", l))
             layers.push_back({"shadow." + lights[l], {"Y"}, frame.visibility.data() + l * pixels, 1});
     }
     const glm::ivec2 size = scene.frame_size;
@@ -78,8 +81,8 @@ void write_pictures(const Scene& scene, const frame::Plan& plan, const frame::Fr
             if (rsm.size == 0) continue;
             const std::string base = map_name(frame, lights, l, m) + ".";
             maps.push_back(layer(base + "position", xyz, rsm.position));
-            maps.push_back(layer(base + "normal", xyz, rsm.normal));
-            maps.push_back(layer(base + "flux", rgb, rsm.flux));
+            if (!rsm.normal.empty()) maps.push_back(layer(base + "normal", xyz, rsm.normal));
+            if (!rsm.flux.empty()) maps.push_back(layer(base + "flux", rgb, rsm.flux));
             maps.push_back({base + "depth", {"Z"}, &rsm.position.data()->w, 4});
         }
         if (maps.empty()) continue;

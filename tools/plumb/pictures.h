@@ -10,11 +10,14 @@
 
 namespace plumb::cli {
 
-// Writes <scene>.exr, a <scene>.rsm.<light>.exr for each map that was drawn (it has a size of its own), and
-// <scene>.png. A shadow.<light> or an RSM is there where its stage ran; truth (and <scene>.truth.png), truth.direct and
+// What a scene's pictures are named after: "cornell" for scenes/cornell.toml.
+std::string picture_name(const Scene& scene);
+
+// Writes <name>.exr, a <name>.rsm.<light>.exr for each map that was drawn (it has a size of its own), and <name>.png. A shadow.<light> or an RSM is there where its stage ran; truth (and <name>.truth.png), truth.direct and
 // truth.indirect, each with its standard error, where they were traced; direct and indirect unless the picture itself is
 // path traced; every other layer always.
-void write_pictures(const Scene& scene, const frame::Plan& plan, const frame::Frame& frame, Outputs& outputs);
+void write_pictures(const Scene& scene, const frame::Plan& plan, const frame::Frame& frame, const std::string& name,
+                    Outputs& outputs);
 
 // Writes every buffer that a stage reads or writes into dump/, once each and named after the stage that made it, and
 // dump/dump.json, which binds them to the stages' ports.

@@ -2,6 +2,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "gi/frame/refusals.h"
 #include "tools/plumb/cli.h"
 #include "tools/plumb/reports.h"
 #include "tools/plumb/scene_command.h"
@@ -15,10 +16,15 @@ int plan(const SceneOptions& given, const Common& common) {
     const Scene scene = load(given);
     const frame::Settings settings = settings_of(scene, given);
     const frame::Plan plan = frame::plan(scene, settings);
+    const std::vector<std::string> warnings = frame::warnings(scene, settings);
     if (common.json) {
-        std::fputs(json_text(plan_json(scene, settings, plan)).c_str(), stdout);
+        Json json = plan_json(scene, settings, plan);
+        json["warnings"] = warnings;
+        std::fputs(json_text(json).c_str(), stdout);
     } else {
         print_notes(scene);
+        for (const std::string& warning : warnings) std::printf("warning: %s\n", warning.c_str());
+        if (!warnings.empty()) std::printf("\n");
         std::fputs(plan_text(plan).c_str(), stdout);
     }
     return success;

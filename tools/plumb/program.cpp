@@ -14,7 +14,7 @@ namespace {
 constexpr const char* version = PLUMB_VERSION;
 
 // Commands that scripts may already name.
-const std::vector<std::string> later_commands = {"sweep", "stability", "bake"};
+const std::vector<std::string> later_commands = {"bake"};
 
 // The name of an argument that looks like an option: "--threads=3" is "--threads".
 std::string option_name(const std::string& argument) { return argument.substr(0, argument.find('=')); }
@@ -129,6 +129,8 @@ int run_program(int argc, char** argv) {
     add_explain(program, action);
     add_validate(program, action);
     add_export(program, action);
+    add_sweep(program, action);
+    add_stability(program, action);
     add_stages(program, action);
     add_devices(program, action);
     add_probe_device(program, action);

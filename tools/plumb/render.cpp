@@ -6,25 +6,42 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "core/animation.h"
+#include "core/error.h"
+#include "gi/frame/kept.h"
 #include "io/file.h"
 #include "tools/plumb/cli.h"
+#include "tools/plumb/frames.h"
 #include "tools/plumb/outputs.h"
 #include "tools/plumb/pictures.h"
 #include "tools/plumb/progress.h"
 #include "tools/plumb/reference_files.h"
 #include "tools/plumb/reports.h"
 #include "tools/plumb/scene_command.h"
+#include "tools/plumb/sweep_choose.h"
 #include "tools/plumb/truth.h"
 
 namespace plumb::cli {
 
 namespace {
 
+// scene_at(), whose errors then name the file.
+Scene posed(Scene scene, double frame) {
+    const std::string name = scene.name;
+    try {
+        return scene_at(std::move(scene), frame);
+    } catch (const InputError& e) {
+        throw InputError(name + ": " + e.what());
+    }
+}
+
 struct RenderOptions {
     SceneOptions scene;
     Common common;
-    std::string folder = "out";
+    std::string folder = "out", budget;
     bool dump = false;
+    int frames = 0;  // 0: one picture, without a number
+    int first = 0;
 };
 
 std::size_t peak_bytes() {
@@ -33,12 +50,38 @@ std::size_t peak_bytes() {
     return std::size_t(usage.ru_maxrss) * 1024;
 }
 
-int render(const RenderOptions& given) {
+double ms_since(std::chrono::steady_clock::time_point start) {
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+void warn(const frame::Frame& frame) {
+    for (const std::string& warning : truth_warnings(frame)) std::fprintf(stderr, "plumb: %s\n", warning.c_str());
+}
+
+// The committed files, a line each; those of a dump in one.
+std::string files_text(const Outputs& outputs, const std::string& folder) {
+    std::string text;
+    std::size_t dumped = 0;
+    for (const std::string& file : outputs.files()) {
+        if (file.find("/dump/") == std::string::npos && file.rfind("dump/", 0) != 0)
+            text += "wrote " + file + "\n";
+        else
+            ++dumped;
+    }
+    if (dumped > 0) text += fmt::format("wrote {} files that stages read and write: {}/dump\n", dumped, folder);
+    return text;
+}
+
+// run.json's text; `chosen`: what a budget chose, or null.
+std::string run_file(Json json, const Json& chosen) {
+    if (!chosen.is_null()) json["chosen"] = chosen;
+    return json_text(json);
+}
+
+int render_one(const RenderOptions& given, const Scene& scene, const frame::Settings& settings, const Json& chosen,
+               Outputs& outputs) {
     const RunOptions options = given.common.run_options();
-    const Scene scene = load(given.scene);
-    const frame::Settings settings = settings_of(scene, given.scene);
     const frame::Plan plan = frame::plan(scene, settings);
-    Outputs outputs(given.folder);
     if (!given.common.json) print_notes(scene);
 
     // Render.
@@ -49,36 +92,99 @@ int render(const RenderOptions& given) {
         ProgressBar bar(plan);
         return frame::execute(scene, settings, plan, options, bar.callback(), cache.empty() ? nullptr : &kept);
     }();
-    const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    const double ms = ms_since(start);
 
     // Write.
     const std::vector<TruthRow> rows = compare_layers(frame, given.common.threads);
     const Json truth = frame.traced.empty() ? Json(nullptr) : truth_json(frame, rows, kept.notes());
     const RunReport report{scene, settings, options, frame.stages, ms, peak_bytes(), truth};
-    const std::string json = json_text(run_json(report));
-    write_pictures(scene, plan, frame, outputs);
+    const std::string json = run_file(run_json(report), chosen);
+    write_pictures(scene, plan, frame, picture_name(scene), outputs);
     if (given.dump) write_dump(scene, settings, plan, frame, options, outputs);
     outputs.write("run.json", [&](const std::string& path) { io::write_text(path, json); });
     outputs.commit();
 
     // Tell.
-    for (const std::string& warning : truth_warnings(frame)) std::fprintf(stderr, "plumb: %s\n", warning.c_str());
+    warn(frame);
     if (given.common.json) {
         std::fputs(json.c_str(), stdout);
         return success;
     }
     std::string text = run_text(report) + "\n";
     if (!frame.traced.empty()) text += truth_text(frame, rows, kept.notes()) + "\n";
-    std::size_t dumped = 0;
-    for (const std::string& file : outputs.files()) {
-        if (file.find("/dump/") == std::string::npos && file.rfind("dump/", 0) != 0)
-            text += "wrote " + file + "\n";
-        else
-            ++dumped;
-    }
-    if (dumped > 0) text += fmt::format("wrote {} files that stages read and write: {}/dump\n", dumped, given.folder);
-    std::fputs(text.c_str(), stdout);
+    std::fputs((text + files_text(outputs, given.folder)).c_str(), stdout);
     return success;
+}
+
+// One frame after the other, each reusing what the one before has made. Files appear when all are there.
+int render_frames(const RenderOptions& given, Scene scene, const frame::Settings& settings, const Json& chosen,
+                  Outputs& outputs) {
+    const RunOptions options = given.common.run_options();
+    if (!is_animated(scene))
+        scene.notes.push_back("no [[keyframe]] in the file: nothing moves, and every frame is the same");
+    if (!given.common.json) print_notes(scene);
+    const std::string cache = given.scene.no_cache ? "" : cache_folder();
+    ReferenceFiles references(cache);
+    frame::KeptStages kept;
+    std::vector<FrameRun> runs;
+    for (int f = given.first; f < given.first + given.frames; ++f) {
+        const auto start = std::chrono::steady_clock::now();
+        scene = posed(std::move(scene), f);
+        const frame::Plan plan = frame::plan(scene, settings);
+        const frame::Frame& frame = [&]() -> const frame::Frame& {
+            ProgressBar bar(plan);
+            return frame::execute(scene, settings, plan, options, kept, bar.callback(),
+                                  cache.empty() ? nullptr : &references);
+        }();
+        FrameRun& run = runs.emplace_back(FrameRun{f, frame.stages, ms_since(start)});
+        if (!frame.traced.empty())
+            run.truth = truth_json(frame, compare_layers(frame, given.common.threads), references.notes());
+        write_pictures(scene, plan, frame, frame_name(picture_name(scene), f), outputs);
+        warn(frame);
+    }
+    const FramesReport report{scene, settings, options, runs, peak_bytes()};
+    const std::string json = run_file(frames_json(report), chosen);
+    outputs.write("run.json", [&](const std::string& path) { io::write_text(path, json); });
+    outputs.commit();
+    std::fputs(given.common.json ? json.c_str()
+                                 : (frames_text(report) + "\n" + files_text(outputs, given.folder)).c_str(),
+               stdout);
+    return success;
+}
+
+// Throws InputError that names the first frame which cannot be rendered.
+void check_frames(const RenderOptions& given, Scene scene, const frame::Settings& settings) {
+    const int last = given.frames > 0 && is_animated(scene) ? given.first + given.frames - 1 : given.first;
+    for (int f = given.first; f <= last; ++f) {
+        scene = posed(std::move(scene), f);
+        try {
+            frame::plan(scene, settings);
+        } catch (const InputError& error) {
+            throw InputError(last > given.first ? fmt::format("frame {}: {}", f, error.what()) : error.what());
+        }
+    }
+}
+
+int render(const RenderOptions& given) {
+    if (given.frames > 0 && given.dump) throw InputError("--dump: dumps one frame: expected no --frames beside it");
+    Scene scene = posed(load(given.scene), given.first);
+    frame::Settings settings = settings_of(scene, given.scene);
+    // All that can be wrong is found before anything is measured or rendered.
+    check_frames(given, scene, settings);
+    Outputs outputs(given.folder);
+    Json chosen = nullptr;
+    if (!given.budget.empty()) {
+        const double budget_ms = parse_milliseconds("--budget", given.budget);
+        const Choice choice = choose_by_budget(scene, given.scene, settings, budget_ms, given.common.run_options());
+        settings = choice.settings, chosen = choice.json;
+        const std::string place =
+            given.frames > 1 ? fmt::format("measured on frame {}, for all {} frames\n", given.first, given.frames) : "";
+        if (!given.common.json) std::fputs((place + choice.text).c_str(), stdout);
+        if (!choice.fits) std::fputs(choice.warning.c_str(), stderr);
+        if (given.frames > 0) check_frames(given, scene, settings);
+    }
+    if (given.frames > 0) return render_frames(given, std::move(scene), settings, chosen, outputs);
+    return render_one(given, scene, settings, chosen, outputs);
 }
 
 }  // namespace
@@ -90,6 +196,16 @@ void add_render(CLI::App& program, Action& action) {
     command->add_option("-o,--output", given->folder, "folder for what is written; \"out\" otherwise")
         ->type_name("DIR");
     command->add_flag("--dump", given->dump, "also write every stage's inputs and outputs, to DIR/dump");
+    command->add_option("--frames", given->frames, "that many frames of a scene with keyframes: <scene>.0000.png, ...")
+        ->check(number_within(1, 100000))
+        ->type_name("N");
+    command->add_option("--first", given->first, "the first of them, or the one that is rendered; 0 otherwise")
+        ->check(number_within(0, 1000000))
+        ->type_name("F");
+    command->add_option("--budget", given->budget,
+                        "sweep the method's settings, and render with the least error within this time: 100ms")
+        ->check(some_word())
+        ->type_name("TIME");
     add_truth_options(*command, given->scene);
     command->add_flag("--no-cache", given->scene.no_cache, "trace even what is kept, and keep nothing");
     add_common(*command, given->common);
@@ -104,8 +220,13 @@ void add_render(CLI::App& program, Action& action) {
         "(irradiance, the lamps' light alone, as the method counts it), each with a layer .error, its standard error,\n"
         "<scene>.truth.png, and in run.json how far color, direct and indirect are from them. The method reference\n"
         "writes its color, truth.error and no direct and indirect.\n"
+        "--frames reuses, frame by frame, what every stage made from what did not change: the maps of lights at rest,\n"
+        "the G-buffer of a camera at rest, and so on. The pictures are those of N runs with --first F, bit for bit.\n"
+        "run.json has \"frames\" in place of \"stages\", each with its stages, what was kept and what that saved.\n"
         "What was path traced is kept in $PLUMB_CACHE, else $XDG_CACHE_HOME/plumbline, else ~/.cache/plumbline, at\n"
-        "most 4 GiB, those used last; the same scene and settings take it from there. Nothing else is in that folder.");
+        "most 4 GiB, those used last; the same scene and settings take it from there. Beside it lie the 256 sweeps that\n"
+        "--budget used last, and nothing else. --budget: see plumb sweep; run.json says what was \"chosen\". Where no\n"
+        "setting fits, the fastest is rendered, and a warning says so.");
     command->callback([given, &action] { action = [=] { return render(*given); }; });
 }
 

@@ -1,6 +1,7 @@
 #include "tools/plumb/reports.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -54,19 +55,62 @@ Json settings_json(const frame::Settings& settings) {
     return json;
 }
 
-Json run_json(const RunReport& run) {
-    Json stages = Json::array(), kernels = Json::object();
-    for (const frame::StageRun& s : run.stages) {
-        stages.push_back(
-            {{"name", s.label}, {"needed", s.needed}, {"reason", s.reason}, {"ms", s.ms}, {"bytes", s.bytes}});
-        if (s.needed) kernels[s.label] = isa_name(s.isa);
+namespace {
+
+Json parts_json(const std::vector<frame::LeftOut>& parts) {
+    Json json = Json::array();
+    for (const frame::LeftOut& part : parts)
+        json.push_back({{"rule", part.rule}, {"reason", part.reason}, {"saved_ms", part.saved_ms}});
+    return json;
+}
+
+// Why a stage runs, or does not; and which parts of it do not, where the reason has not said so.
+template <class Stage>
+std::string why_text(const Stage& s) {
+    std::string text = s.needed ? s.reason : "left out: " + s.reason;
+    for (const frame::LeftOut& part : s.parts)
+        if (s.reason.find(part.reason) == std::string::npos) text += "; " + part.reason;
+    return text;
+}
+
+// The rules that left something out, in their order.
+template <class Stage>
+std::string rules_text(const Stage& s) {
+    std::string text = s.rule;
+    for (const frame::LeftOut& part : s.parts) text += (text.empty() ? "" : ", ") + part.rule;
+    return text;
+}
+
+std::string saved_text(double ms) { return ms > 0 ? milliseconds_text(ms) : ""; }
+
+}  // namespace
+
+Json stage_runs_json(const std::vector<frame::StageRun>& stages) {
+    Json json = Json::array();
+    for (const frame::StageRun& s : stages) {
+        json.push_back({{"name", s.label},
+                        {"needed", s.needed},
+                        {"kept", s.kept},
+                        {"reason", s.reason},
+                        {"rule", s.rule},
+                        {"ms", s.ms},
+                        {"saved_ms", s.saved_ms},
+                        {"parts", parts_json(s.parts)},
+                        {"bytes", s.bytes}});
     }
+    return json;
+}
+
+Json run_json(const RunReport& run) {
+    Json kernels = Json::object();
+    for (const frame::StageRun& s : run.stages)
+        if (s.needed) kernels[s.label] = isa_name(s.isa);
     Json json = {{"scene", run.scene.name},
             {"settings", settings_json(run.settings)},
             {"isa", isa_name(run.options.isa)},
             {"kernels", kernels},
             {"threads", thread_count(run.options.threads)},
-            {"stages", stages},
+            {"stages", stage_runs_json(run.stages)},
             {"total_ms", run.total_ms},
             {"peak_bytes", run.peak_bytes}};
     if (!run.truth.is_null()) json["truth"] = run.truth;
@@ -77,7 +121,7 @@ std::string run_text(const RunReport& run) {
     std::vector<std::vector<std::string>> rows;
     for (const frame::StageRun& s : run.stages) {
         rows.push_back({s.label, s.needed ? milliseconds_text(s.ms) : "-", s.needed ? megabytes_text(s.bytes) : "-",
-                        s.needed ? s.reason : "left out: " + s.reason});
+                        why_text(s)});
     }
     const int threads = thread_count(run.options.threads);
     return format_table({{"stage"}, {"ms", Align::right}, {"MB", Align::right}, {"why"}}, rows) +
@@ -88,32 +132,59 @@ std::string run_text(const RunReport& run) {
 
 Json plan_json(const Scene& scene, const frame::Settings& settings, const frame::Plan& plan) {
     Json stages = Json::array();
-    double expected_ms = 0;
+    double expected_ms = 0, saved_ms = 0;
     for (const frame::PlannedStage& s : plan.stages) {
         stages.push_back({{"name", s.label},
                           {"needed", s.needed},
                           {"reason", s.reason},
+                          {"rule", s.rule},
                           {"work", s.work},
                           {"work_unit", s.work_unit},
-                          {"expected_ms", s.expected_ms}});
-        expected_ms += s.expected_ms;
+                          {"expected_ms", s.expected_ms},
+                          {"saved_ms", s.saved_ms},
+                          {"parts", parts_json(s.parts)}});
+        expected_ms += s.expected_ms, saved_ms += s.saved_ms;
     }
-    return {
-        {"scene", scene.name}, {"settings", settings_json(settings)}, {"stages", stages}, {"expected_ms", expected_ms}};
+    return {{"scene", scene.name},
+            {"settings", settings_json(settings)},
+            {"stages", stages},
+            {"expected_ms", expected_ms},
+            {"saved_ms", saved_ms}};
 }
 
 std::string plan_text(const frame::Plan& plan) {
     std::vector<std::vector<std::string>> rows;
-    double expected_ms = 0;
+    double expected_ms = 0, saved_ms = 0;
     for (const frame::PlannedStage& s : plan.stages) {
         rows.push_back({s.label, s.needed ? fmt::format("{:.4g}", s.work * 1e-6) : "-", s.needed ? s.work_unit : "",
-                        s.needed ? milliseconds_text(s.expected_ms) : "-",
-                        s.needed ? s.reason : "left out: " + s.reason});
-        expected_ms += s.expected_ms;
+                        s.needed ? milliseconds_text(s.expected_ms) : "-", saved_text(s.saved_ms), rules_text(s),
+                        why_text(s)});
+        expected_ms += s.expected_ms, saved_ms += s.saved_ms;
     }
-    return format_table({{"stage"}, {"work", Align::right}, {"millions of"}, {"ms", Align::right}, {"why"}}, rows) +
-           fmt::format("\nabout {} ms in all; ms are for one core with AVX-512, an order of magnitude\n",
-                       milliseconds_text(expected_ms));
+    return format_table({{"stage"}, {"work", Align::right}, {"millions of"}, {"ms", Align::right},
+                         {"saves", Align::right}, {"rule"}, {"why"}},
+                        rows) +
+           fmt::format("\nabout {} ms in all, {} ms left out; ms are for one core with AVX-512, an order of magnitude\n",
+                       milliseconds_text(expected_ms), milliseconds_text(saved_ms));
+}
+
+Json rules_json(const std::vector<frame::Rule>& rules) {
+    Json json = Json::array();
+    for (const frame::Rule& r : rules)
+        json.push_back({{"name", r.name},
+                        {"stages", r.stages},
+                        {"part", r.part},
+                        {"reason", r.reason},
+                        {"asked", r.holds ? "plan" : "run"}});
+    return json;
+}
+
+std::string rules_text(const std::vector<frame::Rule>& rules) {
+    std::vector<std::vector<std::string>> rows;
+    for (const frame::Rule& r : rules)
+        rows.push_back({r.name, r.holds ? "plan" : "run", r.part.empty() ? "all" : r.part,
+                        fmt::format("{}", fmt::join(r.stages, " ")), r.reason});
+    return format_table({{"rule"}, {"asked"}, {"leaves out"}, {"of"}, {"where"}}, rows);
 }
 
 Json compare_json(const compare::Report& r) {

@@ -26,6 +26,7 @@ struct RunReport {
     Json truth = nullptr;        // truth_json(), where something was path traced
 };
 Json run_json(const RunReport& run);
+Json stage_runs_json(const std::vector<frame::StageRun>& stages);
 std::string run_text(const RunReport& run);
 
 // Method, layout, seed, pruning and every parameter by table.
@@ -33,6 +34,10 @@ Json settings_json(const frame::Settings& settings);
 
 Json plan_json(const Scene& scene, const frame::Settings& settings, const frame::Plan& plan);
 std::string plan_text(const frame::Plan& plan);
+
+// The rules by which plans and runs leave work out.
+Json rules_json(const std::vector<frame::Rule>& rules);
+std::string rules_text(const std::vector<frame::Rule>& rules);
 
 // JSON knows no infinity: null stands for the psnr of equal pictures, which have "equal": true, and for what is
 // undefined.

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-namespace plumb::cli {
+namespace plumb::page {
 
 // Markup characters as entities; control characters, which XML 1.0 cannot hold, and bytes that are no UTF-8 as '?'.
 // Tabs and line ends stay.
@@ -13,4 +13,4 @@ std::string escaped(std::string_view text);
 
 std::string base64(const std::vector<unsigned char>& bytes);
 
-}  // namespace plumb::cli
+}  // namespace plumb::page

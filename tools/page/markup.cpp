@@ -1,8 +1,8 @@
-#include "tools/plumb/markup.h"
+#include "tools/page/markup.h"
 
 #include <cstdint>
 
-namespace plumb::cli {
+namespace plumb::page {
 
 namespace {
 
@@ -62,4 +62,4 @@ std::string base64(const std::vector<unsigned char>& bytes) {
     return out;
 }
 
-}  // namespace plumb::cli
+}  // namespace plumb::page
