@@ -4,6 +4,8 @@
 
 #include "gi/bind_stage.h"
 #include "gi/rsm/gather_rows.h"
+#include "gi/rsm/paths.h"
+#include "gi/rsm/paths_rows.h"
 
 namespace plumb::rsm {
 
@@ -19,37 +21,43 @@ Buffer<float> records_of(const StageData& d, int size) {
     return records;
 }
 
-// What both gathers bind.
+// What all gathers bind. View is GatherInputsView or PathsInputsView.
+template <class View>
 struct GatherOf {
     static constexpr int components = 4;
     Buffer<float> records;
-    GatherInputsView<float> view{};
+    View view{};
 
     explicit GatherOf(const StageData& d) {
-        const GatherUniforms& u = view.u = uniforms_of_frame<GatherUniforms>(d);
+        const auto& u = view.u = uniforms_of_frame<decltype(view.u)>(d);
         for (const char* name : {"rsm_position", "rsm_normal", "rsm_flux"}) check_map(d, name, u.map.size);
         records = records_of(d, u.map.size);
         view.position = floats(d, "position"), view.normal = floats(d, "normal");
         view.records = records.data();
     }
     bool writes(glm::ivec2) const { return true; }
-};
 
-struct DiscOf : GatherOf {
-    explicit DiscOf(const StageData& d) : GatherOf(d) {
-        const GatherUniforms& u = view.u;
-        if (u.samples < 0 || u.rotations < 1 || (u.rotations & (u.rotations - 1)) != 0)
+    // Tables of offsets and weights: what the kernel indexes has to be there.
+    void bind_pattern(const StageData& d, int samples, bool weights_turn) {
+        const auto& u = view.u;
+        if (samples < 0 || u.rotations < 1 || (u.rotations & (u.rotations - 1)) != 0)
             throw InputError(fmt::format("{}: samples = {}, rotations = {}: expected 0 or more, and a power of two",
-                                         d.label, u.samples, u.rotations));
+                                         d.label, samples, u.rotations));
         const std::size_t offsets = at(d.inputs, "offsets").bytes.size() / 4;
         const std::size_t weights = at(d.inputs, "weights").bytes.size() / 4;
-        if (offsets < std::size_t(u.samples) * std::size_t(u.rotations) || weights < std::size_t(u.samples))
+        const std::size_t all = std::size_t(samples) * std::size_t(u.rotations);
+        const std::size_t weighed = weights_turn ? all : std::size_t(samples);
+        if (offsets < all || weights < weighed)
             throw InputError(fmt::format("{}: {} offsets and {} weights: expected {} x {} and {}", d.label, offsets,
-                                         weights, u.samples, u.rotations, u.samples));
+                                         weights, samples, u.rotations, weighed));
         if (u.reach < 0 || u.reach > 32768)
             throw InputError(fmt::format("{}: reach = {}: expected 0 to 32768", d.label, u.reach));
         view.offsets = ints(d, "offsets"), view.weights = floats(d, "weights");
     }
+};
+
+struct DiscOf : GatherOf<GatherInputsView<float>> {
+    explicit DiscOf(const StageData& d) : GatherOf(d) { bind_pattern(d, view.u.samples, false); }
     template <class F, class Tap>
     std::array<F, components> pixel(int x, int y, Tap& tap) const {
         const vec3<F> e = gather_disc<F>(view, x, y, tap);
@@ -63,7 +71,37 @@ struct DiscOf : GatherOf {
     }
 };
 
-struct AllOf : GatherOf {
+struct PathsOf : GatherOf<PathsInputsView<float>> {
+    explicit PathsOf(const StageData& d) : GatherOf(d) {
+        const PathsUniforms& u = view.u;
+        if (u.directions < 0 || u.steps < 0 || std::int64_t(u.directions) * u.steps > most_samples)
+            throw InputError(fmt::format("{}: directions = {}, steps = {}: expected 0 or more, and at most {} samples",
+                                         d.label, u.directions, u.steps, most_samples));
+        bind_pattern(d, u.directions * u.steps, true);
+        const std::size_t edges = at(d.inputs, "edges").bytes.size() / 4;
+        if (u.slots < 0 || u.slots == 1 || u.slots > 32 || edges + 1 < std::size_t(u.slots))
+            throw InputError(fmt::format("{}: slots = {} with {} edges: expected 0, or 2 to 32 and one edge less",
+                                         d.label, u.slots, edges));
+        if (u.propagates != 0 && u.propagates != -1)
+            throw InputError(fmt::format("{}: propagates = {}: expected 0 or -1", d.label, u.propagates));
+        if (u.tiled != 0 && u.tiled != 1)
+            throw InputError(fmt::format("{}: tiled = {}: expected 0 or 1", d.label, u.tiled));
+        view.edges = floats(d, "edges");
+    }
+    template <class F, class Tap>
+    std::array<F, components> pixel(int x, int y, Tap& tap) const {
+        const vec3<F> e = gather_paths<F>(view, x, y, tap);
+        return {e.x, e.y, e.z, F(0.0f)};
+    }
+    template <Isa isa>
+    void rows(float* out, int first, int last) const {
+        PathsInputsView<float> v = view;
+        v.irradiance = out;
+        PathsRows<isa, float>::paths(v, first, last);
+    }
+};
+
+struct AllOf : GatherOf<GatherInputsView<float>> {
     using GatherOf::GatherOf;
     template <class F, class Tap>
     std::array<F, components> pixel(int x, int y, Tap& tap) const {
@@ -78,21 +116,11 @@ struct AllOf : GatherOf {
     }
 };
 
-// What both gathers share.
+// What all gathers share.
 StageBinding gather_binding(const StageInfo& info) {
-    using U = GatherUniforms;
     StageBinding b;
     b.info = info;
     b.twin = info.twin;
-    b.uniforms = members_after_map(offsetof(U, map), {{"least_distance2", "float", offsetof(U, least_distance2)},
-                                                      {"scale", "float", offsetof(U, scale)},
-                                                      {"samples", "int", offsetof(U, samples)},
-                                                      {"rotations", "int", offsetof(U, rotations)},
-                                                      {"width", "int", offsetof(U, width)},
-                                                      {"height", "int", offsetof(U, height)},
-                                                      {"seed", "uint", offsetof(U, seed)},
-                                                      {"reach", "int", offsetof(U, reach)}});
-    b.uniform_bytes = sizeof(U);
     b.inputs = {
         {.name = "position", .binding = 1, .unit = "m", .meaning = "world-space position of the shading points"},
         {.name = "normal", .binding = 2, .meaning = "unit normal of the shading points"},
@@ -105,20 +133,66 @@ StageBinding gather_binding(const StageInfo& info) {
     return b;
 }
 
+// Those of gather_form.glsl.
+StageBinding sum_binding(const StageInfo& info) {
+    using U = GatherUniforms;
+    StageBinding b = gather_binding(info);
+    b.uniforms = members_after_map(offsetof(U, map), {{"least_distance2", "float", offsetof(U, least_distance2)},
+                                                      {"scale", "float", offsetof(U, scale)},
+                                                      {"samples", "int", offsetof(U, samples)},
+                                                      {"rotations", "int", offsetof(U, rotations)},
+                                                      {"width", "int", offsetof(U, width)},
+                                                      {"height", "int", offsetof(U, height)},
+                                                      {"seed", "uint", offsetof(U, seed)},
+                                                      {"reach", "int", offsetof(U, reach)}});
+    b.uniform_bytes = sizeof(U);
+    return b;
+}
+
+Slot table(const char* name, int binding, DType type, const char* unit, const char* meaning) {
+    return {.name = name, .kind = SlotKind::buffer, .binding = binding, .dtype = type, .channels = 1, .frame = false,
+            .unit = unit, .meaning = meaning};
+}
+
 StageBinding make_disc() {
-    StageBinding b = gather_binding(info_disc());
-    b.inputs.push_back({.name = "offsets", .kind = SlotKind::buffer, .binding = 6, .dtype = DType::i32, .channels = 1,
-                        .frame = false, .unit = "texels",
-                        .meaning = "[samples][rotations]: dx in the lower 16 bits, dy in the upper 16"});
-    b.inputs.push_back({.name = "weights", .kind = SlotKind::buffer, .binding = 7, .channels = 1, .frame = false,
-                        .unit = "texels", .meaning = "[samples]: texels that a sample stands for"});
+    StageBinding b = sum_binding(info_disc());
+    b.inputs.push_back(table("offsets", 6, DType::i32, "texels",
+                             "[samples][rotations]: dx in the lower 16 bits, dy in the upper 16"));
+    b.inputs.push_back(table("weights", 7, DType::f32, "texels", "[samples]: texels that a sample stands for"));
     b.outputs[0].binding = 8;
     b.bind = bind_kernel<DiscOf, disc_binding>;
     return b;
 }
 
+StageBinding make_paths() {
+    using U = PathsUniforms;
+    StageBinding b = gather_binding(info_paths());
+    b.uniforms = members_after_map(offsetof(U, map), {{"axis", "vec4", offsetof(U, axis)},
+                                                      {"least_distance2", "float", offsetof(U, least_distance2)},
+                                                      {"scale", "float", offsetof(U, scale)},
+                                                      {"directions", "int", offsetof(U, directions)},
+                                                      {"steps", "int", offsetof(U, steps)},
+                                                      {"rotations", "int", offsetof(U, rotations)},
+                                                      {"tiled", "int", offsetof(U, tiled)},
+                                                      {"width", "int", offsetof(U, width)},
+                                                      {"height", "int", offsetof(U, height)},
+                                                      {"seed", "uint", offsetof(U, seed)},
+                                                      {"reach", "int", offsetof(U, reach)},
+                                                      {"slots", "int", offsetof(U, slots)},
+                                                      {"propagates", "int", offsetof(U, propagates)}});
+    b.uniform_bytes = sizeof(U);
+    b.inputs.push_back(table("offsets", 6, DType::i32, "texels",
+                             "[directions][steps][rotations]: dx in the lower 16 bits, dy in the upper 16"));
+    b.inputs.push_back(table("weights", 7, DType::f32, "texels",
+                             "[directions][steps][rotations]: texels that a sample stands for"));
+    b.inputs.push_back(table("edges", 8, DType::f32, "", "[slots - 1]: s |s|, s the sine of the elevation, ascending"));
+    b.outputs[0].binding = 9;
+    b.bind = bind_kernel<PathsOf, paths_binding>;
+    return b;
+}
+
 StageBinding make_all() {
-    StageBinding b = gather_binding(info_all());
+    StageBinding b = sum_binding(info_all());
     b.bind = bind_kernel<AllOf, all_binding>;
     return b;
 }
@@ -127,6 +201,10 @@ StageBinding make_all() {
 
 const StageBinding& disc_binding() {
     static const StageBinding binding = make_disc();
+    return binding;
+}
+const StageBinding& paths_binding() {
+    static const StageBinding binding = make_paths();
     return binding;
 }
 const StageBinding& all_binding() {
@@ -139,15 +217,23 @@ StageData gather_data(const GatherParams& params, const GatherInputs& in) {
     StageData d;
     d.stage = stage_name(params.gather);
     d.size = {in.position->width, in.position->height};
-    d.uniforms = uniform_block(gather_uniforms(params, in));
+    const bool paths = params.gather == Gather::paths;
+    d.uniforms = paths ? uniform_block(paths_uniforms(params, in)) : uniform_block(gather_uniforms(params, in));
     add(d.inputs, "position", *in.position);
     add(d.inputs, "normal", *in.normal);
     add(d.inputs, "rsm_position", in.rsm->position);
     add(d.inputs, "rsm_normal", in.rsm->normal);
     add(d.inputs, "rsm_flux", in.rsm->flux);
-    if (params.gather != Gather::disc) return d;
-    add(d.inputs, "offsets", {in.pattern->samples, in.pattern->rotations}, in.pattern->offsets.data());
-    add(d.inputs, "weights", {in.pattern->samples}, in.pattern->weights.data());
+    if (params.gather == Gather::all) return d;
+    const int samples = in.pattern->samples, rotations = in.pattern->rotations;
+    add(d.inputs, "offsets", {samples, rotations}, in.pattern->offsets.data());
+    if (!paths) {
+        add(d.inputs, "weights", {samples}, in.pattern->weights.data());
+        return d;
+    }
+    add(d.inputs, "weights", {samples, rotations}, in.pattern->weights.data());
+    const Buffer<float> edges = slot_edges(params);
+    add(d.inputs, "edges", {std::int64_t(edges.size())}, edges.data());
     return d;
 }
 

@@ -1,4 +1,4 @@
-// The stages rsm.disc and rsm.all bound by name (core/binding.h).
+// The stages rsm.disc, rsm.paths and rsm.all bound by name (core/binding.h).
 #pragma once
 
 #include "core/binding.h"
@@ -8,11 +8,12 @@
 namespace plumb::rsm {
 
 const StageBinding& disc_binding();
+const StageBinding& paths_binding();
 const StageBinding& all_binding();
 
 GatherUniforms gather_uniforms(const GatherParams& params, const GatherInputs& inputs);
 
-// One dispatch of params.gather (disc or all) for the map inputs.rsm, with copies of all it reads; label and id are the
+// One dispatch of params.gather (not all_rays) for the map inputs.rsm, with copies of all it reads; label and id are the
 // caller's.
 StageData gather_data(const GatherParams& params, const GatherInputs& inputs);
 

@@ -13,6 +13,7 @@
 #include "gi/rsm/all_rays.h"
 #include "gi/rsm/bindings.h"
 #include "gi/rsm/gather_rows.h"
+#include "gi/rsm/paths.h"
 #include "raster/light_view.h"
 
 namespace plumb::rsm {
@@ -26,15 +27,18 @@ std::vector<Field> fields(GatherParams& p) {
     auto all_rays = [](std::vector<double> values) {
         return SweepRange{along, std::move(values), "gather", "all_rays"};
     };
+    auto paths = [](SweepRange::Role role, std::vector<double> values) {
+        return SweepRange{role, std::move(values), "gather", "paths"};
+    };
     return {
         {"gather", as_int(p.gather), "", "which texels of the map are gathered; all_rays: each with a shadow ray",
-         0, 2, {"disc", "all", "all_rays"}, false, {curves, {0, 1, 2}, "", ""}},
+         0, 3, {"disc", "all", "all_rays", "paths"}, false, {curves, {0, 1, 2, 3}, "", ""}},
         {"variant", as_int(p.variant), "",
-         "corrected, or the weights and constants as printed: xi1^2 and no 1/pi (LRA 4.3.3, VRSM (3.2))", 0, 1,
+         "corrected, or the weights and constants as printed: xi1^2, rho^2 and no 1/pi (LRA 4.3.3, VRSM 3.2)", 0, 1,
          {"corrected", "published"}, false, disc(curves, {0, 1})},
         {"samples", &p.samples, "", "samples of the disc: VRSM names 400, LRA 200", 1, 65536, {}, true,
          disc(along, {25, 50, 100, 200, 400, 800})},
-        {"radius", &p.radius, "map sides", "radius of the disc; 0.3 is ours", 1e-6, 16, {}, false,
+        {"radius", &p.radius, "map sides", "radius of the disc, length of a path; 0.3 is ours", 1e-6, 16, {}, false,
          disc(curves, {0.15, 0.3, 0.6})},
         {"rotations", &p.rotations, "", "rotations of the pattern, chosen per pixel by hash; a power of two, 1 = none", 1,
          4096, {}, true, disc(curves, {1, 64})},
@@ -50,11 +54,38 @@ std::vector<Field> fields(GatherParams& p) {
         {"max_rays", &p.max_rays, "rays",
          "all_rays: above it a light asks a subset of its texels, at least 16 a pixel; 0 is no limit (ours)", 0,
          unbounded, {}, false, all_rays({1e6, 4e6, 1.6e7, 6.4e7})},
+        {"directions", &p.directions, "", "paths: how many; VRSM 4.4 has 15", 1, 1024, {}, true,
+         paths(along, {5, 10, 15, 30, 60})},
+        {"steps", &p.steps, "", "paths: samples along each; VRSM 4.4 has 10", 1, 1024, {}, true, paths(curves, {5, 10, 20})},
+        {"jitter", &p.jitter, "steps", "paths: how far a sample strays along its path, of a step's length", 0, 1, {}, false,
+         paths(curves, {})},
+        {"turn_jitter", &p.turn_jitter, "sectors", "paths: how far a sample strays across its path, of a path's sector", 0, 1,
+         {}, false, paths(curves, {})},
+        {"visibility", as_int(p.visibility), "",
+         "paths: none, or by VRSM's algorithm of that number; 3 and 6 are the same function", 0, 3,
+         {"none", "algorithm_2", "algorithm_3", "algorithm_6"}, false, paths(curves, {0, 1, 3})},
+        {"slots", &p.slots, "", "paths: slots of the micro linear buffer; VRSM 3.3 has 5", 2, 32, {}, true,
+         paths(curves, {3, 5, 9, 17})},
+        {"slot_edges", as_int(p.slot_edges), "", "paths: slots of equal angle (VRSM 3.3) or of equal solid angle (ours)", 0,
+         1, {"angle", "solid_angle"}, false, paths(curves, {0, 1})},
+        {"turn", as_int(p.turn), "",
+         "how a pixel gets its rotation: by hash, or dealt out over tiles of 4 x 4 pixels (paths; ours)", 0, 1,
+         {"hash", "tile"}, false, paths(curves, {0, 1})},
     };
 }
 
+int sample_count(const GatherParams& params) {
+    return params.gather == Gather::paths ? params.directions * params.steps : params.samples;
+}
+
 std::string stage_name(Gather gather) {
-    return gather == Gather::disc ? "rsm.disc" : gather == Gather::all ? "rsm.all" : "rsm.all_rays";
+    switch (gather) {
+        case Gather::disc: return "rsm.disc";
+        case Gather::paths: return "rsm.paths";
+        case Gather::all: return "rsm.all";
+        case Gather::all_rays: break;
+    }
+    return "rsm.all_rays";
 }
 
 void validate(const GatherParams& params, const GatherInputs& in) {
@@ -76,11 +107,16 @@ void validate(const GatherParams& params, const GatherInputs& in) {
     require(!depth_alone, "the map was drawn for its depth alone: it holds no flux");
     require(!in.tiles || in.tiles->fits({in.position->width, in.position->height}), "tiles are of another size");
     require(params.gather != Gather::all_rays || in.rays, "rays must be bound");
-    if (params.gather != Gather::disc) return;
+    if (params.gather != Gather::disc && params.gather != Gather::paths) return;
+    const int samples = sample_count(params);
+    require(samples <= most_samples, fmt::format("directions = {} x steps = {}: expected at most {} samples",
+                                                 params.directions, params.steps, most_samples));
+    require(params.turn == Turn::hash || params.rotations >= 16,
+            fmt::format("rotations = {}: turn = \"tile\" deals out at least 16", params.rotations));
     require(in.pattern != nullptr, "pattern must be bound");
-    require(in.pattern->samples == params.samples && in.pattern->rotations == params.rotations,
+    require(in.pattern->samples == samples && in.pattern->rotations == params.rotations,
             fmt::format("pattern has {} samples by {} rotations: expected {} by {}", in.pattern->samples,
-                        in.pattern->rotations, params.samples, params.rotations));
+                        in.pattern->rotations, samples, params.rotations));
     require(double(params.radius) * in.rsm->size < 32767,
             fmt::format("radius = {} of {} texels: whole-texel offsets end at 32767", params.radius, in.rsm->size));
 }
@@ -92,6 +128,12 @@ float least_distance2(const GatherParams& params) {
 
 float irradiance_scale(const GatherParams& params) {
     return params.variant == Variant::published ? 1.0f : float(1 / host::pi);
+}
+
+Buffer<float> widened(const Buffer<Half>& halves) {
+    Buffer<float> floats(halves.size());
+    for (std::size_t i = 0; i < halves.size(); ++i) floats[i] = half_to_float(halves[i]);
+    return floats;
 }
 
 int reach_of(std::span<const std::int32_t> offsets) {
@@ -129,13 +171,6 @@ GatherInputsView<Component> view_of(const GatherParams& params, const GatherInpu
     return v;
 }
 
-// The map's records as floats: widening a half is exact.
-Buffer<float> widened(const Buffer<Half>& halves) {
-    Buffer<float> floats(halves.size());
-    for (std::size_t i = 0; i < halves.size(); ++i) floats[i] = half_to_float(halves[i]);
-    return floats;
-}
-
 // One lane over the whole image: F is double (the truth of a stability report).
 template <class F, class Component>
 vec3<F> one_pixel(const GatherParams& params, const GatherInputsView<Component>& in, int x, int y) {
@@ -151,6 +186,7 @@ void run(const GatherParams& params, const GatherInputs& in, const RunOptions& o
     validate(params, in);
     if (params.gather == Gather::all_rays)
         return run_all_rays(params, in, {in.rsm, 1}, options, irradiance, nullptr);
+    if (params.gather == Gather::paths) return run_paths(params, in, options, irradiance);
     irradiance = Image4(in.position->width, in.position->height);
     const int band = params.gather == Gather::all ? 1 : 16;
     auto shade = [&](auto view, auto rows) {
@@ -196,6 +232,7 @@ void run_maps(const GatherParams& params, const GatherInputs& given, std::span<c
 void run_double(const GatherParams& params, const GatherInputs& in, const RunOptions& options,
                 Image<glm::dvec4>& irradiance) {
     validate(params, in);
+    if (params.gather == Gather::paths) return run_paths_double(params, in, options, irradiance);
     irradiance = Image<glm::dvec4>(in.position->width, in.position->height);
     const Buffer<float> floats = in.rsm->half ? widened(in.rsm->half_records) : in.rsm->records;
     const auto view = view_of(params, in, floats.data());
@@ -209,6 +246,7 @@ void run_double(const GatherParams& params, const GatherInputs& in, const RunOpt
 std::vector<TapValue> explain(const GatherParams& params, const GatherInputs& in, glm::ivec2 pixel) {
     validate(params, in);
     if (params.gather == Gather::all_rays) return explain_all_rays(params, in, {in.rsm, 1}, pixel);
+    if (params.gather == Gather::paths) return explain_paths(params, in, pixel);
     const Buffer<float> floats = in.rsm->half ? widened(in.rsm->half_records) : in.rsm->records;
     const auto view = view_of(params, in, floats.data());
     FpEnvironment environment;
@@ -269,6 +307,16 @@ StageInfo info(Gather gather) {
                              "of the irradiance, by channel, where a subset of the texels was asked; else 0"});
         return s;
     }
+    if (gather == Gather::paths) {
+        s.source = "VRSM 3.2, 3.3, Algorithms 2, 3, 5 and 6";
+        s.inputs.push_back({"offsets", "buffer i32", "texels",
+                            "[directions][steps][rotations] whole-texel offsets, 16 bits each"});
+        s.inputs.push_back({"weights", "buffer f32", "texels",
+                            "[directions][steps][rotations] texels that a sample stands for"});
+        s.inputs.push_back({"edges", "buffer f32", "", "[slots - 1] where slots meet: s |s|, s the elevation's sine"});
+        s.twin = "gi/rsm/paths.comp";
+        return s;
+    }
     s.source = "Dachsbacher and Stamminger 2005; LRA 4.3.3; VRSM (3.2)";
     s.inputs.push_back({"offsets", "buffer i32", "texels", "[samples][rotations] whole-texel offsets, 16 bits each"});
     s.inputs.push_back({"weights", "buffer f32", "texels", "[samples] texels that a sample stands for"});
@@ -279,6 +327,7 @@ StageInfo info(Gather gather) {
 }  // namespace
 
 StageInfo info_disc() { return info(Gather::disc); }
+StageInfo info_paths() { return info(Gather::paths); }
 StageInfo info_all() { return info(Gather::all); }
 StageInfo info_all_rays() { return info(Gather::all_rays); }
 

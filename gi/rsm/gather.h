@@ -1,5 +1,5 @@
-// The stages rsm.disc, rsm.all and rsm.all_rays: indirect irradiance from one light's reflective shadow map. See
-// gi/rsm/README.md.
+// The stages rsm.disc, rsm.paths, rsm.all and rsm.all_rays: indirect irradiance from one light's reflective shadow map.
+// See gi/rsm/README.md.
 #pragma once
 
 #include <cstdint>
@@ -18,10 +18,15 @@
 
 namespace plumb::rsm {
 
-enum class Gather : int { disc, all, all_rays };
+enum class Gather : int { disc, all, all_rays, paths };
+inline constexpr Gather gathers[] = {Gather::disc, Gather::paths, Gather::all, Gather::all_rays};
 enum class Variant : int { corrected, published };
 enum class Sequence : int { hammersley, r2, random };
 enum class Projection : int { plain, clamped };
+// VRSM's algorithms of that number; 3 and 6 are the same function.
+enum class Visibility : int { none, algorithm_2, algorithm_3, algorithm_6 };
+enum class SlotEdges : int { angle, solid_angle };
+enum class Turn : int { hash, tile };
 
 struct GatherParams {
     Gather gather = Gather::disc;
@@ -34,14 +39,26 @@ struct GatherParams {
     float min_distance = 0;
     Rays rays = Rays::exact;
     float max_rays = 1e9f;
+    int directions = 15;
+    int steps = 10;
+    float jitter = 1;
+    float turn_jitter = 0;
+    Visibility visibility = Visibility::algorithm_6;
+    int slots = 5;
+    SlotEdges slot_edges = SlotEdges::angle;
+    Turn turn = Turn::hash;
 };
 std::vector<Field> fields(GatherParams& params);
+
+// Samples of a pixel, for those that read a pattern; validate() allows so many.
+int sample_count(const GatherParams& params);
+inline constexpr int most_samples = 65536;
 
 // A sample pattern around the projection of the shading point, as the kernel binds it.
 struct Pattern {
     int samples = 0, rotations = 0;
     Buffer<std::int32_t> offsets;  // [samples][rotations]: whole texels, dx in the lower 16 bits, dy in the upper 16
-    Buffer<float> weights;         // [samples]: texels that a sample stands for
+    Buffer<float> weights;         // disc: [samples], paths: [samples][rotations]: texels that a sample stands for
 };
 
 // The disc pattern of `params` for a map of map_size texels a side, made in double precision: xi1, xi2 from the sequence,
@@ -49,15 +66,28 @@ struct Pattern {
 // so that a constant is integrated exactly.
 Pattern disc_pattern(const GatherParams& params, int map_size, std::uint32_t seed);
 
+// The paths of `params`, directions * steps samples path by path. Rotation i turns path m to the angle
+// 2 pi (m + (i + 1/2) / rotations + turn_jitter a) / directions; step k lies at rho = (k + 1/2 + jitter b) r / steps, a and
+// b in [-1/2, 1/2), b spread evenly over the rotations. Weight (2 pi rho / directions)(r / steps); published: rho^2, scaled
+// so that a constant is integrated exactly.
+Pattern paths_pattern(const GatherParams& params, int map_size, std::uint32_t seed);
+
+// What the gather of `params` reads: empty for those that read every texel.
+Pattern pattern_of(const GatherParams& params, int map_size, std::uint32_t seed);
+
+// Where slots of the micro linear buffer meet, ascending: s |s|, s the sine of the elevation. slots - 1 numbers; without
+// visibility one, which is not read.
+Buffer<float> slot_edges(const GatherParams& params);
+
 struct GatherInputs {
     const Image4* position = nullptr;  // xyz world, m
     const Image4* normal = nullptr;    // xyz unit; all 0 where there is no surface
     const raster::Rsm* rsm = nullptr;
-    const Pattern* pattern = nullptr;  // disc only
+    const Pattern* pattern = nullptr;  // disc, paths
     std::uint32_t seed = 1;            // of the choice of rotation, or of a subset
     const RayQuery* rays = nullptr;    // all_rays only
     RayOffsets offsets = {};           // all_rays only: ray_offsets(), all_rays.h
-    const raster::Covered* tiles = nullptr;  // disc, all: the others keep irradiance 0; null: all are shaded
+    const raster::Covered* tiles = nullptr;  // not all_rays: the others keep irradiance 0; null: all are shaded
 };
 
 // What all_rays reports of a run beside its irradiance.
@@ -81,7 +111,7 @@ void run(const GatherParams& params, const GatherInputs& inputs, const RunOption
 void run_maps(const GatherParams& params, const GatherInputs& inputs, std::span<const raster::Rsm> maps,
               const RunOptions& options, Image4& irradiance, RaysReport* report = nullptr);
 
-// disc and all in double precision from the same inputs, on one lane: the truth that float is held against.
+// disc, paths and all in double precision from the same inputs, on one lane: the truth that float is held against.
 void run_double(const GatherParams& params, const GatherInputs& inputs, const RunOptions& options,
                 Image<glm::dvec4>& irradiance);
 
@@ -92,6 +122,7 @@ std::vector<TapValue> explain_maps(const GatherParams& params, const GatherInput
 
 std::string stage_name(Gather gather);  // "rsm.disc", ...
 StageInfo info_disc();
+StageInfo info_paths();
 StageInfo info_all();
 StageInfo info_all_rays();
 

@@ -53,4 +53,61 @@ Pattern disc_pattern(const GatherParams& params, int map_size, std::uint32_t see
     return pattern;
 }
 
+Pattern paths_pattern(const GatherParams& params, int map_size, std::uint32_t seed) {
+    const int paths = params.directions, steps = params.steps, rotations = params.rotations;
+    const double r = double(params.radius) * map_size, step = r / steps;
+    Pattern pattern;
+    pattern.samples = paths * steps;
+    pattern.rotations = rotations;
+    pattern.offsets.resize(std::size_t(pattern.samples) * rotations);
+    pattern.weights.resize(pattern.offsets.size());
+
+    for (int i = 0; i < rotations; ++i) {
+        Buffer<double> rho(std::size_t(pattern.samples));
+        double sum_of_squares = 0;
+        for (int k = 0; k < pattern.samples; ++k) {
+            const Hash3<std::int32_t> h = pixel_hash<std::int32_t>(k, 0, 1, std::int32_t(seed));
+            // Over all rotations a sample's place in its step, and in its sector, is spread evenly, and otherwise in each
+            // sample.
+            const double along = van_der_corput(std::uint64_t(i)) + unit_float<float>(h.x);
+            const double across = van_der_corput(std::uint64_t(i), 3) + unit_float<float>(h.y);
+            auto centred = [](double u) { return u - __builtin_floor(u) - 0.5; };
+            const double angle = 2 * host::pi *
+                                 (k / steps + (i + 0.5) / rotations + double(params.turn_jitter) * centred(across)) / paths;
+            rho[std::size_t(k)] = (k % steps + 0.5 + double(params.jitter) * centred(along)) * step;
+            const std::size_t at = std::size_t(k) * rotations + i;
+            pattern.offsets[at] = pack(round_to_texel(rho[std::size_t(k)] * host::sin(angle)),
+                                       round_to_texel(rho[std::size_t(k)] * host::cos(angle)));
+            sum_of_squares += rho[std::size_t(k)] * rho[std::size_t(k)];
+        }
+        for (int k = 0; k < pattern.samples; ++k) {
+            const double at = rho[std::size_t(k)];
+            // A ring of width `step` has the area 2 pi rho step, and every path a share of it.
+            const double corrected = 2 * host::pi * at / paths * step;
+            const double published = host::pi * r * r * at * at / sum_of_squares;  // VRSM 3.2, its scale is ours
+            pattern.weights[std::size_t(k) * rotations + i] =
+                float(params.variant == Variant::published ? published : corrected);
+        }
+    }
+    return pattern;
+}
+
+Pattern pattern_of(const GatherParams& params, int map_size, std::uint32_t seed) {
+    if (params.gather == Gather::disc) return disc_pattern(params, map_size, seed);
+    if (params.gather == Gather::paths) return paths_pattern(params, map_size, seed);
+    return {};
+}
+
+Buffer<float> slot_edges(const GatherParams& params) {
+    if (params.visibility == Visibility::none) return Buffer<float>(1);
+    Buffer<float> edges(std::size_t(params.slots - 1));
+    for (int i = 1; i < params.slots; ++i) {
+        const double share = double(i) / params.slots;
+        const double s =
+            params.slot_edges == SlotEdges::solid_angle ? 2 * share - 1 : host::sin(host::pi * (share - 0.5));
+        edges[std::size_t(i - 1)] = float(s * __builtin_fabs(s));
+    }
+    return edges;
+}
+
 }  // namespace plumb::rsm

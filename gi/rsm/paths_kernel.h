@@ -1,0 +1,151 @@
+// The gather along paths with a micro linear buffer for visibility (VRSM 3.2, 3.3): the algorithm that paths.comp mirrors
+// line by line.
+//
+// Whatever hides texel p from x lies, seen from the light, on the straight line from x to p. So samples are taken along
+// straight paths that start at the projection of x, from near to far, and each path keeps which elevations, as the light
+// sees them, it has met: a sample whose elevation is taken is hidden.
+//
+//         ^ elevation
+//     slot 4 |      o            the light looks down; the horizontal axis is a path on the map
+//     slot 3 |          o    o   <- hidden: slot 3 is taken
+//     slot 2 x----+-------------
+//     slot 1 |  o                <- visible, and takes slot 1
+//     slot 0 |
+//
+// differs: the elevation phi of a sample is never computed. Slot i ends where sin(phi) = s_i, and with d = x_p - x and
+// dz = d . axis, sin(phi) = dz / |d|: the test is dz |dz| >= s_i |s_i| |d|^2. A texel without a surface neither hides nor
+// sends light; the thesis does not say what it does.
+#pragma once
+
+#include "gi/rsm/gather_kernel.h"
+
+namespace plumb::rsm {
+
+// The twin's uniform block, member by member (std140). The host fills it in paths.cpp.
+struct PathsUniforms {
+    raster::Projection map;
+    float axis[4];            // xyz: unit, from the scene towards the light along the view's axis
+    float least_distance2;    // m2: the floor of |x - x_p|^2
+    float scale;              // 1/pi; published: 1
+    std::int32_t directions;  // paths
+    std::int32_t steps;       // samples of a path
+    std::int32_t rotations;   // a power of two
+    std::int32_t tiled;       // 1: rotations follow a tile of 4 x 4 pixels, 0: a hash of the pixel
+    std::int32_t width;       // of the image of shading points
+    std::int32_t height;
+    std::uint32_t seed;
+    std::int32_t reach;       // texels: the pattern's largest |dx| or |dy|
+    std::int32_t slots;       // of the micro linear buffer, 2 to 32; 0: without visibility
+    std::int32_t propagates;  // -1: Algorithms 3 and 6, 0: Algorithm 2
+};
+static_assert(sizeof(PathsUniforms) == 128);
+
+// One invocation's inputs. Component is float or Half: the storage of the map's records.
+template <class Component>
+struct PathsInputsView {
+    PathsUniforms u;
+    const float* position;        // [height][width] rgba32f: xyz world, m
+    const float* normal;          // [height][width] rgba32f: xyz unit
+    const Component* records;     // [size][size] records: position, normal (w: 1 where there is a surface), flux W
+    const std::int32_t* offsets;  // [directions][steps][rotations]: whole texels, dx in the lower 16 bits, dy in the upper
+    const float* weights;         // [directions][steps][rotations]: texels that a sample stands for
+    const float* edges;           // [slots - 1]: s |s| where slots meet, s the sine of the elevation; ascending
+    float* irradiance;            // [height][width] rgba32f, out: W/m2
+};
+
+// The order of pixels of a 4 x 4 tile in which rotations are dealt out: Bayer's matrix, so that neighbours differ most.
+template <class I>
+PLUMB_INLINE I tile_place(I px, I py) {
+    const I across = px ^ py;
+    return ((across & I(1)) << 3) + ((py & I(1)) << 2) + (across & I(2)) + ((py & I(2)) >> 1);
+}
+
+// What a path has met: bit i of `free` is 1 while no sample was in slot i. `last` is the bit of the sample before, where
+// visibility propagates from it.
+template <class F>
+struct MicroLinearBuffer {
+    index_t<F> free, last, last_visible;
+};
+
+// The visibility of a sample, 0 or 1. The counter of Algorithm 6, clamped to 0..1, is the flag of Algorithm 3: 1 until a
+// sample takes the slot, then 0, -1, ... which are 0. Algorithm 2 is the same without the sample before.
+template <class F, class Component, class Tap>
+PLUMB_INLINE F visibility_of(const PathsInputsView<Component>& in, const vec3<F>& d, const mask_t<F>& surface,
+                             MicroLinearBuffer<F>& met, Tap& tap) {
+    using I = index_t<F>;
+    const F dz = dot3(vec3<F>{F(in.u.axis[0]), F(in.u.axis[1]), F(in.u.axis[2])}, d);
+    tap("dz", dz, "height of x_p above x towards the light, m");
+    const F height = dz * abs(dz), d2 = dot3(d, d);
+    I slot(0), bit(1);
+    for (int i = 0; i + 1 < in.u.slots; ++i) {
+        const mask_t<F> above = height >= F(in.edges[i]) * d2;
+        slot = select(above, I(i + 1), slot);
+        bit = select(above, I(std::int32_t(2u << i)), bit);
+    }
+    tap("slot", slot, "VRSM Algorithm 3, line 2: idx");
+
+    // Where there is no surface nothing is met: the sample repeats the one before.
+    bit = select(surface, bit, met.last);
+    const I visible = select(bit == met.last, met.last_visible, met.free & bit);
+    met.free = met.free & ~bit;
+    met.last = bit & I(in.u.propagates);
+    met.last_visible = visible;
+    return select(visible == I(0), F(0.0f), F(1.0f));
+}
+
+template <class F, class Component, class Tap>
+PLUMB_INLINE vec3<F> gather_paths(const PathsInputsView<Component>& in, index_t<F> px, index_t<F> py, Tap& tap) {
+    using N = number<F>;
+    using I = index_t<F>;
+    const PathsUniforms& u = in.u;
+    const I pixel = py * I(u.width) + px;
+    const vec3<F> x = xyz<F>(N::fetch4(in.position, pixel));      tap("x", x, "world, m");
+    const vec3<F> n = xyz<F>(N::fetch4(in.normal, pixel));        tap("n", n, "unit normal of x");
+    const ivec2<I> centre = raster::project<F>(u.map, x, tap);    tap("centre", centre, "texel of the projection");
+    I rotation = shift_right(pixel_hash(px, py, I(0), I(std::int32_t(u.seed))).x, 16) & I(u.rotations - 1);
+    if (u.tiled != 0) rotation = (tile_place(px, py) * I(u.rotations)) >> 4;
+    tap("rotation", rotation, "column of the tables of offsets and weights");
+
+    // Where no sample can meet the map there is nothing to sum.
+    const I range(u.map.size + 2 * u.reach);
+    const mask_t<F> near = in_range(centre.x + I(u.reach), range) & in_range(centre.y + I(u.reach), range);
+    vec3<F> sum{F(0.0f), F(0.0f), F(0.0f)};
+    for (int path = 0; any(near) && path < u.directions; ++path) {
+        MicroLinearBuffer<F> met{I(-1), I(0), I(0)};
+        for (int step = 0; step < u.steps; ++step) {
+            const int k = path * u.steps + step;
+            tap.sample(k);
+            const I offset = N::fetch(in.offsets, rotation + I(k * u.rotations));
+            const ivec2<I> texel{centre.x + ((offset << 16) >> 16), centre.y + (offset >> 16)};
+            tap("texel", texel, "VRSM Algorithm 5, line 8: proj + (u, v)");
+
+            // A sample outside the map contributes nothing, and the divisor stays.
+            const mask_t<F> inside = in_range(texel.x, I(u.map.size)) & in_range(texel.y, I(u.map.size));
+            tap("inside", inside, "1 if the map has that texel; if not, what follows is texel 0 with weight 0");
+            const Record<F> p = N::fetch_record(in.records, select(inside, texel.y * I(u.map.size) + texel.x, I(0)));
+            const vec3<F> x_p = xyz<F>(p.a), n_p = xyz<F>(p.b), flux = xyz<F>(p.c);
+            const F weight = select(inside, N::fetch(in.weights, rotation + I(k * u.rotations)), F(0.0f));
+            tap("x_p", x_p, "world, m");
+            tap("n_p", n_p, "unit normal of x_p");
+            tap("flux", flux, "Phi_p, W");
+            tap("weight", weight, "texels: (2 pi rho / M) (r / K); published: rho^2, normalised");
+
+            F visibility(1.0f);
+            if (u.slots > 0) visibility = visibility_of<F>(in, x_p - x, inside & (p.b.w > F(0.0f)), met, tap);
+            tap("visibility", visibility, "VRSM Algorithm 5, line 12: 1 visible, 0 hidden");
+
+            const F g = form(x, n, x_p, n_p, F(u.least_distance2), tap) * (weight * visibility);
+            sum.x += flux.x * g;
+            sum.y += flux.y * g;
+            sum.z += flux.z * g;
+            tap("sum", sum, "VRSM Algorithm 5, line 15: sum so far of v w Phi_p form, W/m2");
+        }
+    }
+    tap.sample(-1);
+    const vec3<F> zero{F(0.0f), F(0.0f), F(0.0f)};
+    const vec3<F> irradiance = select3<F>(near, sum * F(u.scale), zero);
+    tap("irradiance", irradiance, "E = sum / pi, W/m2");
+    return irradiance;
+}
+
+}  // namespace plumb::rsm
