@@ -6,8 +6,18 @@
 
 namespace plumb {
 
+// A kernel's value as a texel.
+template <class F>
+PLUMB_INLINE vec4<F> texel_of(const vec3<F>& value, F w) {
+    return vec4<F>(value, w);
+}
+template <class F>
+PLUMB_INLINE vec4<F> texel_of(const vec4<F>& value, F) {
+    return value;
+}
+
 // Calls kernel(px, py, tap) for the pixels of rows [first, last) of an image `width` pixels wide and stores its vec3 in
-// `out` (rgba32f, w = `w`). Lanes beyond the row repeat its last pixel and are not stored. Packets go down the columns of
+// `out` (rgba32f, w = `w`), or its vec4. Lanes beyond the row repeat its last pixel and are not stored. Packets go down the columns of
 // the band, so that a tile about as high as it is wide shares what it reads. tiles: of these rows, a byte for every 16
 // columns, 0 where nothing is called and stored (raster/covered.h); null: everywhere.
 template <class Kernel>
@@ -21,8 +31,7 @@ PLUMB_INLINE void shade_rows(int width, int first, int last, const std::uint8_t*
         const I px = min(N::iota(x), I(width - 1));
         for (int y = first; y < last; ++y) {
             NoTap tap;
-            const vec3<F> value = kernel(px, I(y), tap);
-            N::store4(out, I(y * width) + px, vec4<F>(value, F(w)), N::iota(x) < I(width));
+            N::store4(out, I(y * width) + px, texel_of(kernel(px, I(y), tap), F(w)), N::iota(x) < I(width));
         }
     }
 }

@@ -67,12 +67,14 @@ const StageBinding& compose_binding() {
         .uniforms = {{"environment", "vec4", offsetof(U, environment)},
                      {"inv_pi", "float", offsetof(U, inv_pi)},
                      {"width", "int", offsetof(U, width)},
-                     {"height", "int", offsetof(U, height)}},
+                     {"height", "int", offsetof(U, height)},
+                     {"shadowed", "int", offsetof(U, shadowed)},
+                     {"shadow_color", "vec4", offsetof(U, shadow_color)}},
         .uniform_bytes = sizeof(U),
         .inputs = {{.name = "normal", .binding = 1, .meaning = "w: 1 on a surface, 0 where nothing is", .fixed = 8},
                    {.name = "albedo", .binding = 2, .meaning = "diffuse reflectance rho"},
                    {.name = "emission", .binding = 3, .unit = "W/m2", .meaning = "radiant exitance M"},
-                   {.name = "direct", .binding = 4, .unit = "W/m2", .meaning = "direct irradiance"},
+                   {.name = "direct", .binding = 4, .unit = "W/m2", .meaning = "direct irradiance; w: shadow density"},
                    {.name = "indirect", .binding = 5, .unit = "W/m2", .meaning = "indirect irradiance"}},
         .outputs = {{.name = "radiance", .kind = SlotKind::storage_image, .binding = 6, .unit = "W/(m2 sr)",
                      .meaning = "outgoing radiance towards the viewer"}},
@@ -97,12 +99,12 @@ const StageBinding& tonemap_binding() {
     return binding;
 }
 
-StageData compose_data(const ComposeInputs& in) {
+StageData compose_data(const ComposeParams& params, const ComposeInputs& in) {
     validate(in);
     StageData d;
     d.stage = "compose";
     d.size = {in.normal->width, in.normal->height};
-    d.uniforms = uniform_block(uniforms(in));
+    d.uniforms = uniform_block(uniforms(params, in));
     add(d.inputs, "normal", *in.normal);
     add(d.inputs, "albedo", *in.albedo);
     add(d.inputs, "emission", *in.emission);

@@ -10,11 +10,11 @@ namespace plumb::compose {
 const StageBinding& compose_binding();
 const StageBinding& tonemap_binding();
 
-ComposeUniforms uniforms(const ComposeInputs& inputs);
+ComposeUniforms uniforms(const ComposeParams& params, const ComposeInputs& inputs);
 TonemapUniforms uniforms(const TonemapParams& params, const Image4& radiance);
 
 // One dispatch, with copies of all it reads; label and id are the caller's.
-StageData compose_data(const ComposeInputs& inputs);
+StageData compose_data(const ComposeParams& params, const ComposeInputs& inputs);
 StageData tonemap_data(const TonemapParams& params, const Image4& radiance);
 
 }  // namespace plumb::compose

@@ -10,12 +10,13 @@ layout(std140, binding = 0) uniform ComposeUniforms {
     float inv_pi;
     int width;
     int height;
-    int padding;
+    int shadowed;       // 0: the shadow colour is black, and nothing is added
+    vec4 shadow_color;  // xyz: radiance of a surface without direct light, W/(m2 sr)
 } u;
 layout(binding = 1) uniform sampler2D normal_image;    // w: 1 on a surface, 0 where nothing is
 layout(binding = 2) uniform sampler2D albedo_image;    // rho
 layout(binding = 3) uniform sampler2D emission_image;  // radiant exitance M, W/m2
-layout(binding = 4) uniform sampler2D direct_image;    // irradiance, W/m2
+layout(binding = 4) uniform sampler2D direct_image;    // irradiance, W/m2; w: shadow density
 layout(binding = 5) uniform sampler2D indirect_image;  // irradiance, W/m2
 layout(binding = 6, rgba32f) uniform writeonly image2D radiance_image;
 
@@ -23,10 +24,15 @@ vec3 compose(ivec2 pixel) {
     bool covered = texelFetch(normal_image, pixel, 0).w > 0.0;
     vec3 rho = texelFetch(albedo_image, pixel, 0).xyz;          TAP(albedo, rho);
     vec3 exitance = texelFetch(emission_image, pixel, 0).xyz;   TAP(emission, exitance);
-    vec3 direct = texelFetch(direct_image, pixel, 0).xyz;       TAP(direct, direct);
+    vec4 lit = texelFetch(direct_image, pixel, 0);
+    vec3 direct = lit.xyz;                                      TAP(direct, direct);
     vec3 indirect = texelFetch(indirect_image, pixel, 0).xyz;   TAP(indirect, indirect);
 
     precise vec3 radiance = (rho * (direct + indirect) + exitance) * u.inv_pi;
+    if (u.shadowed != 0) {
+        precise float shadow = 1.0 - lit.w;                     TAP(shadow, shadow);
+        radiance += shadow * u.shadow_color.xyz;
+    }
     radiance = covered ? radiance : u.environment.xyz;          TAP(radiance, radiance);
     return radiance;
 }

@@ -15,9 +15,9 @@ namespace {
 
 constexpr int band = 16;
 
-ComposeInputsView view_of(const ComposeInputs& in) {
+ComposeInputsView view_of(const ComposeParams& params, const ComposeInputs& in) {
     ComposeInputsView v{};
-    v.u = uniforms(in);
+    v.u = uniforms(params, in);
     v.normal = &in.normal->data()->x;
     v.albedo = &in.albedo->data()->x;
     v.emission = &in.emission->data()->x;
@@ -32,9 +32,18 @@ TonemapInputsView view_of(const TonemapParams& params, const Image4& radiance) {
 
 }  // namespace
 
-ComposeUniforms uniforms(const ComposeInputs& in) {
-    return {{in.environment.x, in.environment.y, in.environment.z, 0}, float(1 / host::pi), in.normal->width,
-            in.normal->height, 0};
+ComposeUniforms uniforms(const ComposeParams& params, const ComposeInputs& in) {
+    const glm::vec3 e = in.environment, c = params.shadow_color;
+    return {{e.x, e.y, e.z, 0},     float(1 / host::pi),    in.normal->width,
+            in.normal->height,      reads_density(params),  {c.x, c.y, c.z, 0}};
+}
+
+std::vector<Field> fields(ComposeParams& p) {
+    return {
+        {"shadow_color", &p.shadow_color, "W/(m2 sr)",
+         "radiance of a surface without direct light (VRSM 4.3), by 1 - shadow density; black: left out", 0, 1e20, {},
+         true},
+    };
 }
 
 TonemapUniforms uniforms(const TonemapParams& params, const Image4& radiance) {
@@ -55,10 +64,12 @@ void validate(const ComposeInputs& in) {
     }
 }
 
-void run(const ComposeInputs& in, const RunOptions& options, Image4& radiance) {
+void run(const ComposeParams& params, const ComposeInputs& in, const RunOptions& options, Image4& radiance) {
+    ComposeParams copy = params;
+    validate_fields("compose", fields(copy));
     validate(in);
     radiance = Image4(in.normal->width, in.normal->height);
-    ComposeInputsView view = view_of(in);
+    ComposeInputsView view = view_of(params, in);
     view.radiance = &radiance.data()->x;
     dispatch(options.isa, [&](auto isa) {
         parallel_bands(radiance.height, band, options,
@@ -66,24 +77,26 @@ void run(const ComposeInputs& in, const RunOptions& options, Image4& radiance) {
     });
 }
 
-std::vector<TapValue> explain(const ComposeInputs& in, glm::ivec2 pixel) {
+std::vector<TapValue> explain(const ComposeParams& params, const ComposeInputs& in, glm::ivec2 pixel) {
     validate(in);
     FpEnvironment environment;
     Recorder recorder;
-    compose<float>(view_of(in), pixel.x, pixel.y, recorder);
+    compose<float>(view_of(params, in), pixel.x, pixel.y, recorder);
     return recorder.values;
 }
 
 StageInfo compose_info() {
+    ComposeParams defaults;
     StageInfo s;
     s.name = "compose";
-    s.source = "VRSM 4.5 (direct light plus indirect light)";
+    s.source = "VRSM 4.5 (direct light plus indirect light), 4.3 (shadow colour)";
     s.inputs = {{"normal", "image rgba32f", "", "w: 1 on a surface, 0 where nothing is"},
                 {"albedo", "image rgba32f", "", "diffuse reflectance rho"},
                 {"emission", "image rgba32f", "W/m2", "radiant exitance M"},
-                {"direct", "image rgba32f", "W/m2", "direct irradiance"},
+                {"direct", "image rgba32f", "W/m2", "direct irradiance; w: shadow density"},
                 {"indirect", "image rgba32f", "W/m2", "indirect irradiance"}};
     s.outputs = {{"radiance", "image rgba32f", "W/(m2 sr)", "outgoing radiance towards the viewer"}};
+    s.params = describe(fields(defaults));
     s.twin = "gi/compose/compose.comp";
     return s;
 }

@@ -66,8 +66,8 @@ struct DirectOf {
     }
     template <class F, class Tap>
     std::array<F, components> pixel(int x, int y, Tap& tap) const {
-        const vec3<F> e = direct<F>(view, x, y, tap);
-        return {e.x, e.y, e.z, F(0.0f)};
+        const vec4<F> e = direct<F>(view, x, y, tap);
+        return {e.x, e.y, e.z, e.w};
     }
     template <Isa isa>
     void rows(float* out, int first, int last) const {
@@ -118,11 +118,12 @@ const StageBinding& direct_binding() {
         .twin = "gi/direct/direct.comp",
         .uniforms = {{"lights", "int", offsetof(U, lights)},
                      {"width", "int", offsetof(U, width)},
-                     {"height", "int", offsetof(U, height)}},
+                     {"height", "int", offsetof(U, height)},
+                     {"density", "int", offsetof(U, density)}},
         .uniform_bytes = sizeof(U),
         .inputs = {{.name = "position", .binding = 1, .unit = "m",
                     .meaning = "world-space position of the shading points"},
-                   {.name = "normal", .binding = 2, .meaning = "unit normal; all 0 where nothing is"},
+                   {.name = "normal", .binding = 2, .meaning = "unit normal, w 1; all 0 where nothing is", .fixed = 8},
                    {.name = "lights", .kind = SlotKind::buffer, .binding = 3, .channels = 4, .frame = false,
                     .unit = "m, W/sr, W/m2",
                     .meaning = "three vec4 a light: position, cos_outer; direction, falloff_scale; intensity, "
@@ -130,7 +131,7 @@ const StageBinding& direct_binding() {
                    {.name = "visibility", .kind = SlotKind::image_array, .binding = 4, .channels = 1,
                     .meaning = "a layer a light: 1 lit, 0 shadowed"}},
         .outputs = {{.name = "irradiance", .kind = SlotKind::storage_image, .binding = 5, .unit = "W/m2",
-                     .meaning = "direct irradiance"}},
+                     .meaning = "direct irradiance; w: shadow density where it is asked for"}},
         .bind = bind_kernel<DirectOf, direct_binding>};
     return binding;
 }
@@ -146,12 +147,12 @@ StageData shadow_data(const ShadowParams& params, const ShadowInputs& in, int fa
     return d;
 }
 
-StageData direct_data(const DirectInputs& in) {
+StageData direct_data(const DirectParams& params, const DirectInputs& in) {
     StageData d;
     d.stage = "direct";
     d.size = {in.position->width, in.position->height};
     const int lights = int(in.lights->size());
-    d.uniforms = uniform_block(DirectUniforms{lights, d.size.x, d.size.y, 0});
+    d.uniforms = uniform_block(direct_uniforms(params, in));
     add(d.inputs, "position", *in.position);
     add(d.inputs, "normal", *in.normal);
 

@@ -14,8 +14,10 @@ const StageBinding& direct_binding();
 // Of the dispatch that reads inputs.rsms[face].
 ShadowUniforms shadow_uniforms(const ShadowParams& params, const ShadowInputs& inputs, int face);
 
+DirectUniforms direct_uniforms(const DirectParams& params, const DirectInputs& inputs);
+
 // One dispatch, with copies of all it reads; label and id are the caller's.
 StageData shadow_data(const ShadowParams& params, const ShadowInputs& inputs, int face);
-StageData direct_data(const DirectInputs& inputs);
+StageData direct_data(const DirectParams& params, const DirectInputs& inputs);
 
 }  // namespace plumb::direct

@@ -46,7 +46,10 @@ ShadowInputsView view_of(const ShadowParams& params, const ShadowInputs& in, int
     return v;
 }
 
-DirectInputsView view_of(const DirectInputs& in, const std::vector<raster::LightArgs>& lights) {
+DirectInputsView view_of(const DirectParams& params, const DirectInputs& in,
+                         const std::vector<raster::LightArgs>& lights) {
+    DirectParams copy = params;
+    validate_fields("direct", fields(copy));
     require_equal_sizes("direct", in.position, in.normal, in.tiles);
     if (!in.visibility || in.visibility->size() != lights.size() * in.position->size())
         throw InputError(fmt::format("direct: visibility has {} values: expected {} lights of {} pixels",
@@ -56,7 +59,7 @@ DirectInputsView view_of(const DirectInputs& in, const std::vector<raster::Light
         throw InputError(fmt::format("direct: {} lights of {} pixels: expected at most {} values of visibility",
                                      lights.size(), in.position->size(), 0x7fffffff));
     DirectInputsView v{};
-    v.u = {int(lights.size()), in.position->width, in.position->height, 0};
+    v.u = direct_uniforms(params, in);
     v.position = &in.position->data()->x;
     v.normal = &in.normal->data()->x;
     v.lights = lights.data();
@@ -109,6 +112,19 @@ ShadowUniforms shadow_uniforms(const ShadowParams& params, const ShadowInputs& i
     u.width = in.position->width;
     u.height = in.position->height;
     return u;
+}
+
+DirectUniforms direct_uniforms(const DirectParams& params, const DirectInputs& in) {
+    const bool printed = params.variant == DirectVariant::published;
+    return {int(in.lights->size()), in.position->width, in.position->height, printed ? 2 : in.density ? 1 : 0};
+}
+
+std::vector<Field> fields(DirectParams& p) {
+    return {
+        {"variant", as_int(p.variant), "",
+         "corrected, or VRSM 4.3 as printed: pi times the shadow density, without intensity and cosine", 0, 1,
+         {"corrected", "published"}, false},
+    };
 }
 
 std::vector<Field> fields(ShadowParams& p) {
@@ -176,9 +192,9 @@ StageInfo shadow_info() {
     return s;
 }
 
-void run(const DirectInputs& in, const RunOptions& options, Image4& irradiance) {
+void run(const DirectParams& params, const DirectInputs& in, const RunOptions& options, Image4& irradiance) {
     const std::vector<raster::LightArgs> lights = args_of(in);
-    DirectInputsView view = view_of(in, lights);
+    DirectInputsView view = view_of(params, in, lights);
     irradiance = Image4(in.position->width, in.position->height);
     view.irradiance = &irradiance.data()->x;
     dispatch(options.isa, [&](auto isa) {
@@ -187,23 +203,25 @@ void run(const DirectInputs& in, const RunOptions& options, Image4& irradiance) 
     });
 }
 
-std::vector<TapValue> explain(const DirectInputs& in, glm::ivec2 pixel) {
+std::vector<TapValue> explain(const DirectParams& params, const DirectInputs& in, glm::ivec2 pixel) {
     const std::vector<raster::LightArgs> lights = args_of(in);
     FpEnvironment environment;
     Recorder recorder;
-    direct<float>(view_of(in, lights), pixel.x, pixel.y, recorder);
+    direct<float>(view_of(params, in, lights), pixel.x, pixel.y, recorder);
     return recorder.values;
 }
 
 StageInfo direct_info() {
+    DirectParams defaults;
     StageInfo s;
     s.name = "direct";
-    s.source = "the rendering equation for point-like lights; LRA 4.4";
+    s.source = "the rendering equation for point-like lights; LRA 4.4; VRSM 4.3 (shadow density)";
     s.inputs = {{"position", "image rgba32f", "m", "world-space position of the shading points"},
-                {"normal", "image rgba32f", "", "unit normal of the shading points"},
+                {"normal", "image rgba32f", "", "unit normal of the shading points; w: 1 on a surface"},
                 {"lights", "buffer LightArgs", "W/sr, W/m2", "the lights that are on"},
                 {"visibility", "image array r32f", "", "a layer a light: 1 lit, 0 shadowed"}};
-    s.outputs = {{"irradiance", "image rgba32f", "W/m2", "direct irradiance"}};
+    s.outputs = {{"irradiance", "image rgba32f", "W/m2", "direct irradiance; w: shadow density where it is asked for"}};
+    s.params = describe(fields(defaults));
     s.twin = "gi/direct/direct.comp";
     return s;
 }

@@ -39,16 +39,24 @@ void run(const ShadowParams& params, const ShadowInputs& inputs, const RunOption
 std::vector<TapValue> explain(const ShadowParams& params, const ShadowInputs& inputs, glm::ivec2 pixel);
 StageInfo shadow_info();
 
+enum class DirectVariant : int { corrected, published };
+
+struct DirectParams {
+    DirectVariant variant = DirectVariant::corrected;
+};
+std::vector<Field> fields(DirectParams& params);
+
 struct DirectInputs {
     const Image4* position = nullptr;
-    const Image4* normal = nullptr;
+    const Image4* normal = nullptr;  // w: 1 on a surface; all 0 where nothing is
     const std::vector<Light>* lights = nullptr;
     const Buffer<float>* visibility = nullptr;  // [lights][height][width]
-    const raster::Covered* tiles = nullptr;     // the others keep irradiance 0; null: all are shaded
+    const raster::Covered* tiles = nullptr;     // the others keep 0 throughout; null: all are shaded
+    bool density = false;                       // whether the shadow density is asked for; published has it always
 };
-// irradiance: W/m2 in xyz.
-void run(const DirectInputs& inputs, const RunOptions& options, Image4& irradiance);
-std::vector<TapValue> explain(const DirectInputs& inputs, glm::ivec2 pixel);
+// irradiance: W/m2 in xyz; w the shadow density (VRSM 4.3, fig. 4.3), 0 where it is not asked for.
+void run(const DirectParams& params, const DirectInputs& inputs, const RunOptions& options, Image4& irradiance);
+std::vector<TapValue> explain(const DirectParams& params, const DirectInputs& inputs, glm::ivec2 pixel);
 StageInfo direct_info();
 
 }  // namespace plumb::direct

@@ -2,6 +2,10 @@
 //
 //     E = sum over lights  V  I(w) max(0, n . w) / |y - x|^2          spot, point: y the light, w the direction to it
 //     E = sum over lights  V  E_perp max(0, -n . direction)           directional
+//
+// Shadow density (VRSM 4.3, fig. 4.3), where it is asked for: alpha = the mean of V over the lights that shine, 0 where
+// none does or nothing is seen. As printed the density is all there is of direct light: E = pi alpha, so that a surface of
+// reflectance rho sends rho alpha.
 #pragma once
 
 #include "core/number.h"
@@ -13,28 +17,36 @@ namespace plumb::direct {
 struct DirectUniforms {
     std::int32_t lights;
     std::int32_t width, height;
-    std::int32_t padding;
+    std::int32_t density;  // 0: w stays 0; 1: w is the shadow density; 2: so is E / pi
 };
 static_assert(sizeof(DirectUniforms) == 16);
 
 struct DirectInputsView {
     DirectUniforms u;
     const float* position;            // [height][width] rgba32f: xyz world, m
-    const float* normal;              // [height][width] rgba32f: xyz unit; all 0 where nothing is
+    const float* normal;              // [height][width] rgba32f: xyz unit, w 1; all 0 where nothing is
     const raster::LightArgs* lights;  // [lights]
     const float* visibility;          // [lights][height][width]: 1 lit, 0 shadowed
-    float* irradiance;                // [height][width] rgba32f, out: W/m2
+    float* irradiance;                // [height][width] rgba32f, out: xyz W/m2, w shadow density
 };
 
+// A light of denormals alone does not: a device may take them for 0.
+inline bool shines(const raster::LightArgs& light) {
+    return light.intensity[0] >= 0x1p-126f || light.intensity[1] >= 0x1p-126f || light.intensity[2] >= 0x1p-126f;
+}
+
 template <class F, class Tap>
-PLUMB_INLINE vec3<F> direct(const DirectInputsView& in, index_t<F> px, index_t<F> py, Tap& tap) {
+PLUMB_INLINE vec4<F> direct(const DirectInputsView& in, index_t<F> px, index_t<F> py, Tap& tap) {
     using N = number<F>;
     using I = index_t<F>;
     const I pixel = py * I(in.u.width) + px;
     const vec3<F> x = xyz<F>(N::fetch4(in.position, pixel));        tap("x", x, "world, m");
-    const vec3<F> n = xyz<F>(N::fetch4(in.normal, pixel));          tap("n", n, "unit normal of x");
+    const vec4<F> normal = N::fetch4(in.normal, pixel);
+    const vec3<F> n = xyz<F>(normal);                               tap("n", n, "unit normal of x");
 
     vec3<F> irradiance{F(0.0f), F(0.0f), F(0.0f)};
+    F lit(0.0f), alpha(0.0f);
+    int shining = 0;
     for (int k = 0; k < in.u.lights; ++k) {
         tap.sample(k);
         const raster::LightArgs& light = in.lights[k];
@@ -58,10 +70,20 @@ PLUMB_INLINE vec3<F> direct(const DirectInputsView& in, index_t<F> px, index_t<F
         irradiance.x += e.x;
         irradiance.y += e.y;
         irradiance.z += e.z;
+        if (in.u.density > 0 && shines(light)) {
+            lit += visibility;
+            ++shining;
+        }
     }
     tap.sample(-1);
-    tap("irradiance", irradiance, "sum over lights, W/m2");
-    return irradiance;
+    if (in.u.density > 0) {
+        const F mean = lit / F(float(shining > 1 ? shining : 1));
+        alpha = select(normal.w > F(0.0f), mean, F(0.0f));
+        tap("density", alpha, "VRSM 4.3: mean visibility of the lights that shine");
+    }
+    if (in.u.density > 1) irradiance = vec3<F>{F(1.0f), F(1.0f), F(1.0f)} * (F(3.14159274f) * alpha);
+    tap("irradiance", irradiance, "sum over lights; printed: pi density; W/m2");
+    return vec4<F>(irradiance, alpha);
 }
 
 }  // namespace plumb::direct

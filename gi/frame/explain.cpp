@@ -55,7 +55,9 @@ struct Explainer {
         if (stage.name == "shadow")
             return direct::explain(settings.shadow, {&g.position, &g.normal, frame.rsms[l]}, pixel);
         if (stage.name == "direct")
-            return direct::explain({&g.position, &g.normal, &lights, &frame.visibility}, pixel);
+            return direct::explain(settings.direct, {&g.position, &g.normal, &lights, &frame.visibility, nullptr,
+                                                     compose::reads_density(settings.compose)},
+                                   pixel);
         if (is_gather(stage.name)) {
             rsm::Pattern pattern;  // only rsm.disc reads one
             if (stage.name == "rsm.disc") pattern = rsm::disc_pattern(settings.rsm, lights[l].rsm_size, settings.seed);
@@ -65,8 +67,9 @@ struct Explainer {
                                      frame.rsms[l], pixel);
         }
         if (stage.name == "compose")
-            return compose::explain(
-                {&g.normal, &g.albedo, &g.emission, &frame.direct, &frame.indirect, scene.environment.radiance}, pixel);
+            return compose::explain(settings.compose, {&g.normal, &g.albedo, &g.emission, &frame.direct,
+                                                       &frame.indirect, scene.environment.radiance},
+                                    pixel);
         return compose::explain(settings.tonemap, frame.radiance, pixel);
     }
 };

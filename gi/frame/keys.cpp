@@ -88,7 +88,7 @@ class Keys {
 
   private:
     void add_inputs(const PlannedStage& stage, ContentHasher& h) {
-        auto& [method, layout, rsm, shadow, tonemap, path, seed, truth, pruning] = settings_;
+        auto& [method, layout, rsm, shadow, direct, compose, tonemap, path, seed, truth, pruning] = settings_;
         if (stage.name == "gbuffer") {
             const auto& [stages, gbuffer, maps, at_run] = plan_;
             const auto& [position, normal, albedo, emission, id] = gbuffer;
@@ -105,6 +105,8 @@ class Keys {
             add_fields(direct::fields(shadow), h);
             h.add(gbuffer_, map(stage));
         } else if (stage.name == "direct") {
+            add_fields(direct::fields(direct), h);
+            h.add(compose::reads_density(compose));
             h.add(gbuffer_, scene_.lights.size());
             for (const Light& l : scene_.lights) add_light(shining(l), h);
             h.add_all(visibility_);
@@ -114,6 +116,7 @@ class Keys {
             if (stage.name == "rsm.all_rays") h.add(scene_keys_.geometry, scene_keys_.surfaces);
             if (stage.name == "rsm.all_rays" && rsm.rays == Rays::native) h.add(isa_);
         } else if (stage.name == "compose") {
+            add_fields(compose::fields(compose), h);
             h.add(gbuffer_, direct_, scene_.environment.radiance);
             h.add_all(gathers_);
         } else if (stage.name == "tonemap") {

@@ -31,12 +31,21 @@ bool light_black(const Known& known, const Work& work) {
     return known.tame && light_of(known, work).intensity == glm::vec3(0);
 }
 
+// Outside of a map the shadow test as it is printed finds no point lit, which a shadow density shows.
 bool light_misses(const Known& known, const Work& work) {
+    const Settings& s = known.settings;
+    if (reads_density(s) && s.shadow.variant == direct::ShadowVariant::published && work.stage != "gather") return false;
     return known.tame && !any_lit(known, light_of(known, work), known.drawn);
 }
 
-bool no_light(const Known& known, const Work&) {
-    return known.tame && std::find(known.shines.begin(), known.shines.end(), true) == known.shines.end();
+// The density of a scene that its lights miss is 1; without a light that shines it is 0.
+bool no_light(const Known& known, const Work& work) {
+    const bool density = work.stage == "direct" && reads_density(known.settings);
+    for (int l = 0; l < int(known.shines.size()); ++l) {
+        const Work of{work.stage, work.part, l};
+        if (known.shines[std::size_t(l)] || (density && !light_off(known, of) && !light_black(known, of))) return false;
+    }
+    return known.tame;
 }
 
 // The path tracer reads the scene itself.

@@ -103,7 +103,9 @@ void cast_no_shadow(Context& c, const PlannedStage& stage, StageRun&) {
 void light_directly(Context& c, const PlannedStage& stage, StageRun& run) {
     const raster::GBuffer& g = c.frame.gbuffer;
     const raster::Covered tiles = tiles_to_shade(c.plan, c.frame, stage, run);
-    direct::run({&g.position, &g.normal, &c.lights, &c.frame.visibility, or_all(tiles)}, c.options, c.frame.direct);
+    direct::run(c.settings.direct, {&g.position, &g.normal, &c.lights, &c.frame.visibility, or_all(tiles),
+                                    compose::reads_density(c.settings.compose)},
+                c.options, c.frame.direct);
     run.bytes = bytes_of(c.frame.direct);
 }
 
@@ -136,8 +138,8 @@ void gather(Context& c, const PlannedStage& stage, StageRun& run) {
 
 void compose_radiance(Context& c, const PlannedStage&, StageRun& run) {
     const Frame& f = c.frame;
-    compose::run({&f.gbuffer.normal, &f.gbuffer.albedo, &f.gbuffer.emission, &f.direct, &f.indirect,
-                  c.scene.environment.radiance},
+    compose::run(c.settings.compose, {&f.gbuffer.normal, &f.gbuffer.albedo, &f.gbuffer.emission, &f.direct,
+                                      &f.indirect, c.scene.environment.radiance},
                  c.options, c.frame.radiance);
     run.bytes = bytes_of(f.radiance);
 }

@@ -29,11 +29,13 @@ const std::vector<MethodInfo>& methods() {
     return all;
 }
 
-std::vector<std::string> method_tables() { return {"rsm", "shadow", "tonemap", "reference", "layout"}; }
+std::vector<std::string> method_tables() { return {"rsm", "shadow", "direct", "compose", "tonemap", "reference", "layout"}; }
 
 std::vector<Field> table_fields(Settings& s, const std::string& table, const std::string& place) {
     if (table == "rsm") return rsm::fields(s.rsm);
     if (table == "shadow") return direct::fields(s.shadow);
+    if (table == "direct") return direct::fields(s.direct);
+    if (table == "compose") return compose::fields(s.compose);
     if (table == "tonemap") return compose::fields(s.tonemap);
     if (table == "reference") return reference::fields(s.reference);
     if (table == "layout") return raster::fields(s.layout);
@@ -51,6 +53,10 @@ std::string method_name(Method method) { return methods().at(std::size_t(method)
 
 raster::Layout parse_layout(const std::string& name, const std::string& place) {
     return raster::parse_layout(name, place);
+}
+
+bool reads_density(const Settings& s) {
+    return s.direct.variant == direct::DirectVariant::published || compose::reads_density(s.compose);
 }
 
 Settings settings_of(const Scene& scene) {

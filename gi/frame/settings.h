@@ -31,6 +31,8 @@ struct Settings {
     raster::Layout layout = raster::Layout::fp32;
     rsm::GatherParams rsm;
     direct::ShadowParams shadow;
+    direct::DirectParams direct;
+    compose::ComposeParams compose;
     compose::TonemapParams tonemap;
     reference::PathParams reference;  // of the method reference and of the truth
     std::uint32_t seed = 1;
@@ -38,8 +40,8 @@ struct Settings {
     bool pruning = true;  // false: every stage runs, needed or not; the picture is the same
 };
 
-// The tables of a scene file that hold parameters: "rsm", "shadow", "tonemap", "reference", "layout" (of a custom
-// layout).
+// The tables of a scene file that hold parameters: "rsm", "shadow", "direct", "compose", "tonemap", "reference", "layout"
+// (of a custom layout).
 std::vector<std::string> method_tables();
 
 // The parameters of one table; throws InputError at `place` for a table that does not exist.
@@ -49,6 +51,9 @@ std::vector<Field> table_fields(Settings& settings, const std::string& table, co
 Method parse_method(const std::string& name, const std::string& place);
 std::string method_name(Method method);
 raster::Layout parse_layout(const std::string& name, const std::string& place);
+
+// Whether the picture depends on the shadow density (gi/direct), and not on light alone.
+bool reads_density(const Settings& settings);
 
 // Defaults, then what the scene file sets, in its order.
 Settings settings_of(const Scene& scene);

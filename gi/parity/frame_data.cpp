@@ -114,7 +114,9 @@ struct Builder {
                 keep(direct::shadow_data(settings.shadow, in, std::max(face, 0)), stage.label, l, face);
             });
         } else if (stage.name == "direct") {
-            keep(direct::direct_data({&position, &normal, &lights, &visibility}), stage.label);
+            keep(direct::direct_data(settings.direct, {&position, &normal, &lights, &visibility, nullptr,
+                                                       compose::reads_density(settings.compose)}),
+                 stage.label);
         } else if (stage.name == "rsm.disc" || stage.name == "rsm.all") {
             rsm::Pattern pattern;
             if (stage.name == "rsm.disc")
@@ -124,7 +126,8 @@ struct Builder {
                 keep(rsm::gather_data(settings.rsm, in), stage.label, l, face);
             });
         } else if (stage.name == "compose") {
-            keep(compose::compose_data({&normal, &albedo, &emission, &direct, &indirect, scene.environment.radiance}),
+            keep(compose::compose_data(settings.compose, {&normal, &albedo, &emission, &direct, &indirect,
+                                                          scene.environment.radiance}),
                  stage.label);
         } else if (stage.name == "tonemap") {
             keep(compose::tonemap_data(settings.tonemap, radiance), stage.label);

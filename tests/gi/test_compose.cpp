@@ -28,7 +28,7 @@ TEST_CASE("compose: L = (rho (E_direct + E_indirect) + M) / pi; environment wher
         direct(2, 1, glm::vec4(4)), indirect(2, 1, glm::vec4(2));
     normal(0, 0) = glm::vec4(0, 0, 1, 1);
     Image4 radiance;
-    compose::run({&normal, &albedo, &emission, &direct, &indirect, glm::vec3(7, 8, 9)}, {}, radiance);
+    compose::run(compose::ComposeParams{}, {&normal, &albedo, &emission, &direct, &indirect, glm::vec3(7, 8, 9)}, {}, radiance);
     const double pi = 3.141592653589793;
     CHECK(radiance(0, 0).x == Approx((0.5 * 6 + 1) / pi).epsilon(1e-7));
     CHECK(radiance(0, 0).y == Approx((0.25 * 6 + 2) / pi).epsilon(1e-7));
@@ -39,9 +39,9 @@ TEST_CASE("compose: L = (rho (E_direct + E_indirect) + M) / pi; environment wher
 TEST_CASE("compose: inputs of different sizes are refused by name", "[compose]") {
     const Image4 two(2, 1), one(1, 1);
     Image4 radiance;
-    CHECK_THROWS_WITH(compose::run({&two, &two, &one, &two, &two, {}}, {}, radiance),
+    CHECK_THROWS_WITH(compose::run(compose::ComposeParams{}, {&two, &two, &one, &two, &two, {}}, {}, radiance),
                       "compose: emission is 1 x 1, normal is 2 x 1: expected equal sizes");
-    CHECK_THROWS_AS(compose::run({&two, &two, &two, &two, nullptr, {}}, {}, radiance), InputError);
+    CHECK_THROWS_AS(compose::run(compose::ComposeParams{}, {&two, &two, &two, &two, nullptr, {}}, {}, radiance), InputError);
 }
 
 TEST_CASE("tonemap: the four curves, then the curve of sRGB", "[tonemap][analytic]") {

@@ -220,6 +220,8 @@ TEST_CASE("keys: every parameter changes the keys of the stages that read it, an
     const std::map<std::string, Labels> changed = {
         {"rsm", both(gathers, {"compose", "tonemap"})},
         {"shadow", {"shadow (key)", "shadow (sun)", "shadow (bulb)", "direct", "compose", "tonemap"}},
+        {"direct", {"direct", "compose", "tonemap"}},
+        {"compose", {"direct", "compose", "tonemap"}},  // the first shadow colour also asks for the density
         {"tonemap", {"tonemap"}},
         {"reference", traced},
         {"layout", without(everything(), {"truth"})}};

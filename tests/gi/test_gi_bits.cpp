@@ -155,9 +155,12 @@ TEST_CASE("direct: the same bits for every instruction set and thread count", "[
         Buffer<float> visibility;
         for (int l = 0; l < 3; ++l)
             for (const glm::vec4& v : visible.texels) visibility.push_back(v[l] < 0.5f ? 0.0f : 1.0f);
-        require_same_bits([&](const RunOptions& options, Image4& out) {
-            direct::run({&position, &normal, &lights, &visibility}, options, out);
-        });
+        for (auto variant : {direct::DirectVariant::corrected, direct::DirectVariant::published})
+            for (bool density : {false, true})
+                require_same_bits([&](const RunOptions& options, Image4& out) {
+                    direct::run(direct::DirectParams{variant},
+                                {&position, &normal, &lights, &visibility, nullptr, density}, options, out);
+                });
     }
 }
 
@@ -184,7 +187,10 @@ TEST_CASE("compose, tonemap: the same bits for every instruction set and thread 
         std::vector<Image4> images;
         for (int i = 0; i < 5; ++i) images.push_back(noise_image(size.x, size.y, i, i == 0 ? -1 : 0, 1));
         const compose::ComposeInputs in{&images[0], &images[1], &images[2], &images[3], &images[4], glm::vec3(0.1f)};
-        require_same_bits([&](const RunOptions& options, Image4& out) { compose::run(in, options, out); });
+        for (const glm::vec3 shadow_color : {glm::vec3(0), glm::vec3(0.25f, 0, 3)})
+            require_same_bits([&](const RunOptions& options, Image4& out) {
+                compose::run(compose::ComposeParams{shadow_color}, in, options, out);
+            });
         for (auto op : {compose::Operator::clamp, compose::Operator::exposure, compose::Operator::reinhard,
                         compose::Operator::filmic})
             require_same_bits([&](const RunOptions& options, Image4& out) {
@@ -200,7 +206,7 @@ TEST_CASE("a NaN is stored as 7fc00000, whatever its sign and payload were", "[b
     const Image4 one(17, 2, glm::vec4(1)), zero(17, 2);
     for_all_options([&](const RunOptions& options) {
         Image4 out;
-        compose::run({&one, &one, &zero, &radiance, &zero, glm::vec3(0)}, options, out);
+        compose::run(compose::ComposeParams{}, {&one, &one, &zero, &radiance, &zero, glm::vec3(0)}, options, out);
         for (int i = 0; i < 4; ++i) {
             std::uint32_t bits;
             std::memcpy(&bits, &out(3 * i, i % 2).y, 4);

@@ -96,13 +96,14 @@ inline StageData shadow_case(glm::ivec2 size, LightType type, int face, direct::
     return named(direct::shadow_data(params, {&p.position, &p.normal, maps}, face), id);
 }
 
-inline StageData direct_case(glm::ivec2 size, const std::string& id) {
+inline StageData direct_case(glm::ivec2 size, const std::string& id, bool density = false,
+                             direct::DirectVariant variant = direct::DirectVariant::corrected) {
     const std::vector<Light> lights = {make_light(LightType::spot, 16), make_light(LightType::directional, 16),
                                        make_light(LightType::point, 16)};
     Buffer<float> visibility(lights.size() * std::size_t(size.x) * std::size_t(size.y));
     for (std::size_t i = 0; i < visibility.size(); ++i) visibility[i] = noise(int(i), 0, 0, 9);
     const Points p = room(size, 5);
-    return named(direct::direct_data({&p.position, &p.normal, &lights, &visibility}), id);
+    return named(direct::direct_data({variant}, {&p.position, &p.normal, &lights, &visibility, nullptr, density}), id);
 }
 
 inline StageData gather_case(glm::ivec2 size, rsm::Gather gather, LightType type, float min_distance,
@@ -124,7 +125,7 @@ inline StageData gather_case(glm::ivec2 size, rsm::Gather gather, LightType type
     return named(rsm::gather_data(params, in), id);
 }
 
-inline StageData compose_case(glm::ivec2 size, const std::string& id) {
+inline StageData compose_case(glm::ivec2 size, const std::string& id, const glm::vec3& shadow_color = glm::vec3(0)) {
     const Points p = room(size, 5);
     Image4 images[] = {noise_image(size, 21, 0, 1), noise_image(size, 22, 0, 3), noise_image(size, 23, 0, 1e3f),
                        noise_image(size, 24, 0, 1e-3f)};
@@ -138,7 +139,7 @@ inline StageData compose_case(glm::ivec2 size, const std::string& id) {
                               1e-20f};
     for (int i = 0; i < 28; ++i) images[i % 4].texels[std::size_t(2 * i) % images[i % 4].size()].x = extremes[i % 7];
     compose::ComposeInputs in{&p.normal, &images[0], &images[1], &images[2], &images[3], {0.25f, 0.5f, 1}};
-    return named(compose::compose_data(in), id);
+    return named(compose::compose_data({shadow_color}, in), id);
 }
 
 inline StageData tonemap_case(glm::ivec2 size, compose::Operator op, const std::string& id) {
@@ -155,10 +156,13 @@ inline std::vector<StageData> compute_cases(glm::ivec2 size) {
         shadow_case(size, LightType::spot, 0, ShadowMode::density, ShadowVariant::published, "shadow.published"),
         shadow_case(size, LightType::point, 3, ShadowMode::hard, ShadowVariant::corrected, "shadow.ny"),
         direct_case(size, "direct"),
+        direct_case(size, "direct.density", true),
+        direct_case(size, "direct.published", false, DirectVariant::published),
         gather_case(size, rsm::Gather::disc, LightType::spot, 0, "rsm.disc.spot"),
         gather_case(size, rsm::Gather::disc, LightType::directional, 0.1f, "rsm.disc.sun"),
         gather_case(size, rsm::Gather::all, LightType::spot, 0, "rsm.all.spot"),
         compose_case(size, "compose"),
+        compose_case(size, "compose.shadow", {0.25f, 0, 2}),
         tonemap_case(size, compose::Operator::clamp, "tonemap.clamp"),
         tonemap_case(size, compose::Operator::exposure, "tonemap.exposure"),
         tonemap_case(size, compose::Operator::reinhard, "tonemap.reinhard"),

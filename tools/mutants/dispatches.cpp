@@ -66,6 +66,11 @@ void append_cornell(const std::filesystem::path& source, std::vector<Dispatch>& 
     published.shadow.variant = direct::ShadowVariant::published;
     append("cornell, hard", lit, hard, {"shadow"}, out);
     append("cornell, published", lit, published, {"shadow"}, out);
+    frame::Settings coloured = settings, printed = settings;
+    coloured.compose.shadow_color = glm::vec3(0.1f, 0.2f, 0.4f);
+    printed.direct.variant = direct::DirectVariant::published;
+    append("cornell, shadow density", lit, coloured, {"direct"}, out);
+    append("cornell, direct light as printed", lit, printed, {"direct"}, out);
 
     // Ties, for the lights that have one map.
     std::vector<Dispatch> tied;
@@ -103,8 +108,10 @@ void append_values(std::vector<Dispatch>& out) {
                  emission = any_image(size, 300000, -3, 4), direct = any_image(size, 400000, -12, 10),
                  indirect = any_image(size, 500000, -14, 8), radiance = any_image(size, 600000, -16, 8);
     const compose::ComposeInputs inputs{&normal, &albedo, &emission, &direct, &indirect, glm::vec3(0.3f, 0.5f, 0.9f)};
-    out.push_back({"values: compose", compose::compose_data(inputs)});
-    out.back().data.label = out.back().data.id = "compose";
+    for (const glm::vec3 shadow_color : {glm::vec3(0), glm::vec3(0.5f, 0.2f, 0.7f)}) {
+        out.push_back({"values: compose", compose::compose_data({shadow_color}, inputs)});
+        out.back().data.label = out.back().data.id = "compose";
+    }
     const std::pair<const char*, compose::Operator> operators[] = {{"exposure", compose::Operator::exposure},
                                                                    {"clamp", compose::Operator::clamp},
                                                                    {"reinhard", compose::Operator::reinhard},

@@ -41,7 +41,8 @@ reference::Estimate compose_truth(const Scene& scene, const frame::Frame& frame,
             }
         }
     }
-    compose::run({&g.normal, &g.albedo, &g.emission, &irradiance, &none, scene.environment.radiance}, options,
+    // A truth has no shadow colour: what one adds is an error.
+    compose::run(compose::ComposeParams{}, {&g.normal, &g.albedo, &g.emission, &irradiance, &none, scene.environment.radiance}, options,
                  result.mean);
     for (std::size_t i = 0; i < none.size(); ++i)
         for (int c = 0; c < 3; ++c)
