@@ -16,7 +16,8 @@ Layout all_half(const char* name) {
     l.name = name;
     l.position = l.normal = l.albedo = l.emission = Format::rgba16f;
     l.rsm_position = l.rsm_normal = l.rsm_flux = Format::rgba16f;
-    l.depth = l.rsm_depth = Format::r16f;
+    l.depth = l.rsm_depth = l.visibility = Format::r16f;
+    l.indirect = Format::rgba16f;
     return l;
 }
 
@@ -34,7 +35,8 @@ Layout make_lra() {
     Layout l = all_half("lra");
     l.depth = Format::r32f;
     l.depth_from_position = true;
-    l.rsm_depth = Format::r32f;
+    l.rsm_depth = l.visibility = Format::r32f;
+    l.indirect = Format::rgba32f;
     return l;
 }
 
@@ -68,6 +70,8 @@ const std::vector<BufferRule>& buffer_rules() {
         {"rsm_normal", &Layout::rsm_normal, "target of normals in reflective shadow maps", normals},
         {"rsm_flux", &Layout::rsm_flux, "target of flux in reflective shadow maps", radiances},
         {"rsm_depth", &Layout::rsm_depth, "target of linear depth in reflective shadow maps", depths},
+        {"visibility", &Layout::visibility, "target of each light's shadow density (VRSM fig. 4.3)", depths},
+        {"indirect", &Layout::indirect, "target of each gather's irradiance (VRSM fig. 4.4)", positions},
     };
     return rules;
 }

@@ -3,6 +3,7 @@
 // table for each preset.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -38,6 +39,11 @@ struct Layout {
     Format rsm_flux = Format::rgba32f;
     Format rsm_depth = Format::r32f;  // position's w
 
+    // What later stages store: a light's shadow density (VRSM fig. 4.3: albedo's alpha), and the irradiance that a gather
+    // makes (VRSM fig. 4.4; its alpha, linear eye depth, is that of `depth`).
+    Format visibility = Format::r32f;
+    Format indirect = Format::rgba32f;
+
     // True where a texel record of the map fits halves without loss: a gather then reads 32 bytes a texel, not 64.
     bool half_records() const {
         return rsm_position == Format::rgba16f && rsm_normal == Format::rgba16f && rsm_flux == Format::rgba16f &&
@@ -48,7 +54,7 @@ struct Layout {
 
     static const Layout fp32;     // nothing is rounded
     static const Layout rgba16f;  // every colour target is RGBA16F, rounded to nearest even
-    static const Layout vrsm;     // VRSM fig. 4.2-4.3
+    static const Layout vrsm;     // VRSM fig. 4.2-4.4
     static const Layout isr;      // ISR fig. 4.1
     static const Layout lra;      // LRA 4.2.1, 6.2.1
 };
@@ -97,6 +103,18 @@ void check_gbuffer(const Layout& layout, const Geometry& geometry, const Brighte
 // The same for a light's map; `flux`: whether it is asked for.
 void check_rsm(const Layout& layout, const Light& light, const Geometry& geometry, const Brightest& brightest,
                const View& view, bool flux, int threads);
+
+// Rounds what a compute stage made to what a target of that format gives back. threads = 0: all processors.
+//
+// A finite value that becomes infinite there did not fit: of these the first, row by row, is returned, so that the caller
+// can say what it is (gi/frame refuses to go on).
+struct Overflow {
+    glm::ivec2 pixel{0};
+    float value = 0;
+};
+std::optional<Overflow> quantise(Format format, Image4& image, int threads);
+// The same of single numbers in rows, which a target of one channel stores.
+std::optional<Overflow> quantise(Format format, float* values, glm::ivec2 size, int threads);
 
 // Rounds pixels [first, end) where the kernels leave a format out (quantised_by_kernel()); else does nothing.
 void quantise_rest(Format format, Image4& image, glm::ivec2 first, glm::ivec2 end);

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 
 #include "core/error.h"
@@ -18,6 +19,21 @@ void require_inside(const std::string& label, glm::ivec2 pixel, glm::ivec2 size)
 }
 
 glm::ivec2 map_size(const Light& light) { return {raster::map_count(light) * light.rsm_size, light.rsm_size}; }
+
+// Appends the result of that name as a target of that format gives it back to the stages after.
+std::vector<TapValue> with_stored(std::vector<TapValue> values, const char* name, Format format,
+                                  const raster::Layout& layout) {
+    if (format == Format::r32f || format == Format::rgba32f) return values;
+    const auto result = std::find_if(values.rbegin(), values.rend(), [&](const TapValue& v) { return v.name == name; });
+    if (result == values.rend()) return values;
+    glm::vec4 texel(0);
+    for (std::size_t c = 0; c < result->value.size(); ++c) texel[int(c)] = float(result->value[c]);
+    quantise(format, texel);
+    TapValue stored{std::string("stored_") + name, -1, {}, "as layout " + layout.name + " stores it"};
+    for (std::size_t c = 0; c < result->value.size(); ++c) stored.value.push_back(texel[int(c)]);
+    values.push_back(std::move(stored));
+    return values;
+}
 
 struct Explainer {
     const Scene& scene;
@@ -53,7 +69,8 @@ struct Explainer {
         if (stage.name == "rsm")
             return explain_texel(lights[l], pixel);
         if (stage.name == "shadow")
-            return direct::explain(settings.shadow, {&g.position, &g.normal, frame.rsms[l]}, pixel);
+            return with_stored(direct::explain(settings.shadow, {&g.position, &g.normal, frame.rsms[l]}, pixel),
+                               "visibility", settings.layout.visibility, settings.layout);
         if (stage.name == "direct")
             return direct::explain(settings.direct, {&g.position, &g.normal, &lights, &frame.visibility, nullptr,
                                                      compose::reads_density(settings.compose)},
@@ -63,8 +80,9 @@ struct Explainer {
             if (stage.name == "rsm.disc") pattern = rsm::disc_pattern(settings.rsm, lights[l].rsm_size, settings.seed);
             std::unique_ptr<RayQuery> rays;
             if (stage.name == "rsm.all_rays") rays = reference::build_ray_query(geometry, surfaces, settings.rsm.rays);
-            return rsm::explain_maps(settings.rsm, gather_inputs(scene, settings, g, l, geometry, pattern, rays.get()),
-                                     frame.rsms[l], pixel);
+            const rsm::GatherInputs in = gather_inputs(scene, settings, g, l, geometry, pattern, rays.get());
+            return with_stored(rsm::explain_maps(settings.rsm, in, frame.rsms[l], pixel), "irradiance",
+                               settings.layout.indirect, settings.layout);
         }
         if (stage.name == "compose")
             return compose::explain(settings.compose, {&g.normal, &g.albedo, &g.emission, &frame.direct,

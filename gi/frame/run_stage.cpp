@@ -1,8 +1,11 @@
 #include "gi/frame/run_stage.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
+#include "core/error.h"
 #include "core/hash.h"
 #include "gi/frame/at_run.h"
 #include "gi/reference/ray_query.h"
@@ -93,6 +96,7 @@ void cast_shadows(Context& c, const PlannedStage& stage, StageRun& run) {
     const raster::Covered tiles = tiles_to_shade(c.plan, c.frame, stage, run);
     direct::run(c.settings.shadow, {&g.position, &g.normal, c.frame.rsms[std::size_t(stage.light)], or_all(tiles)},
                 c.options, c.visibility(stage.light));
+    raster::quantise(c.settings.layout.visibility, c.visibility(stage.light), c.size, c.options.threads);
     run.bytes = c.pixels * sizeof(float);
 }
 
@@ -111,6 +115,20 @@ void light_directly(Context& c, const PlannedStage& stage, StageRun& run) {
 
 void light_nothing(Context& c, const PlannedStage&, StageRun&) { c.frame.direct = Image4(c.size.x, c.size.y); }
 
+// VRSM fig. 4.4: each gather has a target of its own. No bound of what may be gathered at a point is of use, since points
+// may touch texels: what does not fit is refused when it is found.
+void store_irradiance(const Context& c, const PlannedStage& stage, Image4& irradiance) {
+    const raster::Layout& layout = c.settings.layout;
+    const std::optional<raster::Overflow> overflow = raster::quantise(layout.indirect, irradiance, c.options.threads);
+    if (!overflow) return;
+    throw InputError(
+        fmt::format("{}: light \"{}\": pixel {},{}: indirect irradiance of {:.4g} W/m2 does not fit {} ({:g}), which "
+                    "layout \"{}\" stores it in: use fp32, a larger min_distance or a weaker light",
+                    stage.name, c.scene.lights[std::size_t(stage.light)].name, overflow->pixel.x, overflow->pixel.y,
+                    overflow->value, info(layout.indirect).name, raster::range_of(layout.indirect).largest.x,
+                    layout.name));
+}
+
 void gather(Context& c, const PlannedStage& stage, StageRun& run) {
     const std::size_t l = std::size_t(stage.light);
     const rsm::GatherParams& params = c.settings.rsm;
@@ -127,6 +145,7 @@ void gather(Context& c, const PlannedStage& stage, StageRun& run) {
     if (!traces) tiles = tiles_to_shade(c.plan, c.frame, stage, run);
     in.tiles = or_all(tiles);
     rsm::run_maps(params, in, c.frame.rsms[l], c.options, irradiance, &report);
+    store_irradiance(c, stage, irradiance);
     add_gather(c, irradiance, report.standard_error);
     run.bytes = bytes_of(irradiance) + bytes_of(report.standard_error);
     // What was asked takes the place of what the plan could tell.

@@ -1,4 +1,5 @@
 // Direct light and hard shadows against closed forms.
+#include <array>
 #include <catch2/catch.hpp>
 
 #include "core/host_math.h"
@@ -221,6 +222,29 @@ TEST_CASE("shadow density: behind a straight edge it is the share of the kernel 
             params.variant = direct::ShadowVariant::corrected;
             if (kernel == 1) CHECK(visibility_at(map, x, {0, 0, 1}, params) == visibility_at(map, x, {0, 0, 1}, hard));
         }
+}
+
+// One texel of the map stands in the way: which of the kernel's offsets reach it? VRSM Algorithm 4 has i and j from
+// -kernelSize/2 to kernelSize/2 - 1, both included; of an odd size, ours are centred.
+TEST_CASE("shadow density: a kernel of 4 looks at -2 to 1, one of 5 at -2 to 2", "[shadow][VRSM Algorithm 4]") {
+    const int size = 64, cx = 32, cy = 20;
+    const glm::vec3 x(1.5f * (float(2 * cx + 1) / size - 1), 1.5f * (1 - float(2 * cy + 1) / size), -1.5f);
+    for (const auto& [kernel, first, last] : {std::array{1, 0, 0}, {2, -1, 0}, {3, -1, 1}, {4, -2, 1}, {5, -2, 2}, {6, -3, 2}})
+        for (int j = -4; j <= 4; ++j)
+            for (int i = -4; i <= 4; ++i) {
+                raster::Rsm map = half_occluded(size);
+                for (glm::vec4& texel : map.position.texels) texel.w = 2;
+                map.position(cx + i, cy + j).w = 1;
+                direct::ShadowParams params;
+                params.mode = direct::ShadowMode::density;
+                params.kernel = kernel;
+                const bool reached = i >= first && i <= last && j >= first && j <= last;
+                const int n = kernel * kernel;
+                CAPTURE(kernel, i, j);
+                CHECK(visibility_at(map, x, {0, 0, 1}, params) == float(n - reached) / float(n));
+                params.variant = direct::ShadowVariant::published;
+                CHECK(visibility_at(map, x, {0, 0, 1}, params) == float(reached) / float(n));
+            }
 }
 
 // z_map - zBias >= z_p with z = -depth: a point counts from the bias behind the map's depth of 1 on.

@@ -315,6 +315,59 @@ TEST_CASE("layout: what does not fit is refused by layout, extent and cause", "[
     CHECK_NOTHROW(draw(Layout::isr, make_view(camera_at(1e6), 1.5)));
 }
 
+// Every channel of figures 4.2 to 4.4 has 16 bits; the depth lies in the positions' and in indirect light's alpha, the
+// shadow density in the material colour's.
+TEST_CASE("layout: vrsm is VRSM figures 4.2, 4.3 and 4.4", "[layout][VRSM fig. 4.2][VRSM fig. 4.3][VRSM fig. 4.4]") {
+    const Layout& l = Layout::vrsm;
+    for (Format f : {l.rsm_position, l.rsm_normal, l.rsm_flux, l.position, l.albedo, l.normal, l.indirect})
+        CHECK(f == Format::rgba16f);
+    for (Format f : {l.rsm_depth, l.depth, l.visibility}) CHECK(f == Format::r16f);
+    CHECK_FALSE((l.position_from_depth || l.depth_from_position || l.depth_over_far || l.radiation_mask));
+    // The others store neither, but rgba16f, which is halves throughout.
+    for (const Layout& other : layouts()) {
+        const bool halves = other.name == "vrsm" || other.name == "rgba16f";
+        CHECK(other.visibility == (halves ? Format::r16f : Format::r32f));
+        CHECK(other.indirect == (halves ? Format::rgba16f : Format::rgba32f));
+    }
+}
+
+TEST_CASE("layout: what compute stages store is quantise() to the bit; the first value that does not fit is told",
+          "[layout][formats]") {
+    Random random(17);
+    const glm::ivec2 size(37, 41);
+    for (const Format format : {Format::rgba32f, Format::rgba16f, Format::r11g11b10f, Format::rgbe})
+        for (const int threads : {1, 3}) {
+            Image4 image(size.x, size.y);
+            for (glm::vec4& v : image.texels)
+                for (int c = 0; c < 4; ++c) v[c] = float(random.between(-2, 7) * std::exp2(random.between(-20, 12)));
+            image(5, 5) = {INFINITY, NAN, -INFINITY, -0.0f};
+            const Image4 before = image;
+            CHECK_FALSE(quantise(format, image, threads));
+            for (std::size_t i = 0; i < image.size(); ++i) {
+                glm::vec4 expected = before.texels[i];
+                if (format != Format::rgba32f) quantise(format, expected);
+                for (int c = 0; c < 4; ++c) REQUIRE(bits_of(image.texels[i][c]) == bits_of(expected[c]));
+            }
+            image = before;
+            image(30, 33).z = 65519.99f;
+            CHECK_FALSE(quantise(format, image, threads));
+            if (format != Format::rgba16f) continue;
+            CHECK(image(30, 33).z == 65504);
+            image(31, 33).y = 65520, image(7, 33).x = -7e4f, image(9, 34).x = 1e9f;
+            const std::optional<Overflow> found = quantise(format, image, threads);
+            REQUIRE(found);
+            CHECK(found->pixel == glm::ivec2(7, 33));
+            CHECK(found->value == -7e4f);
+        }
+    std::vector<float> values{0, 1, 3 / 16.0f, 1 / 9.0f, 1 / 3.0f, 65520}, same = values;
+    CHECK_FALSE(quantise(Format::r32f, same.data(), {2, 3}, 1));
+    CHECK(same == values);
+    const std::optional<Overflow> found = quantise(Format::r16f, values.data(), {2, 3}, 1);
+    REQUIRE(found);
+    CHECK(found->pixel == glm::ivec2(1, 2));
+    CHECK(values == std::vector<float>{0, 1, 3 / 16.0f, 1820 * 0x1p-14f, 1365 * 0x1p-12f, INFINITY});
+}
+
 TEST_CASE("layout: names and contradictions", "[layout][errors]") {
     for (const Layout& l : layouts()) {
         CHECK(parse_layout(l.name, "") == l);
@@ -342,6 +395,12 @@ TEST_CASE("layout: names and contradictions", "[layout][errors]") {
     l = Layout::isr;
     l.normal = Format::rgba16f;
     CHECK_THROWS_WITH(validate(l, "here"), Catch::Contains("\"isr\" is a preset"));
+    l = custom(), l.indirect = Format::rgba8;
+    CHECK_THROWS_WITH(validate(l, "here"),
+                      "here: [layout] indirect = \"rgba8\" cannot hold it: expected one of rgba32f, rgba16f");
+    l = custom(), l.visibility = Format::rgba16f;
+    CHECK_THROWS_WITH(validate(l, "here"),
+                      "here: [layout] visibility = \"rgba16f\" cannot hold it: expected one of r32f, r16f");
     CHECK(Layout::vrsm.half_records());
     CHECK(!Layout::lra.half_records());  // its depth is no half
 }
