@@ -76,8 +76,7 @@ struct Explainer {
                                                      compose::reads_density(settings.compose)},
                                    pixel);
         if (is_gather(stage.name)) {
-            rsm::Pattern pattern;  // only rsm.disc reads one
-            if (stage.name == "rsm.disc") pattern = rsm::disc_pattern(settings.rsm, lights[l].rsm_size, settings.seed);
+            const rsm::Pattern pattern = rsm::pattern_of(settings.rsm, lights[l].rsm_size, settings.seed);
             std::unique_ptr<RayQuery> rays;
             if (stage.name == "rsm.all_rays") rays = reference::build_ray_query(geometry, surfaces, settings.rsm.rays);
             const rsm::GatherInputs in = gather_inputs(scene, settings, g, l, geometry, pattern, rays.get());

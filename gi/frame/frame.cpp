@@ -11,15 +11,15 @@ namespace plumb::frame {
 namespace {
 
 std::vector<StageInfo> frame_stages() {
-    return {raster::info_gbuffer(), raster::info_rsm(),    direct::shadow_info(),   rsm::info_disc(),
-            rsm::info_all(),        rsm::info_all_rays(),  direct::direct_info(),   compose::compose_info(),
-            reference::info(),      compose::tonemap_info()};
+    return {raster::info_gbuffer(), raster::info_rsm(),    direct::shadow_info(),    rsm::info_disc(),
+            rsm::info_paths(),      rsm::info_all(),       rsm::info_all_rays(),     direct::direct_info(),
+            compose::compose_info(), reference::info(),    compose::tonemap_info()};
 }
 
 }  // namespace
 
 bool is_gather(const std::string& stage) {
-    for (auto gather : {rsm::Gather::disc, rsm::Gather::all, rsm::Gather::all_rays})
+    for (const rsm::Gather gather : rsm::gathers)
         if (stage == rsm::stage_name(gather)) return true;
     return false;
 }

@@ -99,7 +99,7 @@ Plan as_it_ran(const Plan& plan, const Frame& frame);
 // The traced layer of that name, or null.
 const Traced* find_traced(const Frame& frame, const std::string& layer);
 
-// What the gather of a light reads of a frame, but its maps. `pattern` is read by rsm.disc, `rays` by rsm.all_rays.
+// What the gather of a light reads of a frame, but its maps. `pattern` is pattern_of()'s; `rays` is read by rsm.all_rays.
 rsm::GatherInputs gather_inputs(const Scene& scene, const Settings& settings, const raster::GBuffer& gbuffer, int light,
                                 const Geometry& geometry, const rsm::Pattern& pattern, const RayQuery* rays);
 bool is_gather(const std::string& stage);  // "rsm.disc" and its like

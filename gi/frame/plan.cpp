@@ -14,7 +14,7 @@ namespace {
 
 // Milliseconds for a million turns of a stage's inner loop on one core with AVX-512, measured by plumb_bench
 // on a 2.x GHz server core. They order stages by cost; they promise nothing.
-constexpr double ms_pixels = 60, ms_shadow = 8, ms_direct = 6, ms_disc = 4.2, ms_all = 0.55,
+constexpr double ms_pixels = 60, ms_shadow = 8, ms_direct = 6, ms_disc = 4.2, ms_path_samples = 4.8, ms_all = 0.55,
                  ms_exact_rays = 100, ms_native_rays = 25, ms_compose = 5, ms_tonemap = 25,
                  ms_paths = 1000;
 // What a part of a stage takes of that, for a million pixels: the light of a map, by `tools/bench pruning` (the Cornell
@@ -118,8 +118,10 @@ struct Planner {
     void add_gather(int light, double pixels, int maps, double texels) {
         const rsm::GatherParams& params = settings.rsm;
         const std::string name = rsm::stage_name(params.gather), why = "indirect light of this light";
-        if (params.gather == rsm::Gather::disc) {
-            add(name.c_str(), "gather", light, pixels * maps * params.samples, "samples", ms_disc, why);
+        if (params.gather == rsm::Gather::disc || params.gather == rsm::Gather::paths) {
+            const bool disc = params.gather == rsm::Gather::disc;
+            add(name.c_str(), "gather", light, pixels * maps * rsm::sample_count(params), "samples",
+                disc ? ms_disc : ms_path_samples, why);
         } else if (params.gather == rsm::Gather::all) {
             add(name.c_str(), "gather", light, pixels * texels, "texel pairs", ms_all, why);
         } else {

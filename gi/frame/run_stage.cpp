@@ -132,8 +132,7 @@ void store_irradiance(const Context& c, const PlannedStage& stage, Image4& irrad
 void gather(Context& c, const PlannedStage& stage, StageRun& run) {
     const std::size_t l = std::size_t(stage.light);
     const rsm::GatherParams& params = c.settings.rsm;
-    rsm::Pattern pattern;  // only rsm.disc reads one
-    if (stage.name == "rsm.disc") pattern = rsm::disc_pattern(params, c.lights[l].rsm_size, c.settings.seed);
+    const rsm::Pattern pattern = rsm::pattern_of(params, c.lights[l].rsm_size, c.settings.seed);
     const bool traces = stage.name == "rsm.all_rays";
     if (traces && !c.world.rays)
         c.world.rays = reference::build_ray_query(c.world.geometry, c.world.surfaces, params.rays);

@@ -117,10 +117,9 @@ struct Builder {
             keep(direct::direct_data(settings.direct, {&position, &normal, &lights, &visibility, nullptr,
                                                        compose::reads_density(settings.compose)}),
                  stage.label);
-        } else if (stage.name == "rsm.disc" || stage.name == "rsm.all") {
-            rsm::Pattern pattern;
-            if (stage.name == "rsm.disc")
-                pattern = rsm::disc_pattern(settings.rsm, lights[std::size_t(l)].rsm_size, settings.seed);
+        } else if (frame::is_gather(stage.name) && stage.name != "rsm.all_rays") {
+            const rsm::Pattern pattern =
+                rsm::pattern_of(settings.rsm, lights[std::size_t(l)].rsm_size, settings.seed);
             each_map(l, [&](const raster::Rsm& map, int face) {
                 const rsm::GatherInputs in{&position, &normal, &map, &pattern, settings.seed};
                 keep(rsm::gather_data(settings.rsm, in), stage.label, l, face);

@@ -5,6 +5,7 @@
 #include "core/error.h"
 #include "gi/compose/bindings.h"
 #include "gi/direct/bindings.h"
+#include "gi/filter/bindings.h"
 #include "gi/rsm/bindings.h"
 #include "raster/bindings.h"
 
@@ -13,7 +14,8 @@ namespace plumb::parity {
 const std::vector<StageBinding>& bindings() {
     static const std::vector<StageBinding> all = {
         raster::gbuffer_binding(), raster::rsm_binding(),
-        direct::shadow_binding(), rsm::disc_binding(),        rsm::all_binding(),
+        direct::shadow_binding(),  rsm::disc_binding(),        rsm::paths_binding(),       rsm::all_binding(),
+        filter::reduce_binding(), filter::upsample_binding(), filter::blur_binding(),
         direct::direct_binding(), compose::compose_binding(), compose::tonemap_binding(),
     };
     return all;

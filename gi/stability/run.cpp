@@ -183,6 +183,7 @@ void run_frame(const Case& c, const Scene& scene, const Effort& effort, Writer& 
         if (out.wants(stage)) look(c, scene, other, drawn, plan_of(scene, other), stage, effort, out);
     };
     otherwise("rsm.all", [](frame::Settings& s) { s.rsm.gather = rsm::Gather::all; });
+    otherwise("rsm.paths", [](frame::Settings& s) { s.rsm.gather = rsm::Gather::paths; });
     otherwise("shadow", [](frame::Settings& s) { s.shadow.mode = direct::ShadowMode::density; });
     using compose::Operator;
     for (const Operator op : {Operator::clamp, Operator::exposure, Operator::reinhard, Operator::filmic})

@@ -125,6 +125,22 @@ inline StageData gather_case(glm::ivec2 size, rsm::Gather gather, LightType type
     return named(rsm::gather_data(params, in), id);
 }
 
+inline StageData paths_case(glm::ivec2 size, LightType type, const rsm::GatherParams& given, const std::string& id) {
+    const Light light = make_light(type, 64);
+    const raster::Rsm map = make_map(light, 0, 3);
+    rsm::GatherParams params = given;
+    params.gather = rsm::Gather::paths;
+    const rsm::Pattern pattern = rsm::paths_pattern(params, map.size, 7);
+    const Points p = room(size, 5);
+    rsm::GatherInputs in;
+    in.position = &p.position;
+    in.normal = &p.normal;
+    in.rsm = &map;
+    in.pattern = &pattern;
+    in.seed = 7;
+    return named(rsm::gather_data(params, in), id);
+}
+
 inline StageData compose_case(glm::ivec2 size, const std::string& id, const glm::vec3& shadow_color = glm::vec3(0)) {
     const Points p = room(size, 5);
     Image4 images[] = {noise_image(size, 21, 0, 1), noise_image(size, 22, 0, 3), noise_image(size, 23, 0, 1e3f),
@@ -161,6 +177,12 @@ inline std::vector<StageData> compute_cases(glm::ivec2 size) {
         gather_case(size, rsm::Gather::disc, LightType::spot, 0, "rsm.disc.spot"),
         gather_case(size, rsm::Gather::disc, LightType::directional, 0.1f, "rsm.disc.sun"),
         gather_case(size, rsm::Gather::all, LightType::spot, 0, "rsm.all.spot"),
+        paths_case(size, LightType::spot, {}, "rsm.paths.spot"),
+        paths_case(size, LightType::directional, {.visibility = rsm::Visibility::none, .turn = rsm::Turn::tile},
+                   "rsm.paths.none"),
+        paths_case(size, LightType::spot,
+                   {.min_distance = 0.1f, .visibility = rsm::Visibility::algorithm_2, .slots = 32}, "rsm.paths.32"),
+        paths_case(size, LightType::point, {.slots = 3, .slot_edges = rsm::SlotEdges::solid_angle}, "rsm.paths.px"),
         compose_case(size, "compose"),
         compose_case(size, "compose.shadow", {0.25f, 0, 2}),
         tonemap_case(size, compose::Operator::clamp, "tonemap.clamp"),

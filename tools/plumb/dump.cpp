@@ -138,14 +138,18 @@ struct Dump {
 
     void gather(const frame::PlannedStage& s, Json& inputs, Json& outputs) {
         const int l = s.light;
-        const rsm::Pattern pattern = rsm::disc_pattern(settings.rsm, scene.lights[l].rsm_size, settings.seed);
+        const rsm::Pattern pattern = rsm::pattern_of(settings.rsm, scene.lights[l].rsm_size, settings.seed);
         inputs = surface_points();
         inputs["rsm"] = rsm_outputs(l)["records"];
-        if (s.name == "rsm.disc") {
+        if (s.name == "rsm.disc" || s.name == "rsm.paths") {
+            const bool paths = s.name == "rsm.paths";
             const std::int64_t samples = pattern.samples, rotations = pattern.rotations;
-            const std::string name = "rsm.disc." + lights[l] + ".";
+            const std::string name = s.name + "." + lights[l] + ".";
             inputs["offsets"] = files.array(name + "offsets", {samples, rotations}, pattern.offsets.data());
-            inputs["weights"] = files.array(name + "weights", {samples}, pattern.weights.data());
+            const Shape weighed = paths ? Shape{samples, rotations} : Shape{samples};
+            inputs["weights"] = files.array(name + "weights", weighed, pattern.weights.data());
+            const Buffer<float> edges = rsm::slot_edges(settings.rsm);
+            if (paths) inputs["edges"] = files.array(name + "edges", {std::int64_t(edges.size())}, edges.data());
         }
         irradiance(s, pattern, outputs);
     }

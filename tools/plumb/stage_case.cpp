@@ -325,7 +325,7 @@ void read_choices(const io::ManifestStage& stage, StageCase& out) {
 
 void choose_method(frame::Settings& settings, const std::string& stage) {
     if (settings.method == frame::Method::reference) settings.method = frame::Method::rsm;
-    for (rsm::Gather gather : {rsm::Gather::disc, rsm::Gather::all, rsm::Gather::all_rays}) {
+    for (const rsm::Gather gather : rsm::gathers) {
         if (rsm::stage_name(gather) != stage) continue;
         settings.method = frame::Method::rsm;
         settings.rsm.gather = gather;
