@@ -79,6 +79,9 @@ struct ScalarNumber {
     static PLUMB_INLINE T from_index(index i) { return T(i); }
     static PLUMB_INLINE T fetch(const float* p, index i) { return T(p[i]); }
     static PLUMB_INLINE index fetch(const std::int32_t* p, index i) { return p[i]; }
+    // As many floats as there are lanes, side by side; no alignment is asked for.
+    static PLUMB_INLINE T load(const float* p) { return T(*p); }
+    static PLUMB_INLINE void save(float* p, T value) { *p = float(value); }
     static PLUMB_INLINE T widen(float x) { return T(x); }
     static PLUMB_INLINE T widen(Half x) { return T(half_to_float(x)); }
 

@@ -123,6 +123,12 @@ struct number<PLUMB_ISA::Wide> {
 
     static PLUMB_INLINE F fetch(const float* p, index i) { return PLUMB_ISA::native::gather(p, i.v); }
     static PLUMB_INLINE index fetch(const std::int32_t* p, index i) { return PLUMB_ISA::native::gather(p, i.v); }
+    static PLUMB_INLINE F load(const float* p) {
+        PLUMB_ISA::native::Real v;
+        std::memcpy(&v, p, sizeof v);
+        return v;
+    }
+    static PLUMB_INLINE void save(float* p, F value) { std::memcpy(p, &value.v, sizeof value.v); }
     template <class Component>
     static PLUMB_INLINE vec4<F> fetch4(const Component* p, index i) {
         PLUMB_ISA::native::Real t[4];
