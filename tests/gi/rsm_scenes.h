@@ -10,6 +10,7 @@ namespace plumb::test {
 inline void set_texel(raster::Rsm& rsm, int x, int y, glm::vec3 position, glm::vec3 normal, glm::vec3 flux) {
     float* r = rsm.records.data() + record_stride * (std::size_t(y) * rsm.size + x);
     for (int c = 0; c < 3; ++c) r[c] = position[c], r[4 + c] = normal[c], r[8 + c] = flux[c];
+    r[7] = 1;  // there is a surface
 }
 
 inline raster::Rsm empty_map(int size) {
