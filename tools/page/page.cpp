@@ -150,7 +150,8 @@ void Page::table(const std::vector<std::vector<Cell>>& rows, const std::string& 
     for (const Cell& cell : rows.front()) body_ += head_cell(cell);
     body_ += "</tr></thead>\n<tbody>\n";
     for (auto row = rows.begin() + 1; row != rows.end(); ++row) {
-        body_ += "<tr>";
+        const bool keyed = !row->empty() && !row->front().key.empty();
+        body_ += keyed ? fmt::format("<tr data-key=\"{}\">", escaped(row->front().key)) : "<tr>";
         for (const Cell& cell : *row) body_ += table_cell(cell);
         body_ += "</tr>\n";
     }
@@ -182,14 +183,37 @@ void Page::figure(int picture) {
     const Json& shown = pictures_.at(std::size_t(picture));
     const int number = shown["file"];
     Json& file = files_.at(std::size_t(number));
-    std::string source;
-    for (const auto& [text, of] : file_of_)
-        if (of == number) source = text;
+    const std::string source = source_of(number);
     body_ += fmt::format("<figure><img{} alt=\"{}\" width=\"{}\" src=\"{}\"><figcaption>{}</figcaption></figure>\n",
                          file.is_string() ? fmt::format(" id=\"file{}\"", number) : "",
                          escaped(shown["caption"].get<std::string>()), std::max(shown["width"].get<int>(), 256), source,
                          escaped(shown["caption"].get<std::string>()));
     file = nullptr;
+}
+
+// A file is drawn one unit wide and high, and scaled to each figure; later figures refer to the first one's image.
+void Page::figure(int picture, const Overlay& overlay) {
+    const Json& shown = pictures_.at(std::size_t(picture));
+    const int number = shown["file"];
+    const std::string caption = escaped(shown["caption"].get<std::string>());
+    const glm::dvec4 v = overlay.view;
+    const std::string image =
+        drawn_.insert(number).second
+            ? fmt::format("<image id=\"drawn{}\" width=\"1\" height=\"1\" preserveAspectRatio=\"none\" href=\"{}\"/>",
+                          number, source_of(number))
+            : fmt::format("<use href=\"#drawn{}\"/>", number);
+    body_ += fmt::format(
+        "<figure><svg role=\"img\" aria-label=\"{}\" viewBox=\"{} {} {} {}\" width=\"{}\" height=\"{}\">\n"
+        "<g transform=\"scale({} {})\">{}</g>\n{}</svg><figcaption style=\"max-width:{}px\">{}</figcaption></figure>\n",
+        caption, v.x, v.y, v.z, v.w, overlay.width, std::round(overlay.width * v.w / v.z), overlay.size.x,
+        overlay.size.y, image, overlay.marks, overlay.width, caption);
+    scripted_ = true;
+}
+
+std::string Page::source_of(int file) const {
+    for (const auto& [text, of] : file_of_)
+        if (of == file) return text;
+    return "";
 }
 
 std::string Page::html() const {

@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -53,6 +54,15 @@ struct Cell {
     // What its column is sorted by; NaN: by the number that the text starts with, else by the text.
     double order = std::numeric_limits<double>::quiet_NaN();
     std::string badge = "";  // a kind of badge() that the text is shown as
+    std::string key = "";    // of a row's first cell: what else has this data-key is pointed out with the row
+};
+
+// What is drawn over a picture, in its texels: (0, 0) is the top left corner of the first one, whose centre is at 0.5.
+struct Overlay {
+    glm::dvec2 size{0};         // texels that the picture stands for; it may be kept smaller
+    glm::dvec4 view{0};         // x, y, width, height of what is shown, texels; it may reach beyond the picture
+    int width = 512;            // on the page, px
+    std::string marks = "";     // SVG that is trusted, with everything foreign escaped(); data-key="..." as in Cell
 };
 
 // Text on a label, as markup; the kinds are "plain", "good", "doubt", "bad" and "none", in colours that all can tell
@@ -75,14 +85,19 @@ class Page {
     int picture(const Image4& srgb, const std::string& caption);  // xyz 0..1, sRGB-encoded; what is no number is 0
     int picture(const Image<std::uint32_t>& rgba, const std::string& caption);  // 8 bits each, red lowest
     void figure(int picture);
+    // The picture with marks over it. A file that several figures show is held once.
+    void figure(int picture, const Overlay& overlay);
 
     std::string html() const;
 
   private:
+    std::string source_of(int file) const;  // its data: URI
+
     std::string title_, body_;
     Json charts_ = Json::array(), pictures_ = Json::array(), files_ = Json::array();
     std::map<std::string, int> file_of_;  // the number in files_ of a data: URI
-    bool scripted_ = false;               // has tables or charts
+    std::set<int> drawn_;                 // numbers in files_ of those that an overlay's figure holds
+    bool scripted_ = false;               // has tables, charts or overlays
 };
 
 }  // namespace plumb::page

@@ -1,8 +1,9 @@
-// What moves on a page of tools/page: tables that are sorted by a click, charts, and the pictures of a chart's point.
+// What moves on a page of tools/page: tables that are sorted by a click, rows and marks on pictures that belong together,
+// charts, and the pictures of a chart's point.
 //
 // For tests the root element says what came of it: data-charts-ready, how many charts are drawn with every point where
 // it belongs; data-charts-failed, why one is not; data-point, which point's pictures are shown, and data-pictures, how
-// many.
+// many; data-pointed, how many rows and marks belong together under the mouse.
 'use strict';
 
 (() => {
@@ -33,6 +34,36 @@ function sort_by(head) {
 }
 
 for (const head of document.querySelectorAll('thead th')) head.addEventListener('click', () => sort_by(head));
+
+// ---- rows and marks of one key
+
+function keyed(key) { return document.querySelectorAll(`[data-key="${CSS.escape(key)}"]`); }
+function key_at(event) { return event.target.closest?.('[data-key]') ?? null; }
+
+// What belongs together is pointed out under the mouse.
+function point_out(key) {
+    for (const old of document.querySelectorAll('.pointed')) old.classList.remove('pointed');
+    const all = key === undefined ? [] : keyed(key);
+    for (const one of all) one.classList.add('pointed');
+    root.dataset.pointed = all.length;
+}
+
+// A click on a row or a mark opens what is listed of it, and brings it into sight.
+function lead_to(from) {
+    for (const other of keyed(from.dataset.key)) {
+        if (other === from || other instanceof SVGElement) continue;
+        if (other instanceof HTMLDetailsElement) other.open = true;
+        other.scrollIntoView({block: 'nearest'});
+    }
+}
+
+if (document.querySelector('[data-key]')) {
+    document.addEventListener('mouseover', event => point_out(key_at(event)?.dataset.key));
+    document.addEventListener('click', event => {
+        const from = key_at(event);
+        if (from && !(from instanceof HTMLDetailsElement)) lead_to(from);
+    });
+}
 
 const data_element = document.getElementById('data');
 if (!data_element) return;

@@ -7,9 +7,11 @@
 #include <optional>
 
 #include "core/error.h"
+#include "io/file.h"
 #include "tools/plumb/cli.h"
 #include "tools/plumb/devices.h"
 #include "tools/plumb/explain_device.h"
+#include "tools/plumb/explain_dispatch.h"
 #include "tools/plumb/progress.h"
 #include "tools/plumb/reports.h"
 #include "tools/plumb/scene_command.h"
@@ -22,7 +24,7 @@ namespace {
 struct ExplainOptions {
     SceneOptions scene;
     Common common;
-    std::string stage, pixel, light, device, spirv;
+    std::string stage, pixel, light, device, spirv, html;
 };
 
 // A value of the picture and the one that the explanation ends with.
@@ -144,6 +146,67 @@ void require_explainable(const ExplainOptions& given, glm::ivec2 pixel, const Sc
                                      scene.frame_size.x, scene.frame_size.y));
 }
 
+// What is printed, and the page, stage by stage.
+class Report {
+  public:
+    Report(const ExplainOptions& given, const RunOptions& options, const Scene& scene, const frame::Settings& settings,
+           const frame::Plan& plan, const frame::Frame& frame, glm::ivec2 pixel)
+        : given_(given), options_(options), scene_(scene), settings_(settings), plan_(plan), frame_(frame) {
+        if (given.html.empty()) return;
+        page_.emplace(fmt::format("plumb explain {}, {} {},{}", io::shown(scene.name),
+                                  given.stage == "rsm" ? "texel" : "pixel", pixel.x, pixel.y));
+        if (given.stage != "rsm" && !frame.display.empty()) page_->picture(frame.display, pixel);
+    }
+
+    void add(const frame::PlannedStage& stage, const frame::Explanation& e, const std::vector<Check>& checks) {
+        text_ += (text_.empty() ? "" : "\n") + explain_text(e);
+        stages_.push_back(explain_json(e));
+        std::vector<std::string> notes;
+        for (const Check& check : checks) notes.push_back(check_text(check));
+        const bool sampled = std::any_of(e.values.begin(), e.values.end(), [](const TapValue& v) { return v.sample >= 0; });
+        if (page_ || (sampled && !given_.common.json))
+            for (ExplainedDispatch& one : explained_dispatches(scene_, settings_, plan_, frame_, stage, e)) {
+                text_ += samples_text(one.values, sample_shape(one.binding, &one.data));
+                if (page_) add_section(stage, one, "", one_side(one.values), notes);
+            }
+        for (const std::string& note : notes) text_ += note;
+    }
+
+    void add(const frame::PlannedStage& stage, const frame::Explanation& e, const DeviceExplanation& d) {
+        text_ += (text_.empty() ? "" : "\n") + explain_text(d);
+        stages_.push_back(explain_json(d));
+        if (!page_) return;
+        std::vector<ExplainedDispatch> all = explained_dispatches(scene_, settings_, plan_, frame_, stage, e);
+        for (ExplainedDispatch& one : all)
+            if (d.device.empty() || one.label == d.stage || one.data.label == d.stage)
+                return add_section(stage, one, d.device, d.device.empty() ? one_side(one.values) : d.values,
+                                   {summary_text(d)});
+    }
+
+    void write() const {
+        if (page_) io::write_text(given_.html, page_->html());
+    }
+    const std::string& text() const { return text_; }
+    const Json& stages() const { return stages_; }
+
+  private:
+    void add_section(const frame::PlannedStage& stage, const ExplainedDispatch& one, const std::string& device,
+                     const parity::SideBySide& values, const std::vector<std::string>& notes) {
+        const Bundle outputs = made_by(one, stage, frame_, options_);
+        page_->add({one.label, source_of(stage.name), one.pixel, one.binding, &one.data, &outputs, values, device, notes});
+    }
+
+    const ExplainOptions& given_;
+    const RunOptions& options_;
+    const Scene& scene_;
+    const frame::Settings& settings_;
+    const frame::Plan& plan_;
+    const frame::Frame& frame_;
+    std::optional<ExplainPage> page_;
+    std::string text_;
+    Json stages_ = Json::array();
+};
+
 int explain(const ExplainOptions& given) {
     const RunOptions options = given.common.run_options();
     const glm::ivec2 pixel = parse_pixel(given.pixel);
@@ -163,35 +226,33 @@ int explain(const ExplainOptions& given) {
     const auto explanations = frame::explain(scene, settings, plan, frame, given.stage, light, pixel);
     const frame::Plan ran = frame::as_it_ran(plan, frame);
     const Checker checker{scene, settings, ran, frame, pixel};
-    Json stages = Json::array();
-    if (!given.common.json) print_notes(scene);
+    Report report(given, options, scene, settings, plan, frame, pixel);
     std::vector<Check> wrong;
     bool parted = false;
-    for (std::size_t i = 0; i < explanations.size(); ++i) {
-        const frame::Explanation& e = explanations[i];
+    for (const frame::Explanation& e : explanations) {
         const frame::PlannedStage& stage = planned(plan, e.stage);
-        std::string text;
-        if (device) {
-            // The picture is not the device's, so that nothing is to be checked against it.
-            for (const DeviceExplanation& d :
-                 device->explain(scene, settings, plan, frame, stage, pixel, !given.stage.empty())) {
-                text += (stages.empty() ? "" : "\n") + explain_text(d);
-                stages.push_back(explain_json(d));
-                parted |= d.values.parts_at.has_value();
-            }
-        } else {
-            text += (i > 0 ? "\n" : "") + explain_text(e);
-            stages.push_back(explain_json(e));
-            for (const Check& check : checker.checks(stage, e)) {
-                text += check_text(check);
+        if (!device) {
+            const std::vector<Check> checks = checker.checks(stage, e);
+            report.add(stage, e, checks);
+            for (const Check& check : checks)
                 if (!check.equal()) wrong.push_back(check);
-            }
+            continue;
         }
-        if (!given.common.json) std::fputs(text.c_str(), stdout);
+        // The picture is not the device's, so that nothing is to be checked against it.
+        for (const DeviceExplanation& d :
+             device->explain(scene, settings, plan, frame, stage, pixel, !given.stage.empty())) {
+            report.add(stage, e, d);
+            parted |= d.values.parts_at.has_value();
+        }
     }
+    report.write();
     if (given.common.json) {
+        const Json& stages = report.stages();
         const Json all = {{"pixel", {pixel.x, pixel.y}}, {"stages", stages}};
         std::fputs(json_text(given.stage.empty() || stages.size() > 1 ? all : stages.at(0)).c_str(), stdout);
+    } else {
+        print_notes(scene);
+        std::fputs(report.text().c_str(), stdout);
     }
     for (const Check& check : wrong) std::fprintf(stderr, "plumb: %s", check_text(check).c_str());
     return wrong.empty() && !parted ? success : disagreement;
@@ -215,9 +276,13 @@ void add_explain(CLI::App& program, Action& action) {
                         "the same taps: the twin of a broken shader, say")
         ->check(some_word())
         ->type_name("FILE");
+    command->add_option("--html", given->html, "also write a page: the buffers as pictures, the samples on them, the\n"
+                        "numbers beside them")
+        ->type_name("FILE");
     add_common(*command, given->common);
     command->footer(
         "Each stage ends with a check: is its last value what the picture holds? Exit code 1 if not.\n"
+        "Behind a gather's values stands what each sample brings: weight visibility flux form.\n"
         "With --device the twin's values stand beside ours instead; the first that differs is marked: exit code 1.\n"
         "In JSON {stage, pixel, values}; without --stage, and where a point light takes several dispatches of it,\n"
         "{pixel, stages: [of these]}. With --device values have \"gpu\"; parts_at: the first that differs, from 0.");

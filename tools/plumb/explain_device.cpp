@@ -144,6 +144,8 @@ std::string summary_text(const parity::SideBySide& values) {
 
 }  // namespace
 
+std::string summary_text(const DeviceExplanation& e) { return e.device.empty() ? e.reason : summary_text(e.values); }
+
 Json explain_json(const DeviceExplanation& e) {
     Json values = Json::array();
     for (const parity::TwoValues& line : e.values.lines) {

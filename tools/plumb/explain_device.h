@@ -40,5 +40,7 @@ class DeviceExplainer {
 
 Json explain_json(const DeviceExplanation& explanation);
 std::string explain_text(const DeviceExplanation& explanation);
+// The last line of the text alone: whether the values are the same, or where they part.
+std::string summary_text(const DeviceExplanation& explanation);
 
 }  // namespace plumb::cli

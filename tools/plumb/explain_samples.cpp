@@ -1,0 +1,207 @@
+#include "tools/plumb/explain_samples.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tools/plumb/table.h"
+
+namespace plumb::cli {
+
+namespace {
+
+const TapValue* find(const std::vector<TapValue>& values, const Sample& s, const std::string& name) {
+    for (std::size_t i = s.first; i < s.last; ++i)
+        if (values[i].name == name && !values[i].value.empty()) return &values[i];
+    return nullptr;
+}
+
+std::optional<double> number(const std::vector<TapValue>& values, const Sample& s, const std::string& name) {
+    const TapValue* v = find(values, s, name);
+    return v ? std::optional(v->value[0]) : std::nullopt;
+}
+
+std::optional<int> whole(std::optional<double> value) {
+    return value && std::abs(*value) < 0x1p31 ? std::optional(int(*value)) : std::nullopt;
+}
+
+// x and y, or an index into the rows of a map; without either the sample's own number is that index.
+std::optional<glm::dvec2> texel_of(const std::vector<TapValue>& values, const Sample& s, int map_width) {
+    const TapValue* v = find(values, s, "texel");
+    if (v && v->value.size() == 2) return glm::dvec2(v->value[0], v->value[1]);
+    if (map_width <= 0) return {};
+    const std::optional<int> index = v ? whole(v->value[0]) : std::optional(s.number);
+    if (!index || *index < 0) return {};
+    return glm::dvec2(*index % map_width, *index / map_width);
+}
+
+// What runs along: the value of that name behind the sample.
+const TapValue* running(const std::vector<TapValue>& values, const Sample& s) {
+    for (const char* name : {"sum", "row_sum", "count"})
+        if (const TapValue* v = find(values, s, name)) return v;
+    return nullptr;
+}
+
+std::vector<double> product(const std::vector<double>& flux, double factor) {
+    std::vector<double> out = flux;
+    for (double& c : out) c *= factor;
+    return out;
+}
+
+// The step of what runs along; a row's sum starts anew where the name does not go on.
+std::vector<double> step_of(const TapValue& now, const Sample* before, const std::vector<TapValue>& values) {
+    std::vector<double> step = now.value;
+    const TapValue* last = before ? find(values, *before, now.name) : nullptr;
+    if (last && last->value.size() == step.size())
+        for (std::size_t c = 0; c < step.size(); ++c) step[c] -= last->value[c];
+    return step;
+}
+
+void set_contribution(const std::vector<TapValue>& values, const Sample* before, Sample& s) {
+    const TapValue* flux = find(values, s, "flux");
+    const TapValue* sum = running(values, s);
+    if (sum) s.sum = sum->value;
+    if (flux && s.form) {
+        s.contribution = product(flux->value, s.weight.value_or(1) * s.visibility.value_or(1) * *s.form);
+    } else if (sum) {
+        s.contribution = step_of(*sum, before, values);
+    } else if (const TapValue* e = find(values, s, "E")) {
+        s.contribution = e->value;
+    }
+}
+
+std::string texel_text(const Sample& s) {
+    return s.texel ? fmt::format("{:g},{:g}", s.texel->x, s.texel->y) : "";
+}
+
+std::string short_text(double value) { return fmt::format("{:.5g}", value); }
+std::string short_text(const std::vector<double>& value) {
+    std::string text;
+    for (const double v : value) text += (text.empty() ? "" : " ") + short_text(v);
+    return text;
+}
+std::string short_text(const std::optional<double>& value) { return value ? short_text(*value) : ""; }
+
+// A column that is there where any sample has it.
+struct Column0 {
+    std::string head;
+    std::string (*text)(const Sample&);
+};
+
+SampleTable gather_table(const Samples& samples, const std::vector<std::size_t>& rows) {
+    const std::vector<Column0> all = {
+        {"sample", [](const Sample& s) { return fmt::format("{}", s.number); }},
+        {"path", [](const Sample& s) { return s.path ? fmt::format("{}", *s.path) : ""; }},
+        {"step", [](const Sample& s) { return s.step ? fmt::format("{}", *s.step) : ""; }},
+        {"texel", texel_text},
+        {"inside", [](const Sample& s) -> std::string { return s.inside ? "1" : "0"; }},
+        {"slot", [](const Sample& s) { return short_text(s.slot); }},
+        {"visibility", [](const Sample& s) { return short_text(s.visibility); }},
+        {"weight", [](const Sample& s) { return short_text(s.weight); }},
+        {"form", [](const Sample& s) { return short_text(s.form); }},
+        {"contribution", [](const Sample& s) { return short_text(s.contribution); }},
+        {"sum", [](const Sample& s) { return short_text(s.sum); }},
+    };
+    SampleTable table;
+    for (const Column0& column : all) {
+        const bool any = std::any_of(samples.all.begin(), samples.all.end(),
+                                     [&](const Sample& s) { return !column.text(s).empty(); });
+        if (!any) continue;
+        table.head.push_back(column.head);
+        table.rows.resize(rows.size());
+        for (std::size_t i = 0; i < rows.size(); ++i) table.rows[i].push_back(column.text(samples.all[rows[i]]));
+    }
+    return table;
+}
+
+// Every name of a sample, in the order in which names first come.
+SampleTable plain_table(const Samples& samples, const std::vector<TapValue>& values,
+                        const std::vector<std::size_t>& rows) {
+    SampleTable table{{"sample"}, {}};
+    for (const Sample& s : samples.all)
+        for (std::size_t i = s.first; i < s.last; ++i)
+            if (std::find(table.head.begin(), table.head.end(), values[i].name) == table.head.end())
+                table.head.push_back(values[i].name);
+    for (const std::size_t r : rows) {
+        const Sample& s = samples.all[r];
+        std::vector<std::string> row = {fmt::format("{}", s.number)};
+        for (std::size_t c = 1; c < table.head.size(); ++c) {
+            const TapValue* v = find(values, s, table.head[c]);
+            row.push_back(!v ? "" : v->name == "texel" ? texel_text(s) : short_text(v->value));
+        }
+        table.rows.push_back(std::move(row));
+    }
+    return table;
+}
+
+}  // namespace
+
+double Sample::brought() const {
+    if (contribution.empty()) return 0;
+    const double light = contribution.size() < 3
+                             ? contribution[0]
+                             : 0.2126 * contribution[0] + 0.7152 * contribution[1] + 0.0722 * contribution[2];
+    return light > 0 ? light : 0;
+}
+
+double Samples::total() const {
+    double sum = 0;
+    for (const Sample& s : all) sum += s.brought();
+    return sum;
+}
+
+Samples samples_of(const std::vector<TapValue>& values, const SampleShape& shape) {
+    Samples out;
+    for (std::size_t i = 0; i < values.size();) {
+        Sample s;
+        s.number = values[i].sample, s.first = i;
+        while (i < values.size() && values[i].sample == s.number) ++i;
+        s.last = i;
+        if (s.number < 0) continue;
+        s.path = whole(number(values, s, "path")), s.step = whole(number(values, s, "step"));
+        if (!s.path && shape.steps > 0) s.path = s.number / shape.steps, s.step = s.number % shape.steps;
+        s.texel = texel_of(values, s, shape.map_width);
+        s.slot = number(values, s, "slot"), s.weight = number(values, s, "weight");
+        s.visibility = number(values, s, "visibility"), s.form = number(values, s, "form");
+        if (!s.visibility) s.visibility = number(values, s, "visible");
+        s.inside = number(values, s, "inside").value_or(1) != 0;
+        set_contribution(values, out.all.empty() ? nullptr : &out.all.back(), s);
+        out.gathers |= s.form && find(values, s, "flux");
+        out.most = std::max(out.most, s.brought());
+        out.together.resize(std::max(out.together.size(), s.contribution.size()));
+        for (std::size_t c = 0; c < s.contribution.size(); ++c) out.together[c] += s.contribution[c];
+        out.all.push_back(std::move(s));
+    }
+    return out;
+}
+
+std::vector<TapValue> our_values(const parity::SideBySide& values) {
+    std::vector<TapValue> ours;
+    for (const parity::TwoValues& v : values.lines)
+        ours.push_back({v.name, v.sample, v.ours.value_or(std::vector<double>()), v.equation});
+    return ours;
+}
+
+SampleTable sample_table(const Samples& samples, const std::vector<TapValue>& values,
+                         const std::vector<std::size_t>& rows) {
+    return samples.gathers ? gather_table(samples, rows) : plain_table(samples, values, rows);
+}
+
+std::vector<std::size_t> every_sample(const Samples& samples) {
+    std::vector<std::size_t> rows(samples.all.size());
+    for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = i;
+    return rows;
+}
+
+std::string samples_text(const std::vector<TapValue>& values, const SampleShape& shape) {
+    const Samples samples = samples_of(values, shape);
+    if (!samples.gathers) return "";
+    const SampleTable table = sample_table(samples, values, every_sample(samples));
+    std::vector<Column> columns;
+    for (const std::string& head : table.head) columns.push_back({head, Align::right});
+    return "what each sample brings: weight visibility flux form (VRSM (3.2))\n" + format_table(columns, table.rows) +
+           fmt::format("together: {}\n", short_text(samples.together));
+}
+
+}  // namespace plumb::cli

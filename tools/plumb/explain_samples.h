@@ -1,0 +1,63 @@
+// The values of one invocation as samples: what each one read, and what it brought.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/tap.h"
+#include "gi/parity/side_by_side.h"
+
+namespace plumb::cli {
+
+// One pass through a kernel's loop: a run of values with the same sample.
+struct Sample {
+    int number = -1;                   // as the kernel counts
+    std::size_t first = 0, last = 0;   // of the values: [first, last)
+    std::optional<int> path, step;     // of a stage whose samples lie on paths
+    std::optional<glm::dvec2> texel;   // of the map, or of the picture, that is read
+    std::optional<double> slot, visibility, weight, form;
+    bool inside = true;
+    // weight visibility flux form, where the stage has flux and form; else the step of its running sum or count, or
+    // what one light sends (E). As many components as that has; empty where nothing can be said.
+    std::vector<double> contribution;
+    std::vector<double> sum;  // the kernel's own running sum behind this sample
+
+    // Rec. 709 luminance of three components, else the first one; what is no number, or negative, is 0.
+    double brought() const;
+    bool hidden() const { return visibility && *visibility == 0; }
+};
+
+struct Samples {
+    std::vector<Sample> all;        // in the kernel's order
+    bool gathers = false;           // contributions are products of flux and form
+    double most = 0;                // the largest brought()
+    std::vector<double> together;   // contributions added up
+    double total() const;           // brought() added up
+};
+
+// What a stage knows of its samples beyond their values.
+struct SampleShape {
+    int steps = 0;      // samples of a path, one path after another; 0: no paths
+    int map_width = 0;  // texels: where the values name no texel, or name one by its index
+};
+
+// `values`: of our kernel.
+Samples samples_of(const std::vector<TapValue>& values, const SampleShape& shape);
+std::vector<TapValue> our_values(const parity::SideBySide& values);  // a line that ours lacks has no components
+
+// Head and rows of the table of samples: of a gather sample, (path, step), texel, inside, (slot), (visibility), weight,
+// form, contribution, sum; of another stage every value of a sample. `rows` name samples by their place in `all`.
+struct SampleTable {
+    std::vector<std::string> head;
+    std::vector<std::vector<std::string>> rows;
+};
+SampleTable sample_table(const Samples& samples, const std::vector<TapValue>& values,
+                         const std::vector<std::size_t>& rows);
+std::vector<std::size_t> every_sample(const Samples& samples);
+
+// The table of a gather as text, with the sum below; "" for any other stage.
+std::string samples_text(const std::vector<TapValue>& values, const SampleShape& shape);
+
+}  // namespace plumb::cli
