@@ -38,6 +38,9 @@ raster::Rsm noise_map(int size, bool half) {
     map.position = noise_image(size, size, 20, -1, 1);
     for (std::size_t i = 0; i < map.records.size(); i += record_stride)
         for (int c = 0; c < 7; ++c) map.records[i + c] += 0.2f * noise(int(i), c, 3) - 0.1f;
+    // Every seventh texel has no surface.
+    for (std::size_t i = 0; i < map.records.size(); i += 7 * record_stride)
+        for (int c = 0; c < 16; ++c) map.records[i + c] = 0;
     // Half records: the same numbers after rounding to half, which truncating the significand to 10 bits does here.
     map.half_records.resize(map.records.size());
     for (std::size_t i = 0; i < map.records.size(); ++i) {
@@ -48,6 +51,22 @@ raster::Rsm noise_map(int size, bool half) {
         map.half_records[i].bits = std::uint16_t(exponent <= 0 ? sign : sign | exponent << 10 | (bits >> 13 & 1023));
     }
     return map;
+}
+
+// The gathers that a picture depends on, in each branch that their kernels have.
+std::vector<rsm::GatherParams> gathers() {
+    using enum rsm::Visibility;
+    rsm::GatherParams disc, all, paths;
+    disc.samples = 50, all.gather = rsm::Gather::all;
+    paths.gather = rsm::Gather::paths, paths.directions = 7, paths.steps = 6;
+    std::vector<rsm::GatherParams> kinds = {disc, all};
+    for (auto [visibility, slots] : {std::pair{none, 5}, {algorithm_2, 2}, {algorithm_3, 9}, {algorithm_6, 5}, {algorithm_6, 32}}) {
+        paths.visibility = visibility, paths.slots = slots;
+        paths.turn = slots == 9 ? rsm::Turn::tile : rsm::Turn::hash;
+        paths.slot_edges = slots == 32 ? rsm::SlotEdges::solid_angle : rsm::SlotEdges::angle;
+        kinds.push_back(paths);
+    }
+    return kinds;
 }
 
 // Calls f for all instruction sets of this machine by 1, 2 and 3 threads.
@@ -85,16 +104,13 @@ const glm::ivec2 sizes[] = {{1, 1}, {3, 2}, {17, 5}, {64, 33}};
 TEST_CASE("rsm: the same bits for every instruction set and thread count", "[rsm][bits]") {
     for (glm::ivec2 size : sizes)
         for (bool half : {false, true})
-            for (auto gather_kind : {rsm::Gather::disc, rsm::Gather::all}) {
-                CAPTURE(size.x, size.y, half, int(gather_kind));
+            for (const rsm::GatherParams& params : gathers()) {
+                CAPTURE(size.x, size.y, half, int(params.gather), int(params.visibility), params.slots);
                 const raster::Rsm map = noise_map(24, half);
                 Points points(size.x, size.y);
                 points.position = noise_image(size.x, size.y, 0, -1.5f, 1.5f);
                 points.normal = noise_normals(size.x, size.y, 1);
-                rsm::GatherParams params;
-                params.gather = gather_kind;
-                params.samples = 50;
-                const rsm::Pattern pattern = rsm::disc_pattern(params, map.size, 1);
+                const rsm::Pattern pattern = rsm::pattern_of(params, map.size, 1);
                 require_same_bits([&](const RunOptions& options, Image4& out) {
                     out = gather(params, points, map, &pattern, options);
                 });
@@ -102,19 +118,20 @@ TEST_CASE("rsm: the same bits for every instruction set and thread count", "[rsm
 }
 
 TEST_CASE("rsm: a map of halves and the same map widened give the same bits", "[rsm][bits]") {
-    raster::Rsm map = noise_map(24, true);
+    const raster::Rsm halves = noise_map(24, true);
+    raster::Rsm floats = halves;
+    floats.half = false;
+    for (std::size_t i = 0; i < floats.records.size(); ++i) floats.records[i] = half_to_float(floats.half_records[i]);
     Points points(40, 9);
     points.position = noise_image(40, 9, 0, -1.5f, 1.5f);
     points.normal = noise_normals(40, 9, 1);
-    rsm::GatherParams params;
-    params.samples = 50;
-    const rsm::Pattern pattern = rsm::disc_pattern(params, map.size, 1);
-    const Image4 from_halves = gather(params, points, map, &pattern);
-    map.half = false;
-    for (std::size_t i = 0; i < map.records.size(); ++i) map.records[i] = half_to_float(map.half_records[i]);
-    const Image4 from_floats = gather(params, points, map, &pattern);
-    CHECK(std::memcmp(from_halves.data(), from_floats.data(), from_floats.size() * sizeof(glm::vec4)) == 0);
-    CHECK(from_floats(3, 3).x > 0);
+    for (const rsm::GatherParams& params : gathers()) {
+        const rsm::Pattern pattern = rsm::pattern_of(params, 24, 1);
+        const Image4 from_halves = gather(params, points, halves, &pattern);
+        const Image4 from_floats = gather(params, points, floats, &pattern);
+        CHECK(std::memcmp(from_halves.data(), from_floats.data(), from_floats.size() * sizeof(glm::vec4)) == 0);
+        CHECK(from_floats(3, 3).x > 0);
+    }
 }
 
 TEST_CASE("rsm: float stays within its budget of double", "[rsm][budget]") {
@@ -122,11 +139,8 @@ TEST_CASE("rsm: float stays within its budget of double", "[rsm][budget]") {
     Points points(32, 8);
     points.position = noise_image(32, 8, 0, -1.5f, 1.5f);
     points.normal = noise_normals(32, 8, 1);
-    for (auto kind : {rsm::Gather::disc, rsm::Gather::all}) {
-        rsm::GatherParams params;
-        params.gather = kind;
-        params.samples = 64;
-        const rsm::Pattern pattern = rsm::disc_pattern(params, map.size, 1);
+    for (const rsm::GatherParams& params : gathers()) {
+        const rsm::Pattern pattern = rsm::pattern_of(params, map.size, 1);
         const Image4 got = gather(params, points, map, &pattern);
         Image<glm::dvec4> exact;
         rsm::run_double(params, {&points.position, &points.normal, &map, &pattern, 1}, {}, exact);
@@ -220,28 +234,27 @@ TEST_CASE("explain: the last value of a gather is the picture's", "[rsm][explain
     Points points(8, 4);
     points.position = noise_image(8, 4, 0, -1.5f, 1.5f);
     points.normal = noise_normals(8, 4, 1);
-    for (auto kind : {rsm::Gather::disc, rsm::Gather::all}) {
-        rsm::GatherParams params;
-        params.gather = kind;
-        params.samples = 50;
-        const rsm::Pattern pattern = rsm::disc_pattern(params, map.size, 1);
+    for (const rsm::GatherParams& params : gathers()) {
+        CAPTURE(int(params.gather), int(params.visibility));
+        const rsm::Pattern pattern = rsm::pattern_of(params, map.size, 1);
         const rsm::GatherInputs in{&points.position, &points.normal, &map, &pattern, 1};
         Image4 image;
         rsm::run(params, in, {}, image);
         const std::vector<TapValue> values = rsm::explain(params, in, {5, 2});
         REQUIRE(values.back().name == "irradiance");
         for (int c = 0; c < 3; ++c) CHECK(float(values.back().value[c]) == image(5, 2)[c]);
-        // Every sample is told, and the contributions add up: sum of flux * form * weight, over pi.
-        double sum = 0, flux = 0, form = 0, weight = 1;
+        // Every sample is told, and the contributions add up: sum of flux * form * weight * visibility, over pi.
+        double sum = 0, flux = 0, form = 0, weight = 1, visibility = 1;
         int samples = 0;
         for (const TapValue& v : values) {
             if (v.sample < 0) continue;
             samples = std::max(samples, v.sample + 1);
             if (v.name == "flux") flux = v.value[0];
             if (v.name == "weight") weight = v.value[0];
-            if (v.name == "form") form = v.value[0], sum += flux * form * weight;
+            if (v.name == "visibility") visibility = v.value[0];
+            if (v.name == "form") form = v.value[0], sum += flux * form * weight * visibility;
         }
-        CHECK(samples == (kind == rsm::Gather::disc ? 50 : 24 * 24));
+        CHECK(samples == (params.gather == rsm::Gather::all ? 24 * 24 : rsm::sample_count(params)));
         CHECK(sum / 3.14159265358979 == Approx(image(5, 2).x).epsilon(1e-5));
     }
 }

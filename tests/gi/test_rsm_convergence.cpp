@@ -1,5 +1,5 @@
-// The disc gather is a Monte-Carlo estimate of the gather over every texel inside the disc: with the consistent weight
-// it converges there, with the published weight elsewhere, to a value that can be predicted.
+// The gathers of a disc and along paths are estimates of the gather over every texel inside the disc: with the consistent
+// weight they converge there, with the published weight elsewhere, to a value that can be predicted.
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
 
@@ -81,6 +81,14 @@ rsm::GatherParams disc_params(int samples, rsm::Sequence sequence, rsm::Variant 
     return params;
 }
 
+rsm::GatherParams paths_params(int directions, int steps, rsm::Variant variant = rsm::Variant::corrected) {
+    rsm::GatherParams params = disc_params(1, rsm::Sequence::hammersley, variant);
+    params.gather = rsm::Gather::paths;
+    params.directions = directions, params.steps = steps;
+    params.visibility = rsm::Visibility::none;
+    return params;
+}
+
 // Root mean square over points and patterns of the relative error against `exact`, and the mean relative error.
 struct Error {
     double rms = 0, mean = 0;
@@ -90,7 +98,7 @@ Error error_against(const rsm::GatherParams& params, const Points& points, const
     Error e;
     int n = 0;
     for (int s = 0; s < patterns; ++s) {
-        const rsm::Pattern pattern = rsm::disc_pattern(params, map_size, std::uint32_t(s + 1));
+        const rsm::Pattern pattern = rsm::pattern_of(params, map_size, std::uint32_t(s + 1));
         const Image4 got = gather(params, points, map(), &pattern);
         for (std::size_t i = 0; i < got.size(); ++i, ++n) {
             const double relative = got.texels[i].x * scale / exact[i] - 1;
@@ -174,6 +182,70 @@ TEST_CASE("rsm.disc: the published weight converges elsewhere", "[rsm][LRA 4.3.3
     CHECK(std::abs(apart) > 0.03);
     CHECK(to_truth.mean == Approx(apart).margin(0.01));
     CHECK(to_prediction.rms < 2e-3);
+}
+
+TEST_CASE("rsm.paths: the consistent weight converges to the gather over every texel", "[rsm][paths][VRSM 3.2][analytic]") {
+    const Points points = shading_points(4);
+    const std::vector<double> exact = truths(points, [](double) { return 1.0; });
+    const std::vector<std::pair<int, int>> counts{{8, 5}, {15, 10}, {30, 20}, {60, 40}, {120, 80}};
+    for (auto [jitter, low, high] : {std::tuple{1.0f, -1.2f, -0.6f}, std::tuple{0.0f, -1.3f, -0.5f}}) {
+        std::vector<int> n;
+        std::vector<double> rms;
+        for (auto [directions, steps] : counts) {
+            rsm::GatherParams params = paths_params(directions, steps);
+            params.jitter = jitter;
+            rms.push_back(error_against(params, points, exact, 1, jitter > 0 ? 16 : 1).rms);
+            n.push_back(directions * steps);
+        }
+        const double got = slope(n, rms);
+        INFO(fmt::format("jitter {}: rms {:.2e} {:.2e} {:.2e} {:.2e} {:.2e}, slope {:.3f}", jitter, rms[0], rms[1],
+                         rms[2], rms[3], rms[4], got));
+        // One stratum a sample: between -1/2, where samples are independent, and -1, where each errs by its own stratum;
+        // the rounding to texels cuts it off.
+        CHECK(got > low);
+        CHECK(got < high);
+        CHECK(rms[1] < 0.02);
+        CHECK(rms.back() < 1.5e-3);
+    }
+}
+
+TEST_CASE("rsm.paths: the published weight converges elsewhere", "[rsm][paths][VRSM 3.2][published]") {
+    const Points points = shading_points(4);
+    const std::vector<double> exact = truths(points, [](double) { return 1.0; });
+    // rho^2 over a density of 1/rho weighs a texel at rho by 3/2 rho / r, once a constant is integrated exactly.
+    const std::vector<double> elsewhere = truths(points, [](double rho) { return 1.5 * rho; });
+    const double apart = elsewhere[0] / exact[0] - 1;
+    const rsm::GatherParams params = paths_params(120, 80, rsm::Variant::published);
+    // The missing 1/pi is taken out: it is a slip of its own.
+    const Error to_truth = error_against(params, points, exact, 1 / host::pi, 1);
+    const Error to_prediction = error_against(params, points, elsewhere, 1 / host::pi, 1);
+    INFO(fmt::format("published weight: {:+.2f} % from the truth, {:+.3f} % from its prediction", 100 * to_truth.mean,
+                     100 * to_prediction.mean));
+    CHECK(std::abs(apart) > 0.03);
+    CHECK(to_truth.mean == Approx(apart).margin(0.01));
+    CHECK(to_prediction.rms < 2e-3);
+}
+
+TEST_CASE("rsm.paths: without the half step the estimate is off by a step in K", "[rsm][paths][VRSM 3.2][published]") {
+    // 50 m away every texel sends the same: the estimate is the sum of the weights. k = 1..K and k = 0..K-1 in the place
+    // of k + 1/2 weigh 110 % and 90 % of the disc.
+    const raster::Rsm flat = plane_map(map_size, [](double, double) { return 1.0; });
+    const Points far({0, 0, 50}, {0, 0, -1});
+    rsm::GatherParams params = paths_params(15, 10);
+    params.jitter = 0;
+    const rsm::Pattern half = rsm::paths_pattern(params, map_size, 1);
+    const double r = double(radius) * map_size, step = r / 10;
+    auto estimate = [&](const rsm::Pattern& pattern) { return gather(params, far, flat, &pattern)(0, 0).x; };
+    const double area = host::pi * 4 * radius * radius, truth = area / (host::pi * 50 * 50);  // m2; E = A / (pi d^2)
+    CHECK(estimate(half) == Approx(truth).epsilon(5e-4).margin(0));
+    for (auto [first, expected] : {std::pair{1, 1.1}, std::pair{0, 0.9}}) {
+        rsm::Pattern off = half;
+        for (int k = 0; k < off.samples; ++k)
+            for (int i = 0; i < off.rotations; ++i)
+                off.weights[std::size_t(k) * off.rotations + i] = float(2 * host::pi * (k % 10 + first) * step / 15 * step);
+        CAPTURE(first);
+        CHECK(estimate(off) / estimate(half) == Approx(expected).epsilon(1e-3).margin(0));
+    }
 }
 
 TEST_CASE("rsm.disc: row i of the table is the pattern turned by i / rotations of a circle", "[rsm][pattern]") {
