@@ -10,6 +10,7 @@
 #include "core/convention.h"
 #include "core/fields.h"
 #include "core/image.h"
+#include "core/sample_rows.h"
 
 namespace plumb {
 
@@ -88,6 +89,7 @@ struct Setting {
     std::string table, key;
     FieldValue value;
     std::string place;  // for messages: "cornell.toml: line 31"
+    SampleRowsPtr rows = {};  // where the value names a sample pattern's file: what it holds
 };
 
 // A value at a frame. Numbers alone lie in x, pairs in x and y, truth values are 0 or 1.

@@ -10,6 +10,7 @@
 #include "io/choose_view.h"
 #include "io/file.h"
 #include "io/image_file.h"
+#include "io/sample_rows.h"
 #include "io/scene_keyframes.h"
 #include "io/scene_model.h"
 #include "io/scene_parts.h"
@@ -287,8 +288,14 @@ class SceneReader {
             std::vector<std::pair<toml::source_position, std::string>> keys;
             for (const auto& [key, value] : *table) keys.emplace_back(key.source().begin, key.str());
             std::sort(keys.begin(), keys.end());
-            for (const auto& [position, key] : keys)
-                scene_.settings.push_back({name, key, reader.field_value(key), reader.place(key)});
+            for (const auto& [position, key] : keys) {
+                Setting setting{name, key, reader.field_value(key), reader.place(key)};
+                const std::string* file = std::get_if<std::string>(&setting.value);
+                // The only parameter that names a file.
+                if (name == "rsm" && key == "pattern" && file)
+                    setting.rows = read_sample_rows(*file, file->empty() ? "" : beside(path_, *file), setting.place);
+                scene_.settings.push_back(std::move(setting));
+            }
         }
     }
 

@@ -11,14 +11,20 @@ struct Projection {
     int size;
 };
 
-// The texel that x projects to: the one rounding that decides which texels are read.
-ivec2 project(Projection map, vec3 x) {
+// Where x projects to, texels; not rounded.
+vec2 projected(Projection map, vec3 x) {
     precise float row_x = map.to_texel_x.x * x.x + map.to_texel_x.y * x.y + map.to_texel_x.z * x.z + map.to_texel_x.w;
     precise float row_y = map.to_texel_y.x * x.x + map.to_texel_y.y * x.y + map.to_texel_y.z * x.z + map.to_texel_y.w;
     precise float row_w = map.to_texel_w.x * x.x + map.to_texel_w.y * x.y + map.to_texel_w.z * x.z + map.to_texel_w.w;
     precise float w = max(map.least_w, row_w);
     precise vec2 texel = vec2(min(max(row_x / w, map.low), map.high), min(max(row_y / w, map.low), map.high));
     TAP(projection, texel);
+    return texel;
+}
+
+// The texel that x projects to: the one rounding that decides which texels are read.
+ivec2 project(Projection map, vec3 x) {
+    vec2 texel = projected(map, x);
     CHOICE(int(floor(texel.x)));
     CHOICE(int(floor(texel.y)));
     return ivec2(floor(texel));

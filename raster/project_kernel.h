@@ -24,14 +24,21 @@ PLUMB_INLINE index_t<F> chosen(const F& x) {
     return number<F>::truncate_to_index(floor(x));
 }
 
-// The texel that x projects to: the one rounding that decides which texels are read.
+// Where x projects to, texels; not rounded.
 template <class F, class Tap>
-PLUMB_INLINE ivec2<index_t<F>> project(const Projection& map, const vec3<F>& x, Tap& tap) {
+PLUMB_INLINE vec2<F> projected(const Projection& map, const vec3<F>& x, Tap& tap) {
     auto row = [&](const float* m) { return F(m[0]) * x.x + F(m[1]) * x.y + F(m[2]) * x.z + F(m[3]); };
     const F w = max(F(map.least_w), row(map.to_texel_w));
     const F low(map.low), high(map.high);
     const vec2<F> texel{clamp(row(map.to_texel_x) / w, low, high), clamp(row(map.to_texel_y) / w, low, high)};
     tap("projection", texel, "x projected to the map, texels");
+    return texel;
+}
+
+// The texel that x projects to: the one rounding that decides which texels are read.
+template <class F, class Tap>
+PLUMB_INLINE ivec2<index_t<F>> project(const Projection& map, const vec3<F>& x, Tap& tap) {
+    const vec2<F> texel = projected(map, x, tap);
     return {chosen(texel.x), chosen(texel.y)};
 }
 

@@ -12,15 +12,16 @@ namespace {
 
 std::vector<StageInfo> frame_stages() {
     return {raster::info_gbuffer(), raster::info_rsm(),    direct::shadow_info(),    rsm::info_disc(),
-            rsm::info_paths(),      rsm::info_all(),       rsm::info_all_rays(),     direct::direct_info(),
+            rsm::info_disc(rsm::Texels::continuous), rsm::info_paths(), rsm::info_paths(rsm::Texels::continuous),
+            rsm::info_all(),       rsm::info_all_rays(),     direct::direct_info(),
             compose::compose_info(), reference::info(),    compose::tonemap_info()};
 }
 
 }  // namespace
 
 bool is_gather(const std::string& stage) {
-    for (const rsm::Gather gather : rsm::gathers)
-        if (stage == rsm::stage_name(gather)) return true;
+    for (const auto& [gather, texels] : rsm::gather_stages)
+        if (stage == rsm::stage_name(gather, texels)) return true;
     return false;
 }
 

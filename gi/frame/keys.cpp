@@ -113,6 +113,7 @@ class Keys {
         } else if (is_gather(stage.name)) {
             add_fields(rsm::fields(rsm), h);
             h.add(gbuffer_, map(stage), seed);
+            if (rsm.own) h.add_all(rsm.own->rows);
             if (stage.name == "rsm.all_rays") h.add(scene_keys_.geometry, scene_keys_.surfaces);
             if (stage.name == "rsm.all_rays" && rsm.rays == Rays::native) h.add(isa_);
         } else if (stage.name == "compose") {

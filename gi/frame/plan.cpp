@@ -117,7 +117,7 @@ struct Planner {
 
     void add_gather(int light, double pixels, int maps, double texels) {
         const rsm::GatherParams& params = settings.rsm;
-        const std::string name = rsm::stage_name(params.gather), why = "indirect light of this light";
+        const std::string name = rsm::stage_name(params), why = "indirect light of this light";
         if (params.gather == rsm::Gather::disc || params.gather == rsm::Gather::paths) {
             const bool disc = params.gather == rsm::Gather::disc;
             add(name.c_str(), "gather", light, pixels * maps * rsm::sample_count(params), "samples",

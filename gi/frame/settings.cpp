@@ -67,6 +67,7 @@ Settings settings_of(const Scene& scene) {
     for (const Setting& setting : scene.settings) {
         std::vector<Field> fields = table_fields(s, setting.table, setting.place);
         set_field(find_field(fields, setting.key, setting.place), setting.value, setting.place);
+        if (setting.table == "rsm" && setting.key == "pattern") s.rsm.own = setting.rows;
         if (setting.table == "layout" && s.layout.name != "custom") raster::validate(s.layout, setting.place);
     }
     raster::validate(s.layout, scene.name);

@@ -11,6 +11,8 @@ namespace plumb::rsm {
 
 namespace {
 
+constexpr int most_reach = 32769;  // offsets of 16 bits; positions of as many texels, and one more
+
 // A device binds the map as three images; our kernel reads them as records of one cache line.
 Buffer<float> records_of(const StageData& d, int size) {
     const std::size_t texels = std::size_t(size) * std::size_t(size);
@@ -37,30 +39,36 @@ struct GatherOf {
     }
     bool writes(glm::ivec2) const { return true; }
 
-    // Tables of offsets and weights: what the kernel indexes has to be there.
-    void bind_pattern(const StageData& d, int samples, bool weights_turn) {
+    // Tables of samples and weights: what the kernel indexes has to be there.
+    void bind_pattern(const StageData& d, bool continuous, int samples, bool weights_turn) {
         const auto& u = view.u;
         if (samples < 0 || u.rotations < 1 || (u.rotations & (u.rotations - 1)) != 0)
             throw InputError(fmt::format("{}: samples = {}, rotations = {}: expected 0 or more, and a power of two",
                                          d.label, samples, u.rotations));
-        const std::size_t offsets = at(d.inputs, "offsets").bytes.size() / 4;
+        const std::string table = continuous ? "positions" : "offsets";
+        const std::size_t offsets = at(d.inputs, table).bytes.size() / (continuous ? 8 : 4);
         const std::size_t weights = at(d.inputs, "weights").bytes.size() / 4;
         const std::size_t all = std::size_t(samples) * std::size_t(u.rotations);
         const std::size_t weighed = weights_turn ? all : std::size_t(samples);
         if (offsets < all || weights < weighed)
-            throw InputError(fmt::format("{}: {} offsets and {} weights: expected {} x {} and {}", d.label, offsets,
+            throw InputError(fmt::format("{}: {} {} and {} weights: expected {} x {} and {}", d.label, offsets, table,
                                          weights, samples, u.rotations, weighed));
-        if (u.reach < 0 || u.reach > 32768)
-            throw InputError(fmt::format("{}: reach = {}: expected 0 to 32768", d.label, u.reach));
-        view.offsets = ints(d, "offsets"), view.weights = floats(d, "weights");
+        if (u.reach < 0 || u.reach > most_reach)
+            throw InputError(fmt::format("{}: reach = {}: expected 0 to {}", d.label, u.reach, most_reach));
+        view.weights = floats(d, "weights");
+        if (continuous)
+            view.positions = floats(d, "positions");
+        else
+            view.offsets = ints(d, "offsets");
     }
 };
 
+template <bool continuous>
 struct DiscOf : GatherOf<GatherInputsView<float>> {
-    explicit DiscOf(const StageData& d) : GatherOf(d) { bind_pattern(d, view.u.samples, false); }
+    explicit DiscOf(const StageData& d) : GatherOf(d) { bind_pattern(d, continuous, view.u.samples, false); }
     template <class F, class Tap>
     std::array<F, components> pixel(int x, int y, Tap& tap) const {
-        const vec3<F> e = gather_disc<F>(view, x, y, tap);
+        const vec3<F> e = gather_disc<F, continuous>(view, x, y, tap);
         return {e.x, e.y, e.z, F(0.0f)};
     }
     template <Isa isa>
@@ -71,13 +79,14 @@ struct DiscOf : GatherOf<GatherInputsView<float>> {
     }
 };
 
+template <bool continuous>
 struct PathsOf : GatherOf<PathsInputsView<float>> {
     explicit PathsOf(const StageData& d) : GatherOf(d) {
         const PathsUniforms& u = view.u;
         if (u.directions < 0 || u.steps < 0 || std::int64_t(u.directions) * u.steps > most_samples)
             throw InputError(fmt::format("{}: directions = {}, steps = {}: expected 0 or more, and at most {} samples",
                                          d.label, u.directions, u.steps, most_samples));
-        bind_pattern(d, u.directions * u.steps, true);
+        bind_pattern(d, continuous, u.directions * u.steps, true);
         const std::size_t edges = at(d.inputs, "edges").bytes.size() / 4;
         if (u.slots < 0 || u.slots == 1 || u.slots > 32 || edges + 1 < std::size_t(u.slots))
             throw InputError(fmt::format("{}: slots = {} with {} edges: expected 0, or 2 to 32 and one edge less",
@@ -90,7 +99,7 @@ struct PathsOf : GatherOf<PathsInputsView<float>> {
     }
     template <class F, class Tap>
     std::array<F, components> pixel(int x, int y, Tap& tap) const {
-        const vec3<F> e = gather_paths<F>(view, x, y, tap);
+        const vec3<F> e = gather_paths<F, continuous>(view, x, y, tap);
         return {e.x, e.y, e.z, F(0.0f)};
     }
     template <Isa isa>
@@ -154,19 +163,29 @@ Slot table(const char* name, int binding, DType type, const char* unit, const ch
             .unit = unit, .meaning = meaning};
 }
 
-StageBinding make_disc() {
-    StageBinding b = sum_binding(info_disc());
-    b.inputs.push_back(table("offsets", 6, DType::i32, "texels",
-                             "[samples][rotations]: dx in the lower 16 bits, dy in the upper 16"));
+// Where the samples are.
+Slot samples_table(Texels texels) {
+    if (texels == Texels::whole)
+        return table("offsets", 6, DType::i32, "texels",
+                     "a row a sample, a column a rotation: dx in the lower 16 bits, dy in the upper 16");
+    Slot slot = table("positions", 6, DType::f32, "texels", "a row a sample, a column a rotation: dx, dy");
+    slot.channels = 2;
+    return slot;
+}
+
+StageBinding make_disc(Texels texels) {
+    StageBinding b = sum_binding(info_disc(texels));
+    b.inputs.push_back(samples_table(texels));
     b.inputs.push_back(table("weights", 7, DType::f32, "texels", "[samples]: texels that a sample stands for"));
     b.outputs[0].binding = 8;
-    b.bind = bind_kernel<DiscOf, disc_binding>;
+    b.bind = texels == Texels::whole ? bind_kernel<DiscOf<false>, disc_binding>
+                                     : bind_kernel<DiscOf<true>, disc_continuous_binding>;
     return b;
 }
 
-StageBinding make_paths() {
+StageBinding make_paths(Texels texels) {
     using U = PathsUniforms;
-    StageBinding b = gather_binding(info_paths());
+    StageBinding b = gather_binding(info_paths(texels));
     b.uniforms = members_after_map(offsetof(U, map), {{"axis", "vec4", offsetof(U, axis)},
                                                       {"least_distance2", "float", offsetof(U, least_distance2)},
                                                       {"scale", "float", offsetof(U, scale)},
@@ -181,13 +200,13 @@ StageBinding make_paths() {
                                                       {"slots", "int", offsetof(U, slots)},
                                                       {"propagates", "int", offsetof(U, propagates)}});
     b.uniform_bytes = sizeof(U);
-    b.inputs.push_back(table("offsets", 6, DType::i32, "texels",
-                             "[directions][steps][rotations]: dx in the lower 16 bits, dy in the upper 16"));
+    b.inputs.push_back(samples_table(texels));
     b.inputs.push_back(table("weights", 7, DType::f32, "texels",
                              "[directions][steps][rotations]: texels that a sample stands for"));
     b.inputs.push_back(table("edges", 8, DType::f32, "", "[slots - 1]: s |s|, s the sine of the elevation, ascending"));
     b.outputs[0].binding = 9;
-    b.bind = bind_kernel<PathsOf, paths_binding>;
+    b.bind = texels == Texels::whole ? bind_kernel<PathsOf<false>, paths_binding>
+                                     : bind_kernel<PathsOf<true>, paths_continuous_binding>;
     return b;
 }
 
@@ -200,11 +219,19 @@ StageBinding make_all() {
 }  // namespace
 
 const StageBinding& disc_binding() {
-    static const StageBinding binding = make_disc();
+    static const StageBinding binding = make_disc(Texels::whole);
+    return binding;
+}
+const StageBinding& disc_continuous_binding() {
+    static const StageBinding binding = make_disc(Texels::continuous);
     return binding;
 }
 const StageBinding& paths_binding() {
-    static const StageBinding binding = make_paths();
+    static const StageBinding binding = make_paths(Texels::whole);
+    return binding;
+}
+const StageBinding& paths_continuous_binding() {
+    static const StageBinding binding = make_paths(Texels::continuous);
     return binding;
 }
 const StageBinding& all_binding() {
@@ -215,7 +242,7 @@ const StageBinding& all_binding() {
 StageData gather_data(const GatherParams& params, const GatherInputs& in) {
     validate(params, in);
     StageData d;
-    d.stage = stage_name(params.gather);
+    d.stage = stage_name(params);
     d.size = {in.position->width, in.position->height};
     const bool paths = params.gather == Gather::paths;
     d.uniforms = paths ? uniform_block(paths_uniforms(params, in)) : uniform_block(gather_uniforms(params, in));
@@ -226,7 +253,10 @@ StageData gather_data(const GatherParams& params, const GatherInputs& in) {
     add(d.inputs, "rsm_flux", in.rsm->flux);
     if (params.gather == Gather::all) return d;
     const int samples = in.pattern->samples, rotations = in.pattern->rotations;
-    add(d.inputs, "offsets", {samples, rotations}, in.pattern->offsets.data());
+    if (params.texels == Texels::whole)
+        add(d.inputs, "offsets", {samples, rotations}, in.pattern->offsets.data());
+    else
+        add(d.inputs, "positions", {samples, rotations, 2}, in.pattern->positions.data());
     if (!paths) {
         add(d.inputs, "weights", {samples}, in.pattern->weights.data());
         return d;

@@ -1,4 +1,4 @@
-// The stages rsm.disc, rsm.paths and rsm.all bound by name (core/binding.h).
+// The stages rsm.disc, rsm.paths, both with continuous texels, and rsm.all bound by name (core/binding.h).
 #pragma once
 
 #include "core/binding.h"
@@ -9,6 +9,8 @@ namespace plumb::rsm {
 
 const StageBinding& disc_binding();
 const StageBinding& paths_binding();
+const StageBinding& disc_continuous_binding();
+const StageBinding& paths_continuous_binding();
 const StageBinding& all_binding();
 
 GatherUniforms gather_uniforms(const GatherParams& params, const GatherInputs& inputs);
@@ -17,7 +19,7 @@ GatherUniforms gather_uniforms(const GatherParams& params, const GatherInputs& i
 // caller's.
 StageData gather_data(const GatherParams& params, const GatherInputs& inputs);
 
-// Offsets are whole texels of 16 bits each: the largest |dx| or |dy| of them.
-int reach_of(std::span<const std::int32_t> offsets);
+// Texels: the largest |dx| or |dy| of whole-texel offsets; of positions a texel more, rounded up.
+int reach_of(const Pattern& pattern);
 
 }  // namespace plumb::rsm

@@ -71,26 +71,36 @@ std::vector<Field> fields(GatherParams& p) {
         {"turn", as_int(p.turn), "",
          "how a pixel gets its rotation: by hash, or dealt out over tiles of 4 x 4 pixels (paths; ours)", 0, 1,
          {"hash", "tile"}, false, paths(curves, {0, 1})},
+        {"texels", as_int(p.texels), "",
+         "disc, paths: whole texels from the one rounded projection, or each sample's own position rounded (the theses)", 0,
+         1, {"whole", "continuous"}, false, disc(curves, {})},
+        {"pattern", &p.pattern, "",
+         "disc, paths: samples of one's own: .npy, [N, 3]: dx, dy in texels, and texels that the sample stands for", 0, 0,
+         {}, false},
     };
 }
 
 int sample_count(const GatherParams& params) {
+    if (params.gather == Gather::disc && params.own) return int(params.own->rows.size());
     return params.gather == Gather::paths ? params.directions * params.steps : params.samples;
 }
 
-std::string stage_name(Gather gather) {
+std::string stage_name(Gather gather, Texels texels) {
+    const bool continuous = texels == Texels::continuous;
     switch (gather) {
-        case Gather::disc: return "rsm.disc";
-        case Gather::paths: return "rsm.paths";
+        case Gather::disc: return continuous ? "rsm.disc_continuous" : "rsm.disc";
+        case Gather::paths: return continuous ? "rsm.paths_continuous" : "rsm.paths";
         case Gather::all: return "rsm.all";
         case Gather::all_rays: break;
     }
     return "rsm.all_rays";
 }
 
+std::string stage_name(const GatherParams& params) { return stage_name(params.gather, params.texels); }
+
 void validate(const GatherParams& params, const GatherInputs& in) {
     GatherParams copy = params;
-    const std::string stage = stage_name(params.gather);
+    const std::string stage = stage_name(params);
     validate_fields(stage, fields(copy));
     auto require = [&](bool good, const std::string& cause) {
         if (!good) throw InputError(stage + ": " + cause);
@@ -114,10 +124,16 @@ void validate(const GatherParams& params, const GatherInputs& in) {
     require(params.turn == Turn::hash || params.rotations >= 16,
             fmt::format("rotations = {}: turn = \"tile\" deals out at least 16", params.rotations));
     require(in.pattern != nullptr, "pattern must be bound");
+    const std::size_t offsets = std::size_t(samples) * std::size_t(params.rotations);
+    require(params.texels == Texels::whole ? in.pattern->offsets.size() == offsets
+                                           : in.pattern->positions.size() == 2 * offsets,
+            fmt::format("pattern has {} offsets and {} positions: texels = \"{}\" reads {} {}", in.pattern->offsets.size(),
+                        in.pattern->positions.size() / 2, params.texels == Texels::whole ? "whole" : "continuous", offsets,
+                        params.texels == Texels::whole ? "offsets" : "positions"));
     require(in.pattern->samples == samples && in.pattern->rotations == params.rotations,
             fmt::format("pattern has {} samples by {} rotations: expected {} by {}", in.pattern->samples,
                         in.pattern->rotations, samples, params.rotations));
-    require(double(params.radius) * in.rsm->size < 32767,
+    require(params.own || double(params.radius) * in.rsm->size < 32767,
             fmt::format("radius = {} of {} texels: whole-texel offsets end at 32767", params.radius, in.rsm->size));
 }
 
@@ -136,11 +152,13 @@ Buffer<float> widened(const Buffer<Half>& halves) {
     return floats;
 }
 
-int reach_of(std::span<const std::int32_t> offsets) {
+int reach_of(const Pattern& pattern) {
     int reach = 0;
-    for (const std::int32_t offset : offsets)
+    for (const std::int32_t offset : pattern.offsets)
         reach = std::max({reach, std::abs(std::int32_t(std::int16_t(offset))), std::abs(offset >> 16)});
-    return reach;
+    float farthest = 0;
+    for (const float d : pattern.positions) farthest = std::max(farthest, std::abs(d));
+    return pattern.positions.empty() ? reach : int(farthest) + 2;
 }
 
 GatherUniforms gather_uniforms(const GatherParams& params, const GatherInputs& in) {
@@ -148,12 +166,12 @@ GatherUniforms gather_uniforms(const GatherParams& params, const GatherInputs& i
     u.map = raster::projection_args(in.rsm->view, in.rsm->size, params.projection == Projection::clamped);
     u.least_distance2 = least_distance2(params);
     u.scale = irradiance_scale(params);
-    u.samples = params.samples;
+    u.samples = sample_count(params);
     u.rotations = params.rotations;
     u.width = in.position->width;
     u.height = in.position->height;
     u.seed = in.seed;
-    if (in.pattern) u.reach = reach_of(in.pattern->offsets);
+    if (in.pattern) u.reach = reach_of(*in.pattern);
     return u;
 }
 
@@ -167,7 +185,12 @@ GatherInputsView<Component> view_of(const GatherParams& params, const GatherInpu
     v.position = &in.position->data()->x;
     v.normal = &in.normal->data()->x;
     v.records = records;
-    if (in.pattern) v.offsets = in.pattern->offsets.data(), v.weights = in.pattern->weights.data();
+    if (!in.pattern) return v;
+    v.weights = in.pattern->weights.data();
+    if (params.texels == Texels::whole)
+        v.offsets = in.pattern->offsets.data();
+    else
+        v.positions = in.pattern->positions.data();
     return v;
 }
 
@@ -177,7 +200,7 @@ vec3<F> one_pixel(const GatherParams& params, const GatherInputsView<Component>&
     NoTap tap;
     if constexpr (std::is_same_v<Component, float>)
         if (params.gather == Gather::all) return gather_all<F>(in, x, y, tap);
-    return gather_disc<F>(in, x, y, tap);
+    return in.positions ? gather_disc<F, true>(in, x, y, tap) : gather_disc<F>(in, x, y, tap);
 }
 
 }  // namespace
@@ -253,6 +276,8 @@ std::vector<TapValue> explain(const GatherParams& params, const GatherInputs& in
     Recorder recorder;
     if (params.gather == Gather::all)
         gather_all<float>(view, pixel.x, pixel.y, recorder);
+    else if (view.positions)
+        gather_disc<float, true>(view, pixel.x, pixel.y, recorder);
     else
         gather_disc<float>(view, pixel.x, pixel.y, recorder);
     return recorder.values;
@@ -283,9 +308,17 @@ std::vector<TapValue> explain_maps(const GatherParams& params, const GatherInput
 
 namespace {
 
-StageInfo info(Gather gather) {
+// The table that says where the samples are.
+Port samples_info(Texels texels, const std::string& shape) {
+    if (texels == Texels::whole)
+        return {"offsets", "buffer i32", "texels", shape + " whole-texel offsets, 16 bits each"};
+    return {"positions", "buffer f32 x 2", "texels", shape + " offsets from the projection"};
+}
+
+StageInfo info(Gather gather, Texels texels = Texels::whole) {
     GatherParams defaults;
-    defaults.gather = gather;
+    defaults.gather = gather, defaults.texels = texels;
+    const std::string continuous = texels == Texels::continuous ? "_continuous" : "";
     StageInfo s;
     s.inputs = {
         {"position", "image rgba32f", "m", "world-space position of the shading points"},
@@ -294,7 +327,7 @@ StageInfo info(Gather gather) {
     };
     s.outputs = {{"irradiance", "image rgba32f", "W/m2", "indirect irradiance, one bounce"}};
     s.params = describe(fields(defaults));
-    s.name = stage_name(gather);
+    s.name = stage_name(defaults);
     if (gather == Gather::all) {
         s.source = "VRSM (3.2), summed over every texel";
         s.twin = "gi/rsm/gather_all.comp";
@@ -309,25 +342,24 @@ StageInfo info(Gather gather) {
     }
     if (gather == Gather::paths) {
         s.source = "VRSM 3.2, 3.3, Algorithms 2, 3, 5 and 6";
-        s.inputs.push_back({"offsets", "buffer i32", "texels",
-                            "[directions][steps][rotations] whole-texel offsets, 16 bits each"});
+        s.inputs.push_back(samples_info(texels, "[directions][steps][rotations]"));
         s.inputs.push_back({"weights", "buffer f32", "texels",
                             "[directions][steps][rotations] texels that a sample stands for"});
         s.inputs.push_back({"edges", "buffer f32", "", "[slots - 1] where slots meet: s |s|, s the elevation's sine"});
-        s.twin = "gi/rsm/paths.comp";
+        s.twin = "gi/rsm/paths" + continuous + ".comp";
         return s;
     }
     s.source = "Dachsbacher and Stamminger 2005; LRA 4.3.3; VRSM (3.2)";
-    s.inputs.push_back({"offsets", "buffer i32", "texels", "[samples][rotations] whole-texel offsets, 16 bits each"});
+    s.inputs.push_back(samples_info(texels, "[samples][rotations]"));
     s.inputs.push_back({"weights", "buffer f32", "texels", "[samples] texels that a sample stands for"});
-    s.twin = "gi/rsm/gather.comp";
+    s.twin = "gi/rsm/gather" + continuous + ".comp";
     return s;
 }
 
 }  // namespace
 
-StageInfo info_disc() { return info(Gather::disc); }
-StageInfo info_paths() { return info(Gather::paths); }
+StageInfo info_disc(Texels texels) { return info(Gather::disc, texels); }
+StageInfo info_paths(Texels texels) { return info(Gather::paths, texels); }
 StageInfo info_all() { return info(Gather::all); }
 StageInfo info_all_rays() { return info(Gather::all_rays); }
 

@@ -1,8 +1,9 @@
-// The stages rsm.disc, rsm.paths, rsm.all and rsm.all_rays: indirect irradiance from one light's reflective shadow map.
+// The stages rsm.disc, rsm.paths (each with whole or continuous texels), rsm.all and rsm.all_rays: indirect irradiance from one light's reflective shadow map.
 // See gi/rsm/README.md.
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "core/image.h"
 #include "core/isa.h"
 #include "core/ray_query.h"
+#include "core/sample_rows.h"
 #include "core/stage.h"
 #include "core/tap.h"
 #include "gi/rsm/shadow_rays.h"
@@ -19,7 +21,15 @@
 namespace plumb::rsm {
 
 enum class Gather : int { disc, all, all_rays, paths };
-inline constexpr Gather gathers[] = {Gather::disc, Gather::paths, Gather::all, Gather::all_rays};
+// How samples become texels: whole texels away from the one rounded projection of x, or each by its own position.
+enum class Texels : int { whole, continuous };
+struct GatherStage {
+    Gather gather;
+    Texels texels = Texels::whole;
+};
+inline constexpr GatherStage gather_stages[] = {{Gather::disc}, {Gather::disc, Texels::continuous},
+                                                {Gather::paths}, {Gather::paths, Texels::continuous},
+                                                {Gather::all}, {Gather::all_rays}};
 enum class Variant : int { corrected, published };
 enum class Sequence : int { hammersley, r2, random };
 enum class Projection : int { plain, clamped };
@@ -47,6 +57,9 @@ struct GatherParams {
     int slots = 5;
     SlotEdges slot_edges = SlotEdges::angle;
     Turn turn = Turn::hash;
+    Texels texels = Texels::whole;
+    std::string pattern = {};  // disc, paths: a file's samples instead of those that the parameters make; `own` holds them
+    SampleRowsPtr own = {};
 };
 std::vector<Field> fields(GatherParams& params);
 
@@ -58,6 +71,7 @@ inline constexpr int most_samples = 65536;
 struct Pattern {
     int samples = 0, rotations = 0;
     Buffer<std::int32_t> offsets;  // [samples][rotations]: whole texels, dx in the lower 16 bits, dy in the upper 16
+    Buffer<float> positions;       // instead of offsets, continuous: [samples][rotations][2]: dx, dy in texels
     Buffer<float> weights;         // disc: [samples], paths: [samples][rotations]: texels that a sample stands for
 };
 
@@ -72,7 +86,10 @@ Pattern disc_pattern(const GatherParams& params, int map_size, std::uint32_t see
 // so that a constant is integrated exactly.
 Pattern paths_pattern(const GatherParams& params, int map_size, std::uint32_t seed);
 
-// What the gather of `params` reads: empty for those that read every texel.
+// The rows of params.own, of a disc any number. Rotation i turns them by i / rotations of a circle (disc) or of a path's sector (paths).
+Pattern own_pattern(const GatherParams& params);
+
+// What the gather of `params` reads: empty for those that read every texel. Throws InputError for rows that do not fit.
 Pattern pattern_of(const GatherParams& params, int map_size, std::uint32_t seed);
 
 // Where slots of the micro linear buffer meet, ascending: s |s|, s the sine of the elevation. slots - 1 numbers; without
@@ -120,9 +137,11 @@ std::vector<TapValue> explain(const GatherParams& params, const GatherInputs& in
 std::vector<TapValue> explain_maps(const GatherParams& params, const GatherInputs& inputs,
                                    std::span<const raster::Rsm> maps, glm::ivec2 pixel);
 
-std::string stage_name(Gather gather);  // "rsm.disc", ...
-StageInfo info_disc();
-StageInfo info_paths();
+// "rsm.disc", "rsm.disc_continuous", ...
+std::string stage_name(Gather gather, Texels texels = Texels::whole);
+std::string stage_name(const GatherParams& params);
+StageInfo info_disc(Texels texels = Texels::whole);
+StageInfo info_paths(Texels texels = Texels::whole);
 StageInfo info_all();
 StageInfo info_all_rays();
 

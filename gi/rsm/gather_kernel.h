@@ -1,5 +1,5 @@
-// One-bounce indirect irradiance from a reflective shadow map: the algorithm that gather.comp and gather_all.comp
-// mirror line by line.
+// One-bounce indirect irradiance from a reflective shadow map: the algorithm that gather_disc.glsl and
+// gather_all.comp mirror line by line.
 //
 // Every texel p of the map is a small diffuse light at x_p with normal n_p that reflects the flux Phi_p. It sends to
 // the shading point x with normal n the irradiance
@@ -11,7 +11,7 @@
 
 #include "core/hash.h"
 #include "core/number.h"
-#include "raster/project_kernel.h"
+#include "gi/rsm/texels_kernel.h"
 
 namespace plumb::rsm {
 
@@ -37,6 +37,7 @@ struct GatherInputsView {
     const float* normal;          // [height][width] rgba32f: xyz unit
     const Component* records;     // [size][size] records: position, normal, flux W
     const std::int32_t* offsets;  // [samples][rotations]: whole texels, dx in the lower 16 bits, dy in the upper 16
+    const float* positions;       // continuous: [samples][rotations][2]: dx, dy in texels
     const float* weights;         // [samples]: texels that a sample stands for
     float* irradiance;            // [height][width] rgba32f, out: W/m2
 };
@@ -61,9 +62,9 @@ PLUMB_INLINE F form(const vec3<F>& x, const vec3<F>& n, const vec3<F>& x_p, cons
 // The disc gather (Dachsbacher and Stamminger 2005; LRA 4.3.3): N samples around the projection of x, each with the
 // number of texels that it stands for.
 //
-// differs: samples are whole texels away from the one rounded projection, from a table of rotations; LRA computes each
-// sample's position and rounds it. LRA's listing also takes the receiver's normal in both cosines.
-template <class F, class Component, class Tap>
+// differs: samples come from a table of rotations, and unless `continuous` they are whole texels away from the one rounded
+// projection (texels_kernel.h). LRA's listing also takes the receiver's normal in both cosines.
+template <class F, bool continuous = false, class Component, class Tap>
 PLUMB_INLINE vec3<F> gather_disc(const GatherInputsView<Component>& in, index_t<F> px, index_t<F> py, Tap& tap) {
     using N = number<F>;
     using I = index_t<F>;
@@ -71,20 +72,16 @@ PLUMB_INLINE vec3<F> gather_disc(const GatherInputsView<Component>& in, index_t<
     const I pixel = py * I(u.width) + px;
     const vec3<F> x = xyz<F>(N::fetch4(in.position, pixel));      tap("x", x, "world, m");
     const vec3<F> n = xyz<F>(N::fetch4(in.normal, pixel));        tap("n", n, "unit normal of x");
-    const ivec2<I> centre = raster::project<F>(u.map, x, tap);    tap("centre", centre, "texel of the projection");
+    const TexelsOf<F, continuous> texels(u.map, x, tap);
     const I hash = pixel_hash(px, py, I(0), I(std::int32_t(u.seed))).x;
     const I rotation = shift_right(hash, 16) & I(u.rotations - 1);
     tap("rotation", rotation, "row of the table of offsets");
 
-    // Where no sample can meet the map, as behind a face of a point light, there is nothing to sum. The lanes that are
-    // near decide for themselves alone, so that no width of a packet changes a bit.
-    const I range(u.map.size + 2 * u.reach);
-    const mask_t<F> near = in_range(centre.x + I(u.reach), range) & in_range(centre.y + I(u.reach), range);
+    const mask_t<F> near = texels.near(u.map.size, u.reach);
     vec3<F> sum{F(0.0f), F(0.0f), F(0.0f)};
     for (int k = 0; any(near) && k < u.samples; ++k) {
         tap.sample(k);
-        const I offset = N::fetch(in.offsets, rotation + I(k * u.rotations));
-        const ivec2<I> texel{centre.x + ((offset << 16) >> 16), centre.y + (offset >> 16)};
+        const ivec2<I> texel = texels.texel(in, rotation + I(k * u.rotations), tap);
         tap("texel", texel, "LRA 4.3.3: p + r (xi1 sin 2 pi xi2, xi1 cos 2 pi xi2)");
 
         // A sample outside the map contributes nothing, and the divisor stays.

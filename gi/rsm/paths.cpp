@@ -21,7 +21,7 @@ PathsUniforms paths_uniforms(const GatherParams& params, const GatherInputs& in)
     u.width = in.position->width;
     u.height = in.position->height;
     u.seed = in.seed;
-    if (in.pattern) u.reach = reach_of(in.pattern->offsets);
+    if (in.pattern) u.reach = reach_of(*in.pattern);
     u.slots = params.visibility == Visibility::none ? 0 : params.slots;
     u.propagates = params.visibility == Visibility::algorithm_2 ? 0 : -1;
     return u;
@@ -37,7 +37,10 @@ PathsInputsView<Component> view_of(const GatherParams& params, const GatherInput
     v.position = &in.position->data()->x;
     v.normal = &in.normal->data()->x;
     v.records = records;
-    v.offsets = in.pattern->offsets.data();
+    if (params.texels == Texels::whole)
+        v.offsets = in.pattern->offsets.data();
+    else
+        v.positions = in.pattern->positions.data();
     v.weights = in.pattern->weights.data();
     v.edges = edges.data();
     return v;
@@ -72,7 +75,8 @@ void run_paths_double(const GatherParams& params, const GatherInputs& in, const 
         NoTap tap;
         for (int y = first; y < last; ++y)
             for (int x = 0; x < irradiance.width; ++x)
-                irradiance(x, y) = glm::dvec4(gather_paths<double>(view, x, y, tap), 0);
+                irradiance(x, y) = glm::dvec4(view.positions ? gather_paths<double, true>(view, x, y, tap)
+                                                             : gather_paths<double>(view, x, y, tap), 0);
     });
 }
 
@@ -82,7 +86,10 @@ std::vector<TapValue> explain_paths(const GatherParams& params, const GatherInpu
     const auto view = view_of(params, in, floats.data(), edges);
     FpEnvironment environment;
     Recorder recorder;
-    gather_paths<float>(view, pixel.x, pixel.y, recorder);
+    if (view.positions)
+        gather_paths<float, true>(view, pixel.x, pixel.y, recorder);
+    else
+        gather_paths<float>(view, pixel.x, pixel.y, recorder);
     return recorder.values;
 }
 

@@ -1,5 +1,5 @@
-// The gather along paths with a micro linear buffer for visibility (VRSM 3.2, 3.3): the algorithm that paths.comp mirrors
-// line by line.
+// The gather along paths with a micro linear buffer for visibility (VRSM 3.2, 3.3): the algorithm that gather_paths.glsl
+// mirrors line by line.
 //
 // Whatever hides texel p from x lies, seen from the light, on the straight line from x to p. So samples are taken along
 // straight paths that start at the projection of x, from near to far, and each path keeps which elevations, as the light
@@ -48,6 +48,7 @@ struct PathsInputsView {
     const float* normal;          // [height][width] rgba32f: xyz unit
     const Component* records;     // [size][size] records: position, normal (w: 1 where there is a surface), flux W
     const std::int32_t* offsets;  // [directions][steps][rotations]: whole texels, dx in the lower 16 bits, dy in the upper
+    const float* positions;       // continuous: [directions][steps][rotations][2]: dx, dy in texels
     const float* weights;         // [directions][steps][rotations]: texels that a sample stands for
     const float* edges;           // [slots - 1]: s |s| where slots meet, s the sine of the elevation; ascending
     float* irradiance;            // [height][width] rgba32f, out: W/m2
@@ -93,7 +94,7 @@ PLUMB_INLINE F visibility_of(const PathsInputsView<Component>& in, const vec3<F>
     return select(visible == I(0), F(0.0f), F(1.0f));
 }
 
-template <class F, class Component, class Tap>
+template <class F, bool continuous = false, class Component, class Tap>
 PLUMB_INLINE vec3<F> gather_paths(const PathsInputsView<Component>& in, index_t<F> px, index_t<F> py, Tap& tap) {
     using N = number<F>;
     using I = index_t<F>;
@@ -101,22 +102,19 @@ PLUMB_INLINE vec3<F> gather_paths(const PathsInputsView<Component>& in, index_t<
     const I pixel = py * I(u.width) + px;
     const vec3<F> x = xyz<F>(N::fetch4(in.position, pixel));      tap("x", x, "world, m");
     const vec3<F> n = xyz<F>(N::fetch4(in.normal, pixel));        tap("n", n, "unit normal of x");
-    const ivec2<I> centre = raster::project<F>(u.map, x, tap);    tap("centre", centre, "texel of the projection");
+    const TexelsOf<F, continuous> texels(u.map, x, tap);
     I rotation = shift_right(pixel_hash(px, py, I(0), I(std::int32_t(u.seed))).x, 16) & I(u.rotations - 1);
     if (u.tiled != 0) rotation = (tile_place(px, py) * I(u.rotations)) >> 4;
     tap("rotation", rotation, "column of the tables of offsets and weights");
 
-    // Where no sample can meet the map there is nothing to sum.
-    const I range(u.map.size + 2 * u.reach);
-    const mask_t<F> near = in_range(centre.x + I(u.reach), range) & in_range(centre.y + I(u.reach), range);
+    const mask_t<F> near = texels.near(u.map.size, u.reach);
     vec3<F> sum{F(0.0f), F(0.0f), F(0.0f)};
     for (int path = 0; any(near) && path < u.directions; ++path) {
         MicroLinearBuffer<F> met{I(-1), I(0), I(0)};
         for (int step = 0; step < u.steps; ++step) {
             const int k = path * u.steps + step;
             tap.sample(k);
-            const I offset = N::fetch(in.offsets, rotation + I(k * u.rotations));
-            const ivec2<I> texel{centre.x + ((offset << 16) >> 16), centre.y + (offset >> 16)};
+            const ivec2<I> texel = texels.texel(in, rotation + I(k * u.rotations), tap);
             tap("texel", texel, "VRSM Algorithm 5, line 8: proj + (u, v)");
 
             // A sample outside the map contributes nothing, and the divisor stays.

@@ -1,3 +1,6 @@
+#include <fmt/format.h>
+
+#include "core/error.h"
 #include "core/hash.h"
 #include "core/host_math.h"
 #include "core/sequences.h"
@@ -22,16 +25,33 @@ std::int32_t pack(int dx, int dy) { return std::int32_t((std::uint32_t(dx) & 0xf
 
 int round_to_texel(double x) { return int(__builtin_floor(x + 0.5)); }
 
+// Tables of that many samples and rotations, of what `params` reads.
+Pattern empty_pattern(const GatherParams& params, int samples, std::size_t weights) {
+    Pattern pattern;
+    pattern.samples = samples, pattern.rotations = params.rotations;
+    const std::size_t n = std::size_t(samples) * std::size_t(params.rotations);
+    if (params.texels == Texels::whole)
+        pattern.offsets.resize(n);
+    else
+        pattern.positions.resize(2 * n);
+    pattern.weights.resize(weights);
+    return pattern;
+}
+
+// dx, dy in texels.
+void set_offset(Pattern& pattern, std::size_t at, double dx, double dy) {
+    if (pattern.positions.empty())
+        pattern.offsets[at] = pack(round_to_texel(dx), round_to_texel(dy));
+    else
+        pattern.positions[2 * at] = float(dx), pattern.positions[2 * at + 1] = float(dy);
+}
+
 }  // namespace
 
 Pattern disc_pattern(const GatherParams& params, int map_size, std::uint32_t seed) {
     const int n = params.samples;
     const double r = double(params.radius) * map_size, area = host::pi * r * r;
-    Pattern pattern;
-    pattern.samples = n;
-    pattern.rotations = params.rotations;
-    pattern.offsets.resize(std::size_t(n) * params.rotations);
-    pattern.weights.resize(n);
+    Pattern pattern = empty_pattern(params, n, std::size_t(n));
 
     double sum_of_squares = 0;
     for (int k = 0; k < n; ++k) {
@@ -42,8 +62,8 @@ Pattern disc_pattern(const GatherParams& params, int map_size, std::uint32_t see
         const glm::dvec2 sample = xi(params.sequence, k, n, seed);
         for (int i = 0; i < params.rotations; ++i) {
             const double angle = 2 * host::pi * (sample.y + double(i) / params.rotations);
-            pattern.offsets[std::size_t(k) * params.rotations + i] =
-                pack(round_to_texel(r * sample.x * host::sin(angle)), round_to_texel(r * sample.x * host::cos(angle)));
+            set_offset(pattern, std::size_t(k) * params.rotations + i, r * sample.x * host::sin(angle),
+                       r * sample.x * host::cos(angle));
         }
         // The density of (xi1 sin, xi1 cos) is 1 / (2 pi r^2 xi1) a texel: its inverse over N is the consistent weight.
         const double corrected = 2 * area * sample.x / n;
@@ -56,11 +76,7 @@ Pattern disc_pattern(const GatherParams& params, int map_size, std::uint32_t see
 Pattern paths_pattern(const GatherParams& params, int map_size, std::uint32_t seed) {
     const int paths = params.directions, steps = params.steps, rotations = params.rotations;
     const double r = double(params.radius) * map_size, step = r / steps;
-    Pattern pattern;
-    pattern.samples = paths * steps;
-    pattern.rotations = rotations;
-    pattern.offsets.resize(std::size_t(pattern.samples) * rotations);
-    pattern.weights.resize(pattern.offsets.size());
+    Pattern pattern = empty_pattern(params, paths * steps, std::size_t(paths) * steps * rotations);
 
     for (int i = 0; i < rotations; ++i) {
         Buffer<double> rho(std::size_t(pattern.samples));
@@ -75,9 +91,8 @@ Pattern paths_pattern(const GatherParams& params, int map_size, std::uint32_t se
             const double angle = 2 * host::pi *
                                  (k / steps + (i + 0.5) / rotations + double(params.turn_jitter) * centred(across)) / paths;
             rho[std::size_t(k)] = (k % steps + 0.5 + double(params.jitter) * centred(along)) * step;
-            const std::size_t at = std::size_t(k) * rotations + i;
-            pattern.offsets[at] = pack(round_to_texel(rho[std::size_t(k)] * host::sin(angle)),
-                                       round_to_texel(rho[std::size_t(k)] * host::cos(angle)));
+            set_offset(pattern, std::size_t(k) * rotations + i, rho[std::size_t(k)] * host::sin(angle),
+                       rho[std::size_t(k)] * host::cos(angle));
             sum_of_squares += rho[std::size_t(k)] * rho[std::size_t(k)];
         }
         for (int k = 0; k < pattern.samples; ++k) {
@@ -92,7 +107,38 @@ Pattern paths_pattern(const GatherParams& params, int map_size, std::uint32_t se
     return pattern;
 }
 
+Pattern own_pattern(const GatherParams& params) {
+    const std::vector<glm::dvec3>& rows = params.own->rows;
+    const bool paths = params.gather == Gather::paths;
+    const std::size_t n = rows.size(), rotations = std::size_t(params.rotations);
+    auto refuse = [&](const std::string& cause) {
+        throw InputError(fmt::format("{}: {}: {}", params.own->path, stage_name(params), cause));
+    };
+    if (paths && n != std::size_t(params.directions) * std::size_t(params.steps))
+        refuse(fmt::format("has {} samples: expected directions = {} x steps = {}", n, params.directions, params.steps));
+    if (n > most_samples) refuse(fmt::format("has {} samples: expected at most {}", n, most_samples));
+    Pattern pattern = empty_pattern(params, int(n), paths ? n * rotations : n);
+    for (std::size_t i = 0; i < rotations; ++i) {
+        const double turn = 2 * host::pi * double(i) / double(rotations) / (paths ? params.directions : 1);
+        const double s = host::sin(turn), c = host::cos(turn);
+        for (std::size_t k = 0; k < n; ++k) {
+            // Angles are counted as in (sin, cos).
+            const double dx = rows[k].x * c + rows[k].y * s, dy = rows[k].y * c - rows[k].x * s;
+            if (!(__builtin_fabs(dx) <= 32767 && __builtin_fabs(dy) <= 32767))
+                refuse(fmt::format("row {}, rotation {}: {:g}, {:g} texels: expected at most 32767", k, i, dx, dy));
+            set_offset(pattern, k * rotations + i, dx, dy);
+            pattern.weights[paths ? k * rotations + i : k] = float(rows[k].z);
+        }
+    }
+    return pattern;
+}
+
 Pattern pattern_of(const GatherParams& params, int map_size, std::uint32_t seed) {
+    const bool samples = params.gather == Gather::disc || params.gather == Gather::paths;
+    if (samples && params.pattern != (params.own ? params.own->name : ""))
+        throw InputError(fmt::format("{}: pattern = \"{}\": the file was not read: expected it in a scene file or --set",
+                                     stage_name(params), params.pattern));
+    if (samples && params.own) return own_pattern(params);
     if (params.gather == Gather::disc) return disc_pattern(params, map_size, seed);
     if (params.gather == Gather::paths) return paths_pattern(params, map_size, seed);
     return {};

@@ -184,6 +184,10 @@ void run_frame(const Case& c, const Scene& scene, const Effort& effort, Writer& 
     };
     otherwise("rsm.all", [](frame::Settings& s) { s.rsm.gather = rsm::Gather::all; });
     otherwise("rsm.paths", [](frame::Settings& s) { s.rsm.gather = rsm::Gather::paths; });
+    for (const rsm::Gather gather : {rsm::Gather::disc, rsm::Gather::paths})
+        otherwise(rsm::stage_name(gather, rsm::Texels::continuous), [=](frame::Settings& s) {
+            s.rsm.gather = gather, s.rsm.texels = rsm::Texels::continuous;
+        });
     otherwise("shadow", [](frame::Settings& s) { s.shadow.mode = direct::ShadowMode::density; });
     using compose::Operator;
     for (const Operator op : {Operator::clamp, Operator::exposure, Operator::reinhard, Operator::filmic})

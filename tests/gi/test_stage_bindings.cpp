@@ -74,7 +74,8 @@ std::string line_of(const std::string& number, const std::string& name, const st
 
 std::string element_of(const std::string& type) {
     static const std::map<std::string, std::string> elements = {
-        {"int", "i32 1"}, {"ivec2", "i32 2"}, {"ivec4", "i32 4"}, {"float", "f32 1"}, {"vec4", "f32 4"},
+        {"int", "i32 1"}, {"ivec2", "i32 2"}, {"ivec4", "i32 4"}, {"float", "f32 1"}, {"vec2", "f32 2"},
+        {"vec4", "f32 4"},
         {"LightArgs", "f32 4"},  // of three vec4
         {"r32f", "f32 1"}, {"rgba32f", "f32 4"}};
     INFO(type);

@@ -53,8 +53,9 @@ const TappedTwin tapped_twins[] = {
     {"raster/surface_kernel.h", {"raster/surface.glsl"}},
     {"raster/gbuffer_kernel.h", {"raster/gbuffer.frag"}, {"object", "z"}},
     {"raster/rsm_kernel.h", {"raster/rsm.frag"}, {"z"}},  // the objects are not bound
-    {"gi/rsm/gather_kernel.h", {"gi/rsm/gather_form.glsl", "gi/rsm/gather.comp", "gi/rsm/gather_all.comp"}},
-    {"gi/rsm/paths_kernel.h", {"gi/rsm/paths.comp"}},
+    {"gi/rsm/gather_kernel.h", {"gi/rsm/gather_form.glsl", "gi/rsm/gather_disc.glsl", "gi/rsm/gather_all.comp"}},
+    {"gi/rsm/texels_kernel.h", {"gi/rsm/whole_texels.glsl", "gi/rsm/continuous_texels.glsl"}},
+    {"gi/rsm/paths_kernel.h", {"gi/rsm/gather_paths.glsl"}},
     {"gi/direct/shadow_kernel.h", {"gi/direct/shadow.comp"}},
     {"gi/direct/direct_kernel.h", {"gi/direct/direct.comp"}},
     {"gi/compose/compose_kernel.h", {"gi/compose/compose.comp"}},

@@ -141,11 +141,14 @@ struct Dump {
         const rsm::Pattern pattern = rsm::pattern_of(settings.rsm, scene.lights[l].rsm_size, settings.seed);
         inputs = surface_points();
         inputs["rsm"] = rsm_outputs(l)["records"];
-        if (s.name == "rsm.disc" || s.name == "rsm.paths") {
-            const bool paths = s.name == "rsm.paths";
+        if (pattern.samples > 0) {
+            const bool paths = settings.rsm.gather == rsm::Gather::paths;
             const std::int64_t samples = pattern.samples, rotations = pattern.rotations;
             const std::string name = s.name + "." + lights[l] + ".";
-            inputs["offsets"] = files.array(name + "offsets", {samples, rotations}, pattern.offsets.data());
+            if (pattern.positions.empty())
+                inputs["offsets"] = files.array(name + "offsets", {samples, rotations}, pattern.offsets.data());
+            else
+                inputs["positions"] = files.array(name + "positions", {samples, rotations, 2}, pattern.positions.data());
             const Shape weighed = paths ? Shape{samples, rotations} : Shape{samples};
             inputs["weights"] = files.array(name + "weights", weighed, pattern.weights.data());
             const Buffer<float> edges = rsm::slot_edges(settings.rsm);

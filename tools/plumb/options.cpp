@@ -6,6 +6,7 @@
 #include <charconv>
 
 #include "core/error.h"
+#include "io/sample_rows.h"
 
 namespace plumb::cli {
 
@@ -127,6 +128,8 @@ frame::Settings settings_of(const Scene& scene, const SceneOptions& options) {
                                          "of stages", a.place, a.table));
         std::vector<Field> fields = frame::table_fields(settings, a.table, a.place);
         set_field(find_field(fields, a.key, a.place), a.value, a.place);
+        if (a.table == "rsm" && a.key == "pattern")
+            settings.rsm.own = io::read_sample_rows(settings.rsm.pattern, settings.rsm.pattern, a.place);
         if (a.table == "layout" && settings.layout.name != "custom") raster::validate(settings.layout, a.place);
     }
     raster::validate(settings.layout, "--set");

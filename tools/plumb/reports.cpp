@@ -7,6 +7,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "core/content_hash.h"
 #include "core/parallel.h"
 #include "tools/plumb/table.h"
 
@@ -51,6 +52,10 @@ Json settings_json(const frame::Settings& settings) {
         Json values = Json::object();
         for (const Field& f : frame::table_fields(s, table, table)) values[f.name] = value_json(f);
         json[table == "layout" ? "layout_formats" : table] = values;
+    }
+    if (s.rsm.own) {
+        const std::vector<glm::dvec3>& rows = s.rsm.own->rows;
+        json["rsm"]["pattern_hash"] = hash_text(content_hash(rows.data(), rows.size() * sizeof(rows[0])));
     }
     return json;
 }

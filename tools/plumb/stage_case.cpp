@@ -143,7 +143,14 @@ void replace(Bundle& bundle, Array array) {
     bundle.arrays.push_back(std::move(array));
 }
 
-// [N][2] dx, dy or [N][3] dx, dy, weight instead of the table of rotations: whole texels from the projection of x.
+// The table of samples that a gather reads, or null: whole texels, or positions.
+const Slot* pattern_slot(const StageBinding& binding) {
+    if (!has_uniform(binding, "reach")) return nullptr;
+    const Slot* whole = find_slot(binding.inputs, "offsets");
+    return whole ? whole : find_slot(binding.inputs, "positions");
+}
+
+// [N][2] dx, dy or [N][3] dx, dy, weight instead of the table of rotations: texels from the projection of x.
 void set_pattern(const StageBinding& binding, const Array& pattern, const std::string& place, StageData& data) {
     const bool shaped = pattern.shape.size() == 2 && (pattern.shape[1] == 2 || pattern.shape[1] == 3);
     if (!shaped || pattern.shape[0] < 1 || pattern.shape[0] > 1 << 20)
@@ -155,25 +162,32 @@ void set_pattern(const StageBinding& binding, const Array& pattern, const std::s
     if (weights.empty())
         throw InputError(fmt::format("{}: has no third column, and there is no input \"weights\" of {}: expected the "
                                      "texels that each sample stands for", place, n));
+    const bool whole = pattern_slot(binding)->name == "offsets";
     std::vector<std::int32_t> offsets(n);
+    std::vector<float> positions(2 * n);
     double reach = 0;
     for (std::size_t k = 0; k < n; ++k) {
         for (std::size_t c = 0; c < 2; ++c) {
             const double d = values[k * columns + c];
-            if (!(d == std::floor(d) && std::abs(d) <= 32767))
-                throw InputError(fmt::format("{}: row {}: {}: expected whole texels of at most 32767", place, k, d));
-            reach = std::max(reach, std::abs(d));
-            offsets[k] |= std::int32_t((std::uint32_t(std::int32_t(d)) & 0xffffu) << (16 * c));
+            if (!((!whole || d == std::floor(d)) && std::abs(d) <= 32767))
+                throw InputError(fmt::format("{}: row {}: {}: expected {}texels of at most 32767", place, k, d,
+                                             whole ? "whole " : ""));
+            reach = std::max(reach, whole ? std::abs(d) : std::floor(std::abs(d)) + 2);
+            if (whole) offsets[k] |= std::int32_t((std::uint32_t(std::int32_t(d)) & 0xffffu) << (16 * c));
+            positions[2 * k + c] = float(d);
         }
         if (columns == 3) weights[k] = float(values[k * columns + 2]);
         if (!std::isfinite(weights[k]))
             throw InputError(fmt::format("{}: row {}: the weight is not finite", place, k));
     }
     Bundle made;
-    replace(data.inputs, add(made, "offsets", {std::int64_t(n), 1}, offsets.data()));
+    if (whole)
+        replace(data.inputs, add(made, "offsets", {std::int64_t(n), 1}, offsets.data()));
+    else
+        replace(data.inputs, add(made, "positions", {std::int64_t(n), 1, 2}, positions.data()));
     replace(data.inputs, add(made, "weights", {std::int64_t(n)}, weights.data()));
     const double samples = double(n), rotations = 1;
-    set_uniform(binding, data, "samples", {&samples, 1}, place);
+    if (has_uniform(binding, "samples")) set_uniform(binding, data, "samples", {&samples, 1}, place);
     set_uniform(binding, data, "rotations", {&rotations, 1}, place);
     set_uniform(binding, data, "reach", {&reach, 1}, place);
 }
@@ -212,7 +226,7 @@ void add_layer(StageData& data, const Slot& slot, int layer, Array image, const 
 }
 
 void set_inputs(const io::ManifestStage& stage, const StageBinding& binding, const Scene* scene, StageCase& out) {
-    const bool takes_pattern = find_slot(binding.inputs, "offsets") && has_uniform(binding, "reach");
+    const bool takes_pattern = pattern_slot(binding);
     StageData& data = out.data;
     std::map<std::string, int> layers;
     for (const auto& [name, spec] : stage.inputs) {
@@ -325,10 +339,10 @@ void read_choices(const io::ManifestStage& stage, StageCase& out) {
 
 void choose_method(frame::Settings& settings, const std::string& stage) {
     if (settings.method == frame::Method::reference) settings.method = frame::Method::rsm;
-    for (const rsm::Gather gather : rsm::gathers) {
-        if (rsm::stage_name(gather) != stage) continue;
+    for (const auto& [gather, texels] : rsm::gather_stages) {
+        if (rsm::stage_name(gather, texels) != stage) continue;
         settings.method = frame::Method::rsm;
-        settings.rsm.gather = gather;
+        settings.rsm.gather = gather, settings.rsm.texels = texels;
     }
 }
 

@@ -1,0 +1,19 @@
+// Twin of texels_kernel.h, ContinuousTexels: the sample's own position is computed, and its texel is the one that it lies in.
+layout(std430, binding = 6) readonly buffer Positions { vec2 positions[]; };  // [samples][rotations]
+
+#define CENTRE vec2
+
+vec2 centre_of(Projection map, vec3 x) { return projected(map, x); }
+
+// `reach` is a texel more than any offset.
+bool is_near(vec2 centre, int map_size, int reach) {
+    float low = float(-reach), high = float(map_size + reach);
+    return centre.x >= low && centre.x < high && centre.y >= low && centre.y < high;
+}
+
+ivec2 texel_of(vec2 centre, int row) {
+    precise vec2 place = centre + positions[row];               TAP(place, place);
+    CHOICE(int(floor(place.x)));
+    CHOICE(int(floor(place.y)));
+    return ivec2(floor(place));
+}

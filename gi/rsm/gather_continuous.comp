@@ -1,0 +1,7 @@
+#version 450
+// Twin of gather_kernel.h, gather_disc(), continuous.
+#extension GL_GOOGLE_include_directive : require
+#include "core/hash.glsl"
+#include "gi/rsm/gather_form.glsl"
+#include "gi/rsm/continuous_texels.glsl"
+#include "gi/rsm/gather_disc.glsl"

@@ -1,0 +1,117 @@
+// Twin of paths_kernel.h: the gather along paths with a micro linear buffer for visibility (VRSM 3.2, 3.3). A .comp file
+// includes it behind the choice of texels: whole_texels.glsl or continuous_texels.glsl.
+layout(local_size_x = 8, local_size_y = 8) in;
+
+struct PathsUniforms {
+    Projection map;
+    vec4 axis;
+    float least_distance2;
+    float scale;
+    int directions;
+    int steps;
+    int rotations;
+    int tiled;
+    int width;
+    int height;
+    uint seed;
+    int reach;
+    int slots;
+    int propagates;
+};
+
+layout(std140, binding = 0) uniform PathsUniformBlock { PathsUniforms u; };
+layout(binding = 1) uniform sampler2D position_image;  // xyz world, m
+layout(binding = 2) uniform sampler2D normal_image;    // xyz unit
+layout(binding = 3) uniform sampler2D rsm_position;    // xyz world, m
+layout(binding = 4) uniform sampler2D rsm_normal;      // xyz unit; w 1 where there is a surface
+layout(binding = 5) uniform sampler2D rsm_flux;        // xyz W
+layout(std430, binding = 7) readonly buffer Weights { float weights[]; };  // [directions][steps][rotations]
+layout(std430, binding = 8) readonly buffer Edges { float edges[]; };      // [slots - 1]
+layout(binding = 9, rgba32f) uniform writeonly image2D irradiance_image;
+
+// The order of pixels of a 4 x 4 tile in which rotations are dealt out: Bayer's matrix.
+int tile_place(ivec2 p) {
+    int across = p.x ^ p.y;
+    return ((across & 1) << 3) + ((p.y & 1) << 2) + (across & 2) + ((p.y & 2) >> 1);
+}
+
+struct MicroLinearBuffer {
+    int free;
+    int last;
+    int last_visible;
+};
+
+// The visibility of a sample, 0 or 1.
+float visibility_of(vec3 d, bool surface, inout MicroLinearBuffer met) {
+    precise float dz = u.axis.x * d.x + u.axis.y * d.y + u.axis.z * d.z;  TAP(dz, dz);
+    precise float height = dz * abs(dz);
+    precise float d2 = d.x * d.x + d.y * d.y + d.z * d.z;
+    int slot = 0;
+    int bit = 1;
+    for (int i = 0; i + 1 < u.slots; ++i) {
+        precise float edge = edges[i] * d2;
+        bool above = height >= edge;
+        slot = above ? i + 1 : slot;
+        bit = above ? 2 << i : bit;
+    }
+    TAP(slot, slot);
+
+    // Where there is no surface nothing is met: the sample repeats the one before.
+    bit = surface ? bit : met.last;
+    int visible = bit == met.last ? met.last_visible : met.free & bit;
+    met.free = met.free & ~bit;
+    met.last = bit & u.propagates;
+    met.last_visible = visible;
+    return visible == 0 ? 0.0 : 1.0;
+}
+
+vec3 gather_paths(ivec2 pixel) {
+    vec3 x = texelFetch(position_image, pixel, 0).xyz;          TAP(x, x);
+    vec3 n = texelFetch(normal_image, pixel, 0).xyz;            TAP(n, n);
+    CENTRE centre = centre_of(u.map, x);
+    int rotation = int(pixel_hash(uint(pixel.x), uint(pixel.y), 0u, u.seed).x >> 16) & (u.rotations - 1);
+    if (u.tiled != 0) rotation = (tile_place(pixel) * u.rotations) >> 4;
+    TAP(rotation, rotation);
+
+    bool near = is_near(centre, u.map.size, u.reach);
+    precise vec3 sum = vec3(0.0);
+    for (int path = 0; near && path < u.directions; ++path) {
+        MicroLinearBuffer met = MicroLinearBuffer(-1, 0, 0);
+        for (int step = 0; step < u.steps; ++step) {
+            int k = path * u.steps + step;
+            TAP_SAMPLE(k);
+            ivec2 texel = texel_of(centre, rotation + k * u.rotations);
+            TAP(texel, texel);
+
+            // A sample outside the map contributes nothing, and the divisor stays.
+            bool inside = texel.x >= 0 && texel.x < u.map.size && texel.y >= 0 && texel.y < u.map.size;
+            TAP(inside, inside);
+            ivec2 fetched = inside ? texel : ivec2(0);
+            vec3 x_p = texelFetch(rsm_position, fetched, 0).xyz;    TAP(x_p, x_p);
+            vec4 n_p = texelFetch(rsm_normal, fetched, 0);          TAP(n_p, n_p.xyz);
+            vec3 flux = texelFetch(rsm_flux, fetched, 0).xyz;       TAP(flux, flux);
+            float weight = inside ? weights[rotation + k * u.rotations] : 0.0;
+            TAP(weight, weight);
+
+            float visibility = 1.0;
+            precise vec3 d = x_p - x;
+            if (u.slots > 0) visibility = visibility_of(d, inside && n_p.w > 0.0, met);
+            TAP(visibility, visibility);
+
+            precise float g = form(x, n, x_p, n_p.xyz, u.least_distance2) * (weight * visibility);
+            sum.x += flux.x * g;
+            sum.y += flux.y * g;
+            sum.z += flux.z * g;                                    TAP(sum, sum);
+        }
+    }
+    TAP_SAMPLE(-1);
+    precise vec3 irradiance = sum * u.scale;                   TAP(irradiance, irradiance);
+    return irradiance;
+}
+
+void main() {
+    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    if (pixel.x >= u.width || pixel.y >= u.height) return;
+    TAP_BEGIN(pixel, 0);
+    imageStore(irradiance_image, pixel, vec4(gather_paths(pixel), 0.0));
+}
