@@ -16,8 +16,8 @@ namespace {
 template <class A, class B>
 void require_same_size(const Image<A>& a, const Image<B>& b, const char* what) {
     if (a.width != b.width || a.height != b.height)
-        throw InputError(fmt::format("signed error: {} is {} x {}, the picture {} x {}", what, b.width, b.height, a.width,
-                                     a.height));
+        throw InputError(fmt::format("signed error: {} is {} x {}, the picture {} x {}", what, b.width, b.height,
+                                     a.width, a.height));
 }
 
 void require_amount(double value, const char* name) {
@@ -87,8 +87,8 @@ glm::vec3 signed_color(double relative_error, double swing) {
     return glm::vec3(equal + t * ((relative_error < 0 ? dark : bright) - equal));
 }
 
-SignedErrors signed_errors(const Plane& a, const Plane& truth, const Plane& error,
-                           const Image<std::uint8_t>& compared, const SignedErrorOptions& options) {
+SignedErrors signed_errors(const Plane& a, const Plane& truth, const Plane& error, const Image<std::uint8_t>& compared,
+                           const SignedErrorOptions& options) {
     require_same_size(a, truth, "the truth");
     if (!error.empty()) require_same_size(a, error, "the standard error");
     if (!compared.empty()) require_same_size(a, compared, "the mask");

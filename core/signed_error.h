@@ -17,7 +17,8 @@ using Plane = Image<double>;
 // negative or no number.
 Plane relative_errors(const Plane& a, const Plane& truth, double floor);
 
-// sRGB-encoded: blue where too dark, red where too bright, white at 0, full colour at -1 and +1 `swing`; green for a NaN.
+// sRGB-encoded: blue where too dark, red where too bright, white at 0, full colour at -1 and +1 `swing`; green for a
+// NaN.
 glm::vec3 signed_color(double relative_error, double swing);
 
 struct SignedErrorOptions {

@@ -1,11 +1,10 @@
 // Signed errors against answers worked out by hand.
-#include "core/signed_error.h"
-
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
 
 #include "core/error.h"
+#include "core/signed_error.h"
 
 using namespace plumb;
 using namespace plumb::compare;
@@ -35,8 +34,8 @@ TEST_CASE("signed error: shares, energies and means of four pixels by hand", "[c
     CHECK(e.too_dark == 0.25);
     CHECK(e.too_bright == 0.5);
     CHECK(e.wrong == 0.75);
-    CHECK(e.mean_truth == 2);            // 8 / 4
-    CHECK(e.mean_error == 3.125 / 8);    // (0 - 1 + 1/8 + 4) / 8
+    CHECK(e.mean_truth == 2);          // 8 / 4
+    CHECK(e.mean_error == 3.125 / 8);  // (0 - 1 + 1/8 + 4) / 8
     CHECK(e.removed == 1.0 / 8);
     CHECK(e.leaked == 4.125 / 8);
     CHECK(*e.rms == Approx(std::sqrt((1 + 1.0 / 64 + 16) / 4) / 2).epsilon(1e-15));
