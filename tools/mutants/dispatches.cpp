@@ -72,10 +72,21 @@ void append_cornell(const std::filesystem::path& source, std::vector<Dispatch>& 
     append("cornell, shadow density", lit, coloured, {"direct"}, out);
     append("cornell, direct light as printed", lit, printed, {"direct"}, out);
 
+    // Paths of eight by five, and what the twin's branches are for: Algorithm 2, tiles, no visibility.
+    frame::Settings paths = settings, tiled = settings, unhidden = settings;
+    paths.rsm.gather = rsm::Gather::paths, paths.rsm.directions = 8, paths.rsm.steps = 5;
+    tiled.rsm = unhidden.rsm = paths.rsm;
+    tiled.rsm.visibility = rsm::Visibility::algorithm_2, tiled.rsm.slots = 9, tiled.rsm.turn = rsm::Turn::tile;
+    unhidden.rsm.visibility = rsm::Visibility::none;
+    append("cornell, paths", lit, paths, {"rsm.paths"}, out);
+    append("cornell, paths by tiles", lit, tiled, {"rsm.paths"}, out);
+    append("cornell, paths without visibility", lit, unhidden, {"rsm.paths"}, out);
+
     // Ties, for the lights that have one map.
     std::vector<Dispatch> tied;
     append("cornell with ties", lit, settings, {"shadow", "rsm.disc"}, tied);
     append("cornell with ties, hard", lit, hard, {"shadow"}, tied);
+    append("cornell with ties, paths", lit, paths, {"rsm.paths"}, tied);
     for (Dispatch& d : tied)
         if (d.data.id.find(".bulb.") == std::string::npos) plant_ties(d.data), out.push_back(std::move(d));
 

@@ -5,8 +5,8 @@
 
 namespace plumb::mutants {
 
-// Moves points of a dispatch of shadow or rsm.disc: a quarter of them to where they project on to the border of two
-// texels of the map, and (shadow) a quarter to where the comparison with the map's depth is a tie; both to within a few
+// Moves points of a dispatch of shadow, rsm.disc or rsm.paths: a quarter of them to where they project on to the border of
+// two texels of the map, and (shadow) a quarter to where the comparison with the map's depth is a tie; both to within a few
 // roundings.
 void plant_ties(StageData& data);
 
