@@ -10,7 +10,7 @@ layout(std140, binding = 0) uniform DirectUniforms {
     int lights;
     int width;
     int height;
-    int density;  // 0: w stays 0; 1: w is the shadow density; 2: so is E / pi
+    int density;  // 1: w is the shadow density, 2: so is E / pi, 0: w is 0
 } u;
 layout(binding = 1) uniform sampler2D position_image;         // xyz world, m
 layout(binding = 2) uniform sampler2D normal_image;           // xyz unit, w 1; all 0 where nothing is

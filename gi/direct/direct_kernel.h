@@ -17,7 +17,7 @@ namespace plumb::direct {
 struct DirectUniforms {
     std::int32_t lights;
     std::int32_t width, height;
-    std::int32_t density;  // 0: w stays 0; 1: w is the shadow density; 2: so is E / pi
+    std::int32_t density;  // 1: w is the shadow density, 2: so is E / pi, 0: w is 0
 };
 static_assert(sizeof(DirectUniforms) == 16);
 
