@@ -66,6 +66,11 @@ std::vector<rsm::GatherParams> gathers() {
         paths.slot_edges = slots == 32 ? rsm::SlotEdges::solid_angle : rsm::SlotEdges::angle;
         kinds.push_back(paths);
     }
+    for (const rsm::GatherParams& whole : std::vector(kinds)) {
+        if (whole.gather == rsm::Gather::all) continue;
+        kinds.push_back(whole);
+        kinds.back().texels = rsm::Texels::continuous;
+    }
     return kinds;
 }
 

@@ -165,6 +165,33 @@ TEST_CASE("choices: the twins' own are legal, and nothing is left ambiguous", "[
     check_silence(*device);
 }
 
+TEST_CASE("choices: a gather of continuous texels makes two for each sample", "[vulkan][choices][continuous]") {
+    const vulkan::Device* device = test::lavapipe();
+    if (!device) return;
+    const rsm::GatherParams paths{.directions = 3, .steps = 4, .texels = rsm::Texels::continuous};
+    for (const StageData& data : {test::gather_case(frame_size, rsm::Gather::disc, LightType::spot, 0,
+                                                    "rsm.disc.continuous", rsm::Texels::continuous),
+                                  test::paths_case(frame_size, LightType::spot, paths, "rsm.paths.continuous")}) {
+        INFO(data.id);
+        const vulkan::TwinResult made = run_choosing(*device, data);
+        CHECK(made.choices_a_pixel == 2 * (data.stage == "rsm.disc_continuous" ? 60 : 12));
+        const parity::StageVerdict v = judge(data, made);
+        CHECK(v.passed);
+        CHECK(count(v, parity::Verdict::equal) == v.pixels);
+        // A texel to the right every sample reads another.
+        const parity::StageVerdict moved = judge(data, run_choosing(*device, shifted(data, 1)));
+        CHECK_FALSE(moved.passed);
+        CHECK(count(moved, parity::Verdict::wrong) > 0);
+        // A legal other texel is followed, in each of a pixel's choices.
+        StageData at_borders = data;
+        move_to_borders(at_borders);
+        const parity::StageVerdict followed = judge(at_borders, run_choosing(*device, shifted(at_borders, 0x1p-18)));
+        CHECK(followed.passed);
+        CHECK(count(followed, parity::Verdict::ambiguous) == 0);
+    }
+    check_silence(*device);
+}
+
 TEST_CASE("choices: a texel's offset is no legal choice", "[vulkan][choices]") {
     const vulkan::Device* device = test::lavapipe();
     if (!device) return;

@@ -107,13 +107,14 @@ inline StageData direct_case(glm::ivec2 size, const std::string& id, bool densit
 }
 
 inline StageData gather_case(glm::ivec2 size, rsm::Gather gather, LightType type, float min_distance,
-                             const std::string& id) {
+                             const std::string& id, rsm::Texels texels = rsm::Texels::whole) {
     const Light light = make_light(type, gather == rsm::Gather::disc ? 64 : 24);
     const raster::Rsm map = make_map(light, 0, 3);
     rsm::GatherParams params;
     params.gather = gather;
     params.samples = 60;
     params.min_distance = min_distance;
+    params.texels = texels;
     const rsm::Pattern pattern = rsm::disc_pattern(params, map.size, 7);
     const Points p = room(size, 5);
     rsm::GatherInputs in;
@@ -176,12 +177,14 @@ inline std::vector<StageData> compute_cases(glm::ivec2 size) {
         direct_case(size, "direct.published", false, DirectVariant::published),
         gather_case(size, rsm::Gather::disc, LightType::spot, 0, "rsm.disc.spot"),
         gather_case(size, rsm::Gather::disc, LightType::directional, 0.1f, "rsm.disc.sun"),
+        gather_case(size, rsm::Gather::disc, LightType::spot, 0, "rsm.disc.continuous", rsm::Texels::continuous),
         gather_case(size, rsm::Gather::all, LightType::spot, 0, "rsm.all.spot"),
         paths_case(size, LightType::spot, {}, "rsm.paths.spot"),
         paths_case(size, LightType::directional, {.visibility = rsm::Visibility::none, .turn = rsm::Turn::tile},
                    "rsm.paths.none"),
         paths_case(size, LightType::spot,
                    {.min_distance = 0.1f, .visibility = rsm::Visibility::algorithm_2, .slots = 32}, "rsm.paths.32"),
+        paths_case(size, LightType::spot, {.texels = rsm::Texels::continuous}, "rsm.paths.continuous"),
         paths_case(size, LightType::point, {.slots = 3, .slot_edges = rsm::SlotEdges::solid_angle}, "rsm.paths.px"),
         compose_case(size, "compose"),
         compose_case(size, "compose.shadow", {0.25f, 0, 2}),

@@ -15,7 +15,8 @@ inline constexpr std::int32_t no_choice = INT32_MIN;
 class ChoiceBuffer {
   public:
     ChoiceBuffer() = default;
-    ChoiceBuffer(const Device& device, glm::ivec2 size);
+    // A pixel makes at most `capacity` choices.
+    ChoiceBuffer(const Device& device, glm::ivec2 size, int capacity);
 
     const Buffer& buffer() const { return buffer_; }
 
@@ -24,7 +25,7 @@ class ChoiceBuffer {
 
   private:
     Buffer buffer_;
-    std::size_t pixels_ = 0;
+    std::size_t pixels_ = 0, capacity_ = 0;
 };
 
 }  // namespace plumb::vulkan

@@ -70,6 +70,12 @@ bool is_of_vertices(const Slot& slot) {
     return slot.name == "vertices" || slot.name == "tangents" || slot.name == "clip_positions";
 }
 
+// A column and a row of one projection or, where samples have positions, of each.
+int most_choices_of(const StageData& data) {
+    const Array* positions = find(data.inputs, "positions");
+    return 8 + (positions ? 2 * int(positions->shape.at(0)) : 0);
+}
+
 }  // namespace
 
 // Everything on the device. Lists are reserved before they grow: `resources` points into them.
@@ -80,6 +86,7 @@ struct PreparedTwin::Parts {
     const RunTwin options;
     const VkExtent2D size;
     const bool reversed_z;
+    const int most_choices;     // of a pixel
     Bundle outputs;             // as they are before anything is written
     Batches batches;            // of a raster stage
     std::int64_t vertices = 0;  // of all of them
@@ -126,6 +133,7 @@ PreparedTwin::Parts::Parts(const Device& d, const StageBinding& b, const StageDa
       options(o),
       size(extent(data.size)),
       reversed_z(data.reversed_z),
+      most_choices(most_choices_of(data)),
       outputs(make_outputs(b, data)) {
     if (o.tap && (o.tap->x < 0 || o.tap->y < 0 || o.tap->x >= data.size.x || o.tap->y >= data.size.y))
         throw Error(fmt::format("{}: pixel {},{} lies outside of {} x {}", label, o.tap->x, o.tap->y, data.size.x,
@@ -260,7 +268,7 @@ void PreparedTwin::Parts::bind_all() {
         resources.push_back({.binding = tap_binding, .stages = where, .buffer = &taps.buffer()});
     }
     if (stores_choices()) {
-        choices = ChoiceBuffer(device, {int(size.width), int(size.height)});
+        choices = ChoiceBuffer(device, {int(size.width), int(size.height)}, most_choices);
         resources.push_back({.binding = choice_binding, .stages = compute_stage, .buffer = &choices.buffer()});
     }
     for (std::size_t i = 0; i < of_batch.size(); ++i) {
