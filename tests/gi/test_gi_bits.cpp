@@ -135,7 +135,7 @@ TEST_CASE("rsm: a map of halves and the same map widened give the same bits", "[
         const Image4 from_halves = gather(params, points, halves, &pattern);
         const Image4 from_floats = gather(params, points, floats, &pattern);
         CHECK(std::memcmp(from_halves.data(), from_floats.data(), from_floats.size() * sizeof(glm::vec4)) == 0);
-        CHECK(from_floats(3, 3).x > 0);
+        CHECK(std::any_of(from_floats.texels.begin(), from_floats.texels.end(), [](const glm::vec4& e) { return e.x > 0; }));
     }
 }
 

@@ -148,7 +148,7 @@ TEST_CASE("rsm.paths: an even number of slots has an edge where floors lie", "[r
     const raster::Rsm map = floor_map(64);
     for (int slots = 2; slots <= 32; ++slots) {
         const double share = hidden_share(paths_params(rsm::Visibility::algorithm_6, slots), floor_points(), map);
-        CAPTURE(slots, share);
+        INFO(fmt::format("{} slots: {:.1f} % hidden", slots, 100 * share));
         if (slots % 2 == 1) CHECK(share == 0);
         if (slots % 2 == 0) CHECK(share > 0.2);
     }
@@ -173,7 +173,7 @@ TEST_CASE("rsm.paths: a wall sees its whole floor, under Algorithm 6", "[rsm][pa
         const Image4 by2 = gathered(params, points, map);
         double lost = 0, all = 0;
         for (std::size_t i = 0; i < by2.size(); ++i) lost += none.texels[i].x - by2.texels[i].x, all += none.texels[i].x;
-        WARN(fmt::format("{} slots: Algorithm 2 hides {:.1f} % of the samples and {:.1f} % of the light", slots,
+        INFO(fmt::format("{} slots: Algorithm 2 hides {:.1f} % of the samples and {:.1f} % of the light", slots,
                          100 * share, 100 * lost / all));
         CHECK(share > (slots < 10 ? 0.3 : 0.1));
     }
@@ -202,11 +202,12 @@ TEST_CASE("rsm.paths: elevation is measured along the light's axis", "[rsm][path
 
 TEST_CASE("rsm.paths: a wall hides the patch behind it, the better the finer", "[rsm][paths][VRSM 3.3][analytic]") {
     const raster::Rsm map = wall_map(192);
-    // Points before the wall that face it. None of the patch is seen from the lower ones: the lines to it pass the wall's
-    // plane at 0.57 of their height, within |y| < 1.
+    // Points before the wall that face it. The lines to the patch pass the wall's plane, within |y| < 1, at 0.57 of their
+    // height or, to the patch's far end, at 0.73 of it: none of it is seen from the lower points, a part from the upper.
     Points points(4, 2);
     for (int i = 0; i < 8; ++i) {
-        points.position.texels[i] = glm::vec4(0.6f, 0.3f * noise(i, 5) - 0.15f, i < 4 ? 0.1f + 0.12f * float(i) : 1.5f + 0.2f * float(i - 4), 0);
+        const float z = i < 4 ? 0.1f + 0.12f * float(i) : 1.15f + 0.07f * float(i - 4);
+        points.position.texels[i] = glm::vec4(0.6f, 0.3f * noise(i, 5) - 0.15f, z, 0);
         points.normal.texels[i] = glm::vec4(-1, 0, 0, 1);
     }
     const Image4 truth = all_rays(points, map);
@@ -227,7 +228,7 @@ TEST_CASE("rsm.paths: a wall hides the patch behind it, the better the finer", "
     const Image4 fine = estimate(rsm::Visibility::algorithm_6, 200, 172, 31);
     for (int first : {0, 4}) {
         const glm::dvec3 t = sums(truth, first), l = sums(leaks, first), c = sums(thesis, first), f = sums(fine, first);
-        WARN(fmt::format("{}: red {:.4f} without visibility, {:.4f} 15 x 10 in 5 slots, {:.4f} 200 x 172 in 31, truth "
+        INFO(fmt::format("{}: red {:.4f} without visibility, {:.4f} 15 x 10 in 5 slots, {:.4f} 200 x 172 in 31, truth "
                          "{:.4f}; green {:.4f} {:.4f} {:.4f} {:.4f}; blue {:.4f} {:.4f} {:.4f} {:.4f}",
                          first == 0 ? "hidden" : "seen in part", l.x, c.x, f.x, t.x, l.y, c.y, f.y, t.y, l.z, c.z, f.z,
                          t.z));
@@ -237,7 +238,7 @@ TEST_CASE("rsm.paths: a wall hides the patch behind it, the better the finer", "
         CHECK(l.y == Approx(t.y).epsilon(0.05));
     }
     const double leak = sums(leaks, 0).x;
-    CHECK(leak > 0.05 * sums(truth, 0).y);
+    CHECK(leak > 0.03 * sums(truth, 0).y);
     CHECK(sums(thesis, 0).x < 0.6 * leak);
     CHECK(sums(fine, 0).x < 0.05 * leak);
     CHECK(std::abs(sums(fine, 4).x - sums(truth, 4).x) < 0.25 * std::abs(sums(leaks, 4).x - sums(truth, 4).x));

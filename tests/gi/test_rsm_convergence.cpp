@@ -193,7 +193,7 @@ TEST_CASE("rsm.paths: the consistent weight converges to the gather over every t
         std::vector<double> rms;
         for (auto [directions, steps] : counts) {
             rsm::GatherParams params = paths_params(directions, steps);
-            params.jitter = jitter;
+            params.jitter = jitter, params.rotations = 16;
             rms.push_back(error_against(params, points, exact, 1, jitter > 0 ? 16 : 1).rms);
             n.push_back(directions * steps);
         }
