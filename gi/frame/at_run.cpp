@@ -2,16 +2,20 @@
 
 #include <fmt/format.h>
 
+#include "gi/frame/filters.h"
+
 namespace plumb::frame {
 
 namespace {
 
 Work work_of(const PlannedStage& stage, const char* part = "") {
-    return {is_gather(stage.name) ? "gather" : stage.layer.empty() ? stage.name : stage.layer, part, stage.light};
+    if (is_gather(stage.name)) return {"gather", part, stage.light};
+    if (is_filter(stage.name)) return {"filter", part, stage.light};
+    return {stage.layer.empty() ? stage.name : stage.layer, part, stage.light};
 }
 
-Seen seen_by(const Frame& frame, const PlannedStage& stage) {
-    Seen seen{frame.gbuffer, {}};
+Seen seen_by(const Frame& frame, const PlannedStage& stage, const raster::Covered* covered = nullptr) {
+    Seen seen{frame.gbuffer, {}, covered ? *covered : frame.gbuffer.covered};
     if (stage.light >= 0) seen.maps = frame.rsms[std::size_t(stage.light)];
     return seen;
 }
@@ -27,9 +31,10 @@ bool left_out_at_run(const Plan& plan, const Frame& frame, const PlannedStage& s
     return true;
 }
 
-raster::Covered tiles_to_shade(const Plan& plan, const Frame& frame, const PlannedStage& stage, StageRun& run) {
-    const Seen seen = seen_by(frame, stage);
-    raster::Covered tiles = seen.gbuffer.covered;
+raster::Covered tiles_to_shade(const Plan& plan, const Frame& frame, const PlannedStage& stage, StageRun& run,
+                               const raster::Covered* covered) {
+    const Seen seen = seen_by(frame, stage, covered);
+    raster::Covered tiles = seen.covered;
     Work work = work_of(stage, "tile");
     const Rule* by = nullptr;
     std::size_t left_out = 0;

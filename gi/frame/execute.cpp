@@ -6,6 +6,7 @@
 #include "core/content_hasher.h"
 #include "core/fp_environment.h"
 #include "gi/frame/at_run.h"
+#include "gi/frame/filters.h"
 #include "gi/frame/kept.h"
 #include "gi/frame/run_stage.h"
 
@@ -14,8 +15,9 @@ namespace plumb::frame {
 namespace {
 
 // Where in the frame a stage leaves what it makes.
-std::string place_of(const PlannedStage& stage) {
+std::string place_of(const Settings& settings, const PlannedStage& stage) {
     if (is_gather(stage.name)) return fmt::format("gather {}", stage.light);
+    if (is_filter(stage.name)) return filter_place(settings, stage);
     if (stage.name == "compose") return "radiance";
     if (stage.name == "reference") return stage.layer;
     return stage.light < 0 ? stage.name : fmt::format("{} {}", stage.name, stage.light);
@@ -47,7 +49,7 @@ class Execution {
         return at != before_.end() && at->second.key == key ? &at->second : nullptr;
     }
     const Made* kept(std::size_t i) const {
-        return keys_.empty() ? nullptr : holds(place_of(c_.plan.stages[i]), keys_[i]);
+        return keys_.empty() ? nullptr : holds(place_of(c_.settings, c_.plan.stages[i]), keys_[i]);
     }
 
     void make_room() {
@@ -69,10 +71,14 @@ class Execution {
             h.add(keys_[i]);
             c_.sum_is_kept = c_.sum_is_kept && kept(i);
         }
-        c_.sum_is_kept = c_.sum_is_kept && holds("indirect", h.hash);
-        made()["indirect"].key = h.hash;
+        const bool filtered = filters_indirect(c_.settings);
+        const std::string place = filtered ? "gathered" : "indirect";
+        c_.sum_is_kept = c_.sum_is_kept && holds(place, h.hash);
+        made()[place].key = h.hash;
         if (c_.sum_is_kept) return;
-        f_.indirect = Image4(c_.size.x, c_.size.y);
+        const glm::ivec2 size = gather_size(c_.settings, c_.size);
+        (filtered ? f_.gathered : f_.indirect) = Image4(size.x, size.y);
+        if (!filtered || f_.indirect.empty()) f_.indirect = Image4(c_.size.x, c_.size.y);
         f_.indirect_error = {};
     }
 
@@ -91,7 +97,7 @@ class Execution {
         if (stage.needed)
             run.ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
         // What the run left out may depend on more than its key.
-        if (!keys_.empty() && run.needed == stage.needed) made()[place_of(stage)] = {keys_[i], before ? before->run : run};
+        if (!keys_.empty() && run.needed == stage.needed) made()[place_of(c_.settings, stage)] = {keys_[i], before ? before->run : run};
         if (!keys_.empty() && stage.layer == "color") made()["radiance"].key = keys_[i];
         return run;
     }
@@ -137,6 +143,11 @@ class Execution {
     // What no stage of this plan makes is not there.
     void forget() {
         if (!made().contains("truth_display")) f_.truth_display = {};
+        const std::vector<FilterStage> before = filters_before_gathers(c_.settings), after = filters_after_gathers(c_.settings);
+        if (before.empty()) f_.half_position = f_.half_normal = {};
+        if (after.empty()) f_.gathered = {};
+        if (before.empty() || after.size() < 2) f_.upsampled = {};
+        if (c_.settings.indirect.blur != filter::Blur::separable || after.empty()) f_.blurred_across = {};
         for (std::size_t l = 0; l < c_.lights.size(); ++l)
             if (!made().contains(fmt::format("gather {}", l))) c_.memory.irradiance[l] = c_.memory.irradiance_error[l] = {};
         if (keys_.empty()) made().clear();

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "core/error.h"
+#include "gi/frame/filters.h"
 #include "gi/frame/frame.h"
 #include "gi/reference/ray_query.h"
 #include "raster/light_view.h"
@@ -79,10 +80,14 @@ struct Explainer {
             const rsm::Pattern pattern = rsm::pattern_of(settings.rsm, lights[l].rsm_size, settings.seed);
             std::unique_ptr<RayQuery> rays;
             if (stage.name == "rsm.all_rays") rays = reference::build_ray_query(geometry, surfaces, settings.rsm.rays);
-            const rsm::GatherInputs in = gather_inputs(scene, settings, g, l, geometry, pattern, rays.get());
+            const rsm::GatherInputs in = gather_inputs(scene, settings, frame, l, geometry, pattern, rays.get());
             return with_stored(rsm::explain_maps(settings.rsm, in, frame.rsms[l], pixel), "irradiance",
                                settings.layout.indirect, settings.layout);
         }
+        if (stage.name == "filter.reduce") return filter::explain_reduce(reduce_input(frame, stage), pixel);
+        if (stage.name == "filter.upsample") return filter::explain(settings.indirect, upsample_inputs(frame), pixel);
+        if (stage.name == "filter.blur")
+            return filter::explain(settings.indirect, blur_inputs(settings, frame, stage), pixel);
         if (stage.name == "compose")
             return compose::explain(settings.compose, {&g.normal, &g.albedo, &g.emission, &frame.direct,
                                                        &frame.indirect, scene.environment.radiance},
@@ -116,7 +121,7 @@ std::vector<Explanation> explain(const Scene& scene, const Settings& settings, c
             continue;
         }
         chosen.push_back(&s);
-        if (!stage.empty()) break;
+        if (!stage.empty() && !is_filter(stage)) break;
     }
     if (chosen.empty())
         throw InputError(fmt::format("explain: {} does not run for this scene{}", stage.empty() ? "any stage" : stage,
@@ -132,8 +137,13 @@ std::vector<Explanation> explain(const Scene& scene, const Settings& settings, c
     std::vector<Explanation> explanations;
     for (const PlannedStage* s : chosen) {
         const bool map = s->name == "rsm";
-        require_inside(s->label, pixel, map ? map_size(scene.lights[std::size_t(s->light)]) : scene.frame_size);
-        explanations.push_back({s->label, pixel, explainer.values(*s, pixel)});
+        const glm::ivec2 size = map ? map_size(scene.lights[std::size_t(s->light)])
+                                    : stage_size(settings, *s, scene.frame_size);
+        // Of all stages at a pixel those of half size are asked for the one that stands for it.
+        if (stage.empty()) require_inside("the frame", pixel, scene.frame_size);
+        const glm::ivec2 at = stage.empty() && size != scene.frame_size ? pixel / 2 : pixel;
+        require_inside(s->label, at, size);
+        explanations.push_back({s->label, at, explainer.values(*s, at)});
     }
     return explanations;
 }

@@ -14,6 +14,7 @@ std::vector<StageInfo> frame_stages() {
     return {raster::info_gbuffer(), raster::info_rsm(),    direct::shadow_info(),    rsm::info_disc(),
             rsm::info_disc(rsm::Texels::continuous), rsm::info_paths(), rsm::info_paths(rsm::Texels::continuous),
             rsm::info_all(),       rsm::info_all_rays(),     direct::direct_info(),
+            filter::info_reduce(),  filter::info_upsample(), filter::info_blur(),
             compose::compose_info(), reference::info(),    compose::tonemap_info()};
 }
 

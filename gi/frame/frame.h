@@ -32,6 +32,7 @@ struct PlannedStage {
     bool needed = true;
     std::string reason;    // why it is needed, or why it is left out
     std::string rule;      // the rule that leaves it out (rules.h), or empty
+    std::string form;      // of a filter that runs more than once: "position", "horizontal" (filters.h)
     std::string layer;     // of a path traced stage: which layer it makes (truth.h)
     int samples = 0;       // of a path traced stage: paths a pixel; 0: as many as it takes
     double work = 0;       // how often its inner loop runs: pixels, triangles, samples
@@ -77,6 +78,10 @@ struct Frame {
     std::vector<std::vector<raster::Rsm>> rsms;
     Buffer<float> visibility;  // [lights][height][width]
     Image4 direct, indirect;   // irradiance, W/m2
+    // Of filters of the indirect light alone (filters.h); empty where they do not run.
+    Image4 half_position, half_normal;
+    Image4 gathered;           // the sum of all gathers, W/m2, at their own size; w: linear depth, m (VRSM fig. 4.4)
+    Image4 upsampled, blurred_across;  // what further filters read
     Image4 indirect_error;     // standard error of `indirect`, by channel, W/m2; empty where no rsm.all_rays ran
     Image4 radiance;           // outgoing, W/(m2 sr)
     Image4 display;            // sRGB-encoded, 0..1
@@ -101,6 +106,9 @@ const Traced* find_traced(const Frame& frame, const std::string& layer);
 
 // What the gather of a light reads of a frame, but its maps. `pattern` is pattern_of()'s; `rays` is read by rsm.all_rays.
 rsm::GatherInputs gather_inputs(const Scene& scene, const Settings& settings, const raster::GBuffer& gbuffer, int light,
+                                const Geometry& geometry, const rsm::Pattern& pattern, const RayQuery* rays);
+// The same from a frame: where gathers run at half size, from its points.
+rsm::GatherInputs gather_inputs(const Scene& scene, const Settings& settings, const Frame& frame, int light,
                                 const Geometry& geometry, const rsm::Pattern& pattern, const RayQuery* rays);
 bool is_gather(const std::string& stage);  // "rsm.disc" and its like
 

@@ -4,6 +4,7 @@
 
 #include "core/content_hasher.h"
 #include "core/fields.h"
+#include "gi/frame/filters.h"
 #include "gi/frame/kept.h"
 #include "raster/light_view.h"
 
@@ -72,12 +73,14 @@ class Keys {
         std::vector<std::uint64_t> keys;
         for (const PlannedStage& stage : plan_.stages) {
             ContentHasher h;
-            h.add(stage.name), h.add(stage.layer);
+            h.add(stage.name), h.add(stage.form), h.add(stage.layer);
             h.add(stage.needed, stage.light, scene_.frame_size);
             if (stage.needed || stage.name == "reference")
                 add_inputs(stage, h);
             else if (stage.name == "gbuffer")
                 h.add(scene_.camera.reversed_z);  // what an empty depth buffer holds
+            else if (is_filter(stage.name))
+                h.add(gbuffer_);  // the depth that goes along
             else if (stage.light >= 0)
                 h.add(raster::map_count(scene_.lights[std::size_t(stage.light)]));
             keys.push_back(h.hash);
@@ -88,7 +91,7 @@ class Keys {
 
   private:
     void add_inputs(const PlannedStage& stage, ContentHasher& h) {
-        auto& [method, layout, rsm, shadow, direct, compose, tonemap, path, seed, truth, pruning] = settings_;
+        auto& [method, layout, rsm, indirect, shadow, direct, compose, tonemap, path, seed, truth, pruning] = settings_;
         if (stage.name == "gbuffer") {
             const auto& [stages, gbuffer, maps, at_run] = plan_;
             const auto& [position, normal, albedo, emission, id] = gbuffer;
@@ -112,14 +115,19 @@ class Keys {
             h.add_all(visibility_);
         } else if (is_gather(stage.name)) {
             add_fields(rsm::fields(rsm), h);
-            h.add(gbuffer_, map(stage), seed);
             if (rsm.own) h.add_all(rsm.own->rows);
+            h.add(gbuffer_, map(stage), seed, indirect.resolution);
             if (stage.name == "rsm.all_rays") h.add(scene_keys_.geometry, scene_keys_.surfaces);
             if (stage.name == "rsm.all_rays" && rsm.rays == Rays::native) h.add(isa_);
+        } else if (is_filter(stage.name)) {
+            h.add(gbuffer_);
+            if (stage.name == "filter.reduce") return;
+            add_fields(filter::fields(indirect), h);
+            h.add_all(gathers_);
         } else if (stage.name == "compose") {
             add_fields(compose::fields(compose), h);
             h.add(gbuffer_, direct_, scene_.environment.radiance);
-            h.add_all(gathers_);
+            h.add_all(gathers_), h.add(filtered_);
         } else if (stage.name == "tonemap") {
             add_fields(compose::fields(tonemap), h);
             h.add(radiance_);
@@ -145,6 +153,7 @@ class Keys {
         if (stage.name == "rsm") maps_.resize(scene_.lights.size()), maps_[std::size_t(stage.light)] = key;
         if (stage.name == "shadow") visibility_.push_back(key);
         if (is_gather(stage.name)) gathers_.push_back(key);
+        if (is_filter(stage.name)) filtered_ = key;
         if (stage.name == "direct") direct_ = key;
         if (stage.name == "compose" || stage.layer == "color") radiance_ = key;
     }
@@ -157,7 +166,7 @@ class Keys {
     Settings settings_;  // fields() takes what it may change
     const Plan& plan_;
     Isa isa_;
-    std::uint64_t gbuffer_ = 0, direct_ = 0, radiance_ = 0;
+    std::uint64_t gbuffer_ = 0, direct_ = 0, filtered_ = 0, radiance_ = 0;
     std::vector<std::uint64_t> maps_, visibility_, gathers_;  // a light each
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/error.h"
+#include "gi/frame/filters.h"
 #include "gi/frame/frame.h"
 #include "gi/frame/refusals.h"
 #include "gi/rsm/all_rays.h"
@@ -15,7 +16,7 @@ namespace {
 // Milliseconds for a million turns of a stage's inner loop on one core with AVX-512, measured by plumb_bench
 // on a 2.x GHz server core. They order stages by cost; they promise nothing.
 constexpr double ms_pixels = 60, ms_shadow = 8, ms_direct = 6, ms_disc = 4.2, ms_path_samples = 4.8, ms_all = 0.55,
-                 ms_exact_rays = 100, ms_native_rays = 25, ms_compose = 5, ms_tonemap = 25,
+                 ms_exact_rays = 100, ms_native_rays = 25, ms_compose = 5, ms_tonemap = 25, ms_reduce = 1, ms_upsample = 8, ms_blur = 0.2,
                  ms_paths = 1000;
 // What a part of a stage takes of that, for a million pixels: the light of a map, by `tools/bench pruning` (the Cornell
 // box with direct light alone); the two colours of a G-buffer with their textures and one of them alone, estimated.
@@ -112,7 +113,9 @@ struct Planner {
         planned.wants.light = !leave_out(s, {"rsm", "light", l}, texels * 1e-6 * ms_light);
         leave_out_faces(s, planned, (triangles + side * side) * 1e-6 * ms_pixels);
         add("shadow", "shadow", l, pixels, "pixels", ms_shadow, "direct light reads it");
-        if (settings.method == Method::rsm) add_gather(l, pixels, maps, texels);
+        if (settings.method != Method::rsm) return;
+        const glm::ivec2 size = gather_size(settings, scene.frame_size);
+        add_gather(l, double(size.x) * size.y, maps, texels);
     }
 
     void add_gather(int light, double pixels, int maps, double texels) {
@@ -131,6 +134,22 @@ struct Planner {
                 asked < texels ? fmt::format("; subset of at least {} of {} texels a pixel", asked, texels) : "";
             const double ms = params.rays == Rays::exact ? ms_exact_rays : ms_native_rays;
             add(name.c_str(), "gather", light, pixels * asked, "shadow rays at most", ms, why + subset);
+        }
+    }
+
+    void add_filters(const std::vector<FilterStage>& filters, double pixels) {
+        const double kernel = settings.indirect.kernel;
+        for (const FilterStage& f : filters) {
+            PlannedStage* s = nullptr;
+            if (f.name == "filter.reduce")
+                s = &add("filter.reduce", "filter", -1, pixels / 4, "pixels", ms_reduce, "gathers read it");
+            else if (f.name == "filter.upsample")
+                s = &add("filter.upsample", "filter", -1, pixels, "pixels", ms_upsample, "indirect light of every pixel");
+            else
+                s = &add("filter.blur", "filter", -1, pixels * kernel * (f.form.empty() ? kernel : 1), "samples", ms_blur,
+                         "indirect light without its noise");
+            s->form = f.form;
+            if (!f.form.empty()) s->label += " (" + f.form + ")";
         }
     }
 
@@ -157,8 +176,10 @@ Plan plan_of(const Scene& scene, const Settings& settings, const Geometry& geome
     Planner planner{scene, settings, rules, known, {}};
     planner.plan.maps.resize(scene.lights.size());
     planner.add_gbuffer(triangles, pixels);
+    planner.add_filters(filters_before_gathers(settings), pixels);
     double total_texels = 0;
     for (int l = 0; l < int(scene.lights.size()); ++l) planner.add_light(l, triangles, pixels, total_texels);
+    planner.add_filters(filters_after_gathers(settings), pixels);
     planner.add("direct", "direct", -1, pixels * double(scene.lights.size()), "pixels x lights", ms_direct,
                 "direct light");
     planner.add("compose", "compose", -1, pixels, "pixels", ms_compose, "the picture");

@@ -12,6 +12,7 @@
 
 #include "core/error.h"
 #include "core/host_math.h"
+#include "gi/frame/filters.h"
 #include "gi/frame/keys.h"
 #include "gi/reference/triangle_test.h"
 #include "raster/light_view.h"
@@ -253,6 +254,18 @@ void check_paths(const Asked& a) {
     }
 }
 
+// ---- Filters
+// ---------------------------------------------------------------------------------------------------------
+
+void check_filters(const Scene& scene, const Settings& settings) {
+    if (settings.indirect.kernel % 2 == 0)
+        throw InputError(fmt::format("{}: [indirect] kernel = {}: expected an odd number", scene.name, settings.indirect.kernel));
+    if (settings.rsm.gather != rsm::Gather::all_rays || !filters_indirect(settings)) return;
+    throw InputError(fmt::format("{}: [indirect] {}: rsm.all_rays is a truth with a standard error of its own, which no "
+                                 "filter keeps: expected resolution = full and blur = none",
+                                 scene.name, halves_indirect(settings) ? "resolution = half" : "blur"));
+}
+
 }  // namespace
 
 double spectral_radius_bound(const Scene& scene, const Geometry& geometry) {
@@ -267,6 +280,7 @@ double spectral_radius_bound(const Scene& scene, const Geometry& geometry) {
 double passes_needed(double rho, double error) { return std::ceil(host::log(error) / host::log(rho)); }
 
 void refuse_scene(const Scene& scene, const Settings& settings, const Geometry& geometry) {
+    check_filters(scene, settings);
     if (geometry.triangles.empty()) return;
     check_vertices(scene, geometry);
     const Asked a = ask(scene, settings, geometry);

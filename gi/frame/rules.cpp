@@ -66,6 +66,13 @@ bool no_albedo(const Known& known, const Work&) { return known.reflecting.empty(
 
 bool no_emission(const Known& known, const Work&) { return !known.emits; }
 
+// Nothing to filter: every light's gather is left out.
+bool no_gather(const Known& known, const Work&) {
+    for (int l = 0; l < int(known.scene.lights.size()); ++l)
+        if (!left_out_by(rules(), known, {"gather", "", l})) return false;
+    return true;
+}
+
 // plan() asks it of the maps that no gather of its own reads.
 bool light_unread(const Known& known, const Work& work) {
     return known.settings.method != Method::rsm || nothing_reflects(known, work) || reflectors_missed(known, work);
@@ -99,7 +106,7 @@ bool tile_empty(const Seen& seen, const Work& work) {
     const bool finite = work.stage != "gather" || std::all_of(seen.maps.begin(), seen.maps.end(), [](const raster::Rsm& map) {
         return map.size == 0 || map.largest_flux <= std::numeric_limits<float>::max();
     });
-    return finite && seen.gbuffer.covered.any[std::size_t(work.index)] == 0;
+    return finite && seen.covered.any[std::size_t(work.index)] == 0;
 }
 
 bool fits(float coordinate) { return std::abs(coordinate) <= 1e15f; }
@@ -141,7 +148,7 @@ const std::vector<Rule>& rules() {
     static const std::vector<std::string> of_light = {"rsm", "shadow", "gather"};
     static const std::vector<std::string> of_view = {"gbuffer", "rsm",          "shadow",        "gather",
                                                      "direct",  "truth.direct", "truth.indirect"};
-    static const std::vector<std::string> of_screen = {"rsm", "shadow", "gather", "direct"};
+    static const std::vector<std::string> of_screen = {"rsm", "shadow", "gather", "filter", "direct"};
     static const std::vector<Rule> all = {
         {"scene-empty", of_view, "", "the scene is empty", scene_empty},
         {"light-off", of_light, "", "the light is off", light_off},
@@ -152,13 +159,14 @@ const std::vector<Rule>& rules() {
         {"no-light", {"direct", "truth.direct", "truth.indirect"}, "", "no light shines on the scene", no_light},
         {"nothing-reflects", {"gather", "truth.indirect"}, "", "nothing reflects", nothing_reflects},
         {"reflectors-missed", {"gather"}, "", "nothing that the light may meet reflects", reflectors_missed},
+        {"no-gather", {"filter"}, "", "no gather runs", no_gather},
         {"no-albedo", {"gbuffer"}, "albedo", "no albedo: nothing reflects", no_albedo},
         {"no-emission", {"gbuffer"}, "emission", "no emission: nothing emits", no_emission},
         {"depth-alone", {"rsm"}, "light", "depth alone: no gather reads the light", light_unread},
         {"face-blind", {"rsm"}, "face", "sees nothing", face_blind},
         {"nothing-covered", of_screen, "", "no pixel sees a surface", nullptr, nothing_covered},
         {"map-dark", {"gather"}, "", "the light's map holds no flux", nullptr, map_dark},
-        {"tile-empty", {"shadow", "gather", "direct"}, "tile", "sees no surface", nullptr, tile_empty},
+        {"tile-empty", {"shadow", "gather", "filter", "direct"}, "tile", "sees no surface", nullptr, tile_empty},
     };
     return all;
 }

@@ -41,10 +41,12 @@ struct Known {
 struct Seen {
     const raster::GBuffer& gbuffer;
     std::span<const raster::Rsm> maps;  // of the stage's light
+    const raster::Covered& covered;     // of the pixels that the stage writes
 };
 
 struct Work {
-    std::string stage;  // "gbuffer", "rsm", "shadow", "gather", "direct", "compose", "truth.direct", "truth.indirect"
+    std::string stage;  // "gbuffer", "rsm", "shadow", "gather", "filter", "direct", "compose",
+                        // "truth.direct", "truth.indirect"
     std::string part;   // empty: all of it; else "albedo", "emission", "light" of a map, "face", "tile"
     int light = -1;     // index into Scene::lights; -1: of none
     int index = -1;     // of the face, or of the tile, row by row

@@ -8,6 +8,7 @@
 #include "core/error.h"
 #include "core/hash.h"
 #include "gi/frame/at_run.h"
+#include "gi/frame/filters.h"
 #include "gi/reference/ray_query.h"
 #include "gi/rsm/all_rays.h"
 #include "raster/light_view.h"
@@ -138,10 +139,11 @@ void gather(Context& c, const PlannedStage& stage, StageRun& run) {
         c.world.rays = reference::build_ray_query(c.world.geometry, c.world.surfaces, params.rays);
     Image4 irradiance;
     rsm::RaysReport report;
-    rsm::GatherInputs in = gather_inputs(c.scene, c.settings, c.frame.gbuffer, stage.light, c.world.geometry, pattern,
+    rsm::GatherInputs in = gather_inputs(c.scene, c.settings, c.frame, stage.light, c.world.geometry, pattern,
                                          c.world.rays.get());
-    raster::Covered tiles;
-    if (!traces) tiles = tiles_to_shade(c.plan, c.frame, stage, run);
+    raster::Covered tiles, half;
+    if (halves_indirect(c.settings)) half = covered_by(c.frame.half_normal);
+    if (!traces) tiles = tiles_to_shade(c.plan, c.frame, stage, run, or_all(half));
     in.tiles = or_all(tiles);
     rsm::run_maps(params, in, c.frame.rsms[l], c.options, irradiance, &report);
     store_irradiance(c, stage, irradiance);
@@ -152,6 +154,40 @@ void gather(Context& c, const PlannedStage& stage, StageRun& run) {
     if (!c.keeps) return;
     c.memory.irradiance[l] = std::move(irradiance);
     c.memory.irradiance_error[l] = std::move(report.standard_error);
+}
+
+// Before the first filter reads it, the sum gets the depth of its points (VRSM fig. 4.4).
+void copy_depth(Context& c) {
+    Image4& sum = c.frame.gathered;
+    const Image4& position = halves_indirect(c.settings) ? c.frame.half_position : c.frame.gbuffer.position;
+    for (std::size_t i = 0; i < sum.size(); ++i) sum.texels[i].w = position.texels[i].w;
+}
+
+void filter_indirect(Context& c, const PlannedStage& stage, StageRun& run) {
+    Frame& f = c.frame;
+    Image4& result = filter_result(f, c.settings, stage);
+    if (stage.name == "filter.reduce") {
+        filter::run_reduce(reduce_input(f, stage), c.options, result);
+    } else {
+        copy_depth(c);
+        const raster::Covered tiles = tiles_to_shade(c.plan, f, stage, run);
+        filter::UpsampleInputs coarse = upsample_inputs(f);
+        filter::BlurInputs sharp = blur_inputs(c.settings, f, stage);
+        coarse.tiles = sharp.tiles = or_all(tiles);
+        if (stage.name == "filter.upsample")
+            filter::run(c.settings.indirect, coarse, c.options, result);
+        else
+            filter::run(c.settings.indirect, sharp, c.options, result);
+    }
+    run.bytes = bytes_of(result);
+}
+
+void filter_nothing(Context& c, const PlannedStage& stage, StageRun&) {
+    const glm::ivec2 size = stage_size(c.settings, stage, c.size);
+    Image4& result = filter_result(c.frame, c.settings, stage);
+    result = Image4(size.x, size.y);
+    if (stage.name == "filter.reduce") return;
+    for (std::size_t i = 0; i < result.size(); ++i) result.texels[i].w = c.frame.gbuffer.position.texels[i].w;
 }
 
 void compose_radiance(Context& c, const PlannedStage&, StageRun& run) {
@@ -182,7 +218,7 @@ void map_tones(Context& c, const PlannedStage&, StageRun& run) {
 
 void add_gather(Context& c, const Image4& irradiance, const Image4& error) {
     if (c.sum_is_kept) return;
-    add(c.frame.indirect, irradiance);
+    add(filters_indirect(c.settings) ? c.frame.gathered : c.frame.indirect, irradiance);
     if (!error.empty()) add_errors(c.frame.indirect_error, error);
 }
 
@@ -192,6 +228,7 @@ Kind kind_of(const PlannedStage& stage) {
     if (stage.name == "shadow") return {cast_shadows, cast_no_shadow};
     if (stage.name == "direct") return {light_directly, light_nothing};
     if (is_gather(stage.name)) return {gather, nothing};
+    if (is_filter(stage.name)) return {filter_indirect, filter_nothing};
     if (stage.name == "compose") return {compose_radiance, nothing};
     if (stage.name == "reference") return {trace_paths, trace_nothing};
     return {map_tones, nothing};
@@ -209,6 +246,13 @@ rsm::GatherInputs gather_inputs(const Scene& scene, const Settings& settings, co
     in.offsets = rsm::ray_offsets(settings.layout, low, high, view, size);
     // Each light chooses for itself: their errors are independent.
     in.seed = std::uint32_t(pcg(std::int32_t(settings.seed) + pcg(std::int32_t(light))));
+    return in;
+}
+
+rsm::GatherInputs gather_inputs(const Scene& scene, const Settings& settings, const Frame& frame, int light,
+                                const Geometry& geometry, const rsm::Pattern& pattern, const RayQuery* rays) {
+    rsm::GatherInputs in = gather_inputs(scene, settings, frame.gbuffer, light, geometry, pattern, rays);
+    if (halves_indirect(settings)) in.position = &frame.half_position, in.normal = &frame.half_normal;
     return in;
 }
 

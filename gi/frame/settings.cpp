@@ -29,10 +29,13 @@ const std::vector<MethodInfo>& methods() {
     return all;
 }
 
-std::vector<std::string> method_tables() { return {"rsm", "shadow", "direct", "compose", "tonemap", "reference", "layout"}; }
+std::vector<std::string> method_tables() {
+    return {"rsm", "indirect", "shadow", "direct", "compose", "tonemap", "reference", "layout"};
+ }
 
 std::vector<Field> table_fields(Settings& s, const std::string& table, const std::string& place) {
     if (table == "rsm") return rsm::fields(s.rsm);
+    if (table == "indirect") return filter::fields(s.indirect);
     if (table == "shadow") return direct::fields(s.shadow);
     if (table == "direct") return direct::fields(s.direct);
     if (table == "compose") return compose::fields(s.compose);

@@ -7,6 +7,7 @@
 #include "core/scene.h"
 #include "gi/compose/compose.h"
 #include "gi/direct/direct.h"
+#include "gi/filter/filter.h"
 #include "gi/reference/reference.h"
 #include "gi/rsm/gather.h"
 #include "raster/layout.h"
@@ -30,6 +31,7 @@ struct Settings {
     Method method = Method::rsm;
     raster::Layout layout = raster::Layout::fp32;
     rsm::GatherParams rsm;
+    filter::FilterParams indirect;    // of the method rsm
     direct::ShadowParams shadow;
     direct::DirectParams direct;
     compose::ComposeParams compose;
@@ -40,8 +42,8 @@ struct Settings {
     bool pruning = true;  // false: every stage runs, needed or not; the picture is the same
 };
 
-// The tables of a scene file that hold parameters: "rsm", "shadow", "direct", "compose", "tonemap", "reference", "layout"
-// (of a custom layout).
+// The tables of a scene file that hold parameters: "rsm", "indirect", "shadow", "direct", "compose", "tonemap", "reference",
+// "layout" (of a custom layout).
 std::vector<std::string> method_tables();
 
 // The parameters of one table; throws InputError at `place` for a table that does not exist.

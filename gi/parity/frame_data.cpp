@@ -3,6 +3,8 @@
 #include "core/error.h"
 #include "gi/compose/bindings.h"
 #include "gi/direct/bindings.h"
+#include "gi/filter/bindings.h"
+#include "gi/frame/filters.h"
 #include "gi/parity/stages.h"
 #include "gi/rsm/bindings.h"
 #include "raster/bindings.h"
@@ -32,6 +34,7 @@ struct Builder {
     std::vector<std::string> words;                 // of the lights, no two alike
     std::vector<std::vector<raster::Rsm>> maps{};   // [light][map]; size 0 where a face sees nothing
     Image4 position, normal, albedo, emission, direct, indirect, radiance;
+    frame::Frame filtered{};                        // what filters read, where they run: zeros for what is missing
     Buffer<float> visibility;
     std::vector<StageData> out{};
 
@@ -50,8 +53,18 @@ struct Builder {
         albedo = or_zeros(g.albedo, size), emission = or_zeros(g.emission, size);
         direct = or_zeros(f.direct, size), indirect = or_zeros(f.indirect, size);
         radiance = or_zeros(f.radiance, size);
+        if (frame::filters_indirect(t)) add_filtered();
         visibility = f.visibility;
         visibility.resize(s.lights.size() * position.size(), 1.0f);
+    }
+
+    void add_filtered() {
+        const glm::ivec2 size = scene.frame_size, half = frame::gather_size(settings, size);
+        frame::Frame& f = filtered;
+        f.gbuffer.position = position, f.gbuffer.normal = normal;
+        f.half_position = or_zeros(frame.half_position, half), f.half_normal = or_zeros(frame.half_normal, half);
+        f.gathered = or_zeros(frame.gathered, half);
+        f.upsampled = or_zeros(frame.upsampled, size), f.blurred_across = or_zeros(frame.blurred_across, size);
     }
 
     View camera_view() const {
@@ -91,6 +104,10 @@ struct Builder {
         }
         out.push_back(std::move(data));
     }
+    void keep_filter(StageData data, const frame::PlannedStage& stage) {
+        keep(std::move(data), stage.label);
+        if (!stage.form.empty()) out.back().id += "." + stage.form;
+    }
 
     // Calls one(map, face) for each map of the light that sees something; face is -1 where it is the only one.
     template <class One>
@@ -121,9 +138,17 @@ struct Builder {
             const rsm::Pattern pattern =
                 rsm::pattern_of(settings.rsm, lights[std::size_t(l)].rsm_size, settings.seed);
             each_map(l, [&](const raster::Rsm& map, int face) {
-                const rsm::GatherInputs in{&position, &normal, &map, &pattern, settings.seed};
+                const bool half = frame::halves_indirect(settings);
+                const rsm::GatherInputs in{half ? &filtered.half_position : &position,
+                                           half ? &filtered.half_normal : &normal, &map, &pattern, settings.seed};
                 keep(rsm::gather_data(settings.rsm, in), stage.label, l, face);
             });
+        } else if (stage.name == "filter.reduce") {
+            keep_filter(filter::reduce_data(frame::reduce_input(filtered, stage)), stage);
+        } else if (stage.name == "filter.upsample") {
+            keep_filter(filter::upsample_data(settings.indirect, frame::upsample_inputs(filtered)), stage);
+        } else if (stage.name == "filter.blur") {
+            keep_filter(filter::blur_data(settings.indirect, frame::blur_inputs(settings, filtered, stage)), stage);
         } else if (stage.name == "compose") {
             keep(compose::compose_data(settings.compose, {&normal, &albedo, &emission, &direct, &indirect,
                                                           scene.environment.radiance}),

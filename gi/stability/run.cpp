@@ -124,7 +124,13 @@ Buffers buffers_of(const frame::Frame& f, const std::string& stage) {
     } else if (stage == "direct") {
         b.look("irradiance", f.direct);
     } else if (frame::is_gather(stage)) {
-        b.look("irradiance", f.indirect);
+        b.look("irradiance", f.gathered.empty() ? f.indirect : f.gathered);
+    } else if (stage == "filter.reduce") {
+        b.look("half position", f.half_position), b.look("half normal", f.half_normal);
+    } else if (stage == "filter.upsample") {
+        b.look("upsampled", f.upsampled.empty() ? f.indirect : f.upsampled);
+    } else if (stage == "filter.blur") {
+        b.look("blurred across", f.blurred_across), b.look("blurred", f.indirect);
     } else if (stage == "compose") {
         b.look("radiance", f.radiance);
     } else if (stage == "tonemap") {
@@ -169,6 +175,19 @@ void look(const Case& c, const Scene& scene, const frame::Settings& settings, co
     }
 }
 
+// The filters of indirect light, of a frame that has them. Kernel 7: every tap is the same.
+void look_at_filters(const Case& c, const Scene& scene, frame::Settings settings, const Effort& effort, Writer& out) {
+    const char* const stages[] = {"filter.reduce", "filter.upsample", "filter.blur"};
+    if (std::none_of(std::begin(stages), std::end(stages), [&](const char* s) { return out.wants(s); })) return;
+    settings.indirect.resolution = filter::Resolution::half;
+    settings.indirect.blur = filter::Blur::full;
+    settings.indirect.kernel = 7;
+    const Drawn drawn = draw(scene, settings, effort.run);
+    if (!drawn.whole) return;
+    for (const char* stage : stages)
+        if (out.wants(stage)) look(c, scene, settings, drawn, drawn.plan, stage, effort, out);
+}
+
 void run_frame(const Case& c, const Scene& scene, const Effort& effort, Writer& out) {
     const frame::Settings settings = case_settings(c, scene);
     const Drawn drawn = draw(scene, settings, effort.run);
@@ -189,6 +208,11 @@ void run_frame(const Case& c, const Scene& scene, const Effort& effort, Writer& 
             s.rsm.gather = gather, s.rsm.texels = rsm::Texels::continuous;
         });
     otherwise("shadow", [](frame::Settings& s) { s.shadow.mode = direct::ShadowMode::density; });
+    const glm::vec3 shadow_color(0.25f, 0.5f, 1);
+    otherwise("direct", [=](frame::Settings& s) { s.compose.shadow_color = shadow_color; });
+    otherwise("direct", [](frame::Settings& s) { s.direct.variant = direct::DirectVariant::published; });
+    otherwise("compose", [=](frame::Settings& s) { s.compose.shadow_color = shadow_color; });
+    look_at_filters(c, scene, settings, effort, out);
     using compose::Operator;
     for (const Operator op : {Operator::clamp, Operator::exposure, Operator::reinhard, Operator::filmic})
         if (op != settings.tonemap.op) otherwise("tonemap", [op](frame::Settings& s) { s.tonemap.op = op; });

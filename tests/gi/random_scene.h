@@ -188,6 +188,20 @@ inline frame::Settings random_settings(std::uint32_t seed) {
     if (dice.one_in(4)) t.shadow.variant = direct::ShadowVariant::published, t.shadow.bias = dice.between(0, 2);
     t.reference.samples = 2;
     t.seed = dice.word() & 0xffff;
+    if (t.rsm.gather == rsm::Gather::disc && dice.one_in(2)) {
+        t.rsm.gather = rsm::Gather::paths;
+        t.rsm.directions = 1 + dice.below(5), t.rsm.steps = 1 + dice.below(5);
+        t.rsm.visibility = rsm::Visibility(dice.below(4)), t.rsm.slots = 2 + dice.below(8);
+        t.rsm.slot_edges = rsm::SlotEdges(dice.below(2)), t.rsm.jitter = dice.unit(), t.rsm.turn_jitter = dice.unit();
+        if (dice.one_in(2)) t.rsm.turn = rsm::Turn::tile, t.rsm.rotations = 16;
+    }
+    if (dice.one_in(3)) t.compose.shadow_color = dice.in_box(glm::vec3(0), glm::vec3(1));
+    if (dice.one_in(5)) t.direct.variant = direct::DirectVariant::published;
+    if (t.rsm.gather == rsm::Gather::all_rays) return t;  // a truth is not filtered
+    if (dice.one_in(3)) t.indirect.resolution = filter::Resolution::half;
+    if (dice.one_in(3)) t.indirect.blur = filter::Blur(1 + dice.below(2));
+    t.indirect.upsample = filter::Upsample(dice.below(3)), t.indirect.similarity = filter::Similarity(dice.below(2));
+    t.indirect.kernel = 1 + 2 * dice.below(4);
     return t;
 }
 

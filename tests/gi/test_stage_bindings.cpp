@@ -152,7 +152,8 @@ TEST_CASE("stage bindings: every slot has the twin's number, name, kind and form
 
         // A light's maps and buffers have sizes of their own.
         for (const Slot& s : b.inputs)
-            CHECK(s.frame == !(s.kind == SlotKind::buffer || s.name.starts_with("rsm_") || s.name.starts_with("map_")));
+            CHECK(s.frame == !(s.kind == SlotKind::buffer || s.name.starts_with("rsm_") || s.name.starts_with("map_") ||
+                               s.name.starts_with("coarse_") || s.name == "full"));
         for (const Slot& s : b.outputs) CHECK(s.frame);
     }
 }
@@ -196,6 +197,7 @@ double uniform(const StageData& data, const std::string& member) {
 }
 
 StageData disc_case() { return test::gather_case(small, rsm::Gather::disc, LightType::spot, 0, "disc"); }
+StageData paths_case() { return test::paths_case(small, LightType::spot, {.directions = 4, .steps = 3}, "paths"); }
 StageData shadow_case() {
     return test::shadow_case(small, LightType::spot, 0, direct::ShadowMode::hard, direct::ShadowVariant::corrected,
                              "shadow");
@@ -259,7 +261,7 @@ TEST_CASE("stage bindings: outputs are 1 to 32767 pixels a side, and so are maps
 }
 
 TEST_CASE("stage bindings: a map of another size than the block's is refused", "[bindings]") {
-    for (const StageData& data : {shadow_case(), disc_case(),
+    for (const StageData& data : {shadow_case(), disc_case(), paths_case(),
                                   test::gather_case(small, rsm::Gather::all, LightType::spot, 0, "all")}) {
         const double side = uniform(data, "map.size");
         CHECK(with_uniform(data, "map.size", side) == "");
@@ -277,6 +279,9 @@ TEST_CASE("stage bindings: numbers that kernels loop over and index by are held 
     const StageData tonemap = test::tonemap_case(small, compose::Operator::clamp, "tonemap");
     for (const Range& r : {Range{shadow_case(), "kernel", 1, 64}, {disc_case(), "reach", 0, 32768},
                            {disc_case(), "samples", 0, uniform(disc_case(), "samples")}, {tonemap, "op", 0, 3},
+                           {paths_case(), "reach", 0, 32768}, {paths_case(), "directions", 0, 4},
+                           {paths_case(), "steps", 0, 3}, {paths_case(), "slots", 2, 5}, {paths_case(), "tiled", 0, 1},
+                           {paths_case(), "propagates", -1, 0},
                            {test::direct_case(small, "direct"), "lights", 0, 3}}) {
         INFO(r.member);
         CHECK(with_uniform(r.data, r.member, r.first) == "");
@@ -287,10 +292,18 @@ TEST_CASE("stage bindings: numbers that kernels loop over and index by are held 
                            Catch::StartsWith("direct: lights = "));
     }
     // The rotation is picked by the lower bits of a hash.
-    CHECK(with_uniform(disc_case(), "rotations", 1) == "");
-    CHECK(with_uniform(disc_case(), "rotations", 2) == "");
-    for (double rotations : {-1, 0, 3, 6})
-        CHECK_THAT(with_uniform(disc_case(), "rotations", rotations), Catch::Contains("and a power of two"));
+    for (const StageData& data : {disc_case(), paths_case()}) {
+        CHECK(with_uniform(data, "rotations", 1) == "");
+        CHECK(with_uniform(data, "rotations", 2) == "");
+        for (double rotations : {-1, 0, 3, 6})
+            CHECK_THAT(with_uniform(data, "rotations", rotations), Catch::Contains("and a power of two"));
+    }
+    // No visibility is no slots; a product beyond an int is refused, too.
+    CHECK(with_uniform(paths_case(), "slots", 0) == "");
+    StageData large = paths_case();
+    const double directions[] = {65536};
+    set_uniform(parity::find_binding(large.stage, "test"), large, "directions", directions, "test");
+    CHECK_THAT(with_uniform(large, "steps", 65537), Catch::StartsWith("paths: directions = 65536, steps = 65537"));
 }
 
 TEST_CASE("stage bindings: buffers hold all that is read of them", "[bindings]") {
@@ -300,6 +313,14 @@ TEST_CASE("stage bindings: buffers hold all that is read of them", "[bindings]")
     CHECK_THAT(with_shape(disc_case(), "offsets", {offsets - 1}), Catch::Contains("offsets and"));
     CHECK(with_shape(disc_case(), "weights", {samples}) == "");
     CHECK_THAT(with_shape(disc_case(), "weights", {samples - 1}), Catch::Contains("weights: expected"));
+
+    const std::int64_t rows = 4 * 3 * std::int64_t(uniform(paths_case(), "rotations"));
+    for (const char* table : {"offsets", "weights"}) {
+        CHECK(with_shape(paths_case(), table, {rows}) == "");
+        CHECK_THAT(with_shape(paths_case(), table, {rows - 1}), Catch::Contains("offsets and"));
+    }
+    CHECK(with_shape(paths_case(), "edges", {4}) == "");
+    CHECK_THAT(with_shape(paths_case(), "edges", {3}), Catch::Contains("slots = 5 with 3 edges"));
 
     // Three lights of three vec4, a layer each.
     const StageData direct = test::direct_case(small, "direct");

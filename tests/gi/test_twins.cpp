@@ -58,6 +58,10 @@ const TappedTwin tapped_twins[] = {
     {"gi/rsm/paths_kernel.h", {"gi/rsm/gather_paths.glsl"}},
     {"gi/direct/shadow_kernel.h", {"gi/direct/shadow.comp"}},
     {"gi/direct/direct_kernel.h", {"gi/direct/direct.comp"}},
+    {"gi/filter/weights_kernel.h", {"gi/filter/weights.glsl"}},
+    {"gi/filter/reduce_kernel.h", {"gi/filter/reduce.comp"}},
+    {"gi/filter/upsample_kernel.h", {"gi/filter/upsample.comp"}},
+    {"gi/filter/blur_kernel.h", {"gi/filter/blur.comp"}},
     {"gi/compose/compose_kernel.h", {"gi/compose/compose.comp"}},
     {"gi/compose/tonemap_kernel.h", {"gi/compose/tonemap.comp"}},
 };

@@ -7,6 +7,7 @@
 #include "core/hash.h"
 #include "gi/compose/bindings.h"
 #include "gi/direct/bindings.h"
+#include "gi/filter/bindings.h"
 #include "gi/rsm/bindings.h"
 #include "raster/light_view.h"
 #include "raster/rsm.h"
@@ -142,6 +143,52 @@ inline StageData paths_case(glm::ivec2 size, LightType type, const rsm::GatherPa
     return named(rsm::gather_data(params, in), id);
 }
 
+// A rough wall with steps in depth, so that neighbours weigh anything from 0 to 1; every 11th pixel is empty.
+inline Points steps(glm::ivec2 size, std::uint32_t seed) {
+    Points p{Image4(size.x, size.y), Image4(size.x, size.y)};
+    for (int y = 0; y < size.y; ++y)
+        for (int x = 0; x < size.x; ++x) {
+            if ((y * size.x + x) % 11 == 0) continue;
+            const float z = ((x / 5 + y / 4) % 3 == 2 ? 2.5f : 2.0f) + 0.02f * noise(x, y, 0, seed);
+            const glm::vec3 bump(noise(x, y, 2, seed) - 0.5f, noise(x, y, 3, seed) - 0.5f, noise(x, y, 4, seed) - 0.5f);
+            p.position(x, y) = {0.01f * float(x), -0.01f * float(y), -z, z};
+            p.normal(x, y) = glm::vec4(glm::normalize(glm::vec3(0, 0, 1) + 0.8f * bump), 1);
+        }
+    return p;
+}
+inline Image4 with_depth(Image4 image, const Image4& position) {
+    for (std::size_t i = 0; i < image.size(); ++i)
+        image.texels[i] = position.texels[i].w > 0 ? glm::vec4(glm::vec3(image.texels[i]), position.texels[i].w)
+                                                   : glm::vec4(0);
+    return image;
+}
+
+inline StageData reduce_case(glm::ivec2 size, const std::string& id) {
+    return named(filter::reduce_data(room({2 * size.x - 1, 2 * size.y}, 5).position), id);
+}
+
+inline StageData upsample_case(glm::ivec2 size, filter::Upsample mode, filter::Similarity similarity,
+                               const std::string& id) {
+    const Points full = steps(size, 5);
+    Points half;
+    filter::run_reduce(full.position, {}, half.position), filter::run_reduce(full.normal, {}, half.normal);
+    const Image4 irradiance =
+        with_depth(noise_image({half.position.width, half.position.height}, 41, 0.1f, 3), half.position);
+    filter::FilterParams params;
+    params.upsample = mode, params.similarity = similarity;
+    return named(filter::upsample_data(
+                     params, {&irradiance, &half.position, &half.normal, &full.position, &full.normal}), id);
+}
+
+inline StageData blur_case(glm::ivec2 size, int kernel, filter::Similarity similarity, filter::Direction direction,
+                           const std::string& id) {
+    const Points p = steps(size, 5);
+    const Image4 irradiance = with_depth(noise_image(size, 42, 0.1f, 3), p.position);
+    filter::FilterParams params;
+    params.kernel = kernel, params.similarity = similarity;
+    return named(filter::blur_data(params, {&irradiance, &p.position, &p.normal, direction}), id);
+}
+
 inline StageData compose_case(glm::ivec2 size, const std::string& id, const glm::vec3& shadow_color = glm::vec3(0)) {
     const Points p = room(size, 5);
     Image4 images[] = {noise_image(size, 21, 0, 1), noise_image(size, 22, 0, 3), noise_image(size, 23, 0, 1e3f),
@@ -186,6 +233,15 @@ inline std::vector<StageData> compute_cases(glm::ivec2 size) {
                    {.min_distance = 0.1f, .visibility = rsm::Visibility::algorithm_2, .slots = 32}, "rsm.paths.32"),
         paths_case(size, LightType::spot, {.texels = rsm::Texels::continuous}, "rsm.paths.continuous"),
         paths_case(size, LightType::point, {.slots = 3, .slot_edges = rsm::SlotEdges::solid_angle}, "rsm.paths.px"),
+        reduce_case(size, "filter.reduce"),
+        upsample_case(size, filter::Upsample::bilateral, filter::Similarity::plane, "filter.upsample.plane"),
+        upsample_case(size, filter::Upsample::bilateral, filter::Similarity::depth, "filter.upsample.depth"),
+        upsample_case(size, filter::Upsample::bilinear, filter::Similarity::plane, "filter.upsample.bilinear"),
+        upsample_case(size, filter::Upsample::published, filter::Similarity::plane, "filter.upsample.published"),
+        blur_case(size, 9, filter::Similarity::plane, filter::Direction::both, "filter.blur.plane"),
+        blur_case(size, 5, filter::Similarity::depth, filter::Direction::both, "filter.blur.depth"),
+        blur_case(size, 17, filter::Similarity::plane, filter::Direction::horizontal, "filter.blur.horizontal"),
+        blur_case(size, 17, filter::Similarity::plane, filter::Direction::vertical, "filter.blur.vertical"),
         compose_case(size, "compose"),
         compose_case(size, "compose.shadow", {0.25f, 0, 2}),
         tonemap_case(size, compose::Operator::clamp, "tonemap.clamp"),

@@ -1,0 +1,199 @@
+// The filters of indirect light in a frame: which of them run, what they leave as it was, and that keeping, leaving out
+// and explaining fit what ran.
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <cstring>
+
+#include "core/error.h"
+#include "gi/frame/filters.h"
+#include "gi/frame/kept.h"
+#include "gi/parity/side_by_side.h"
+#include "gi/parity/stages.h"
+#include "tests/gi/moving_scene.h"
+
+using namespace plumb;
+
+namespace {
+
+using Labels = std::vector<std::string>;
+
+frame::Settings settings_of(filter::Resolution resolution, filter::Blur blur,
+                            rsm::Gather gather = rsm::Gather::all) {
+    frame::Settings settings;
+    settings.rsm.gather = gather, settings.rsm.samples = 16;
+    settings.indirect.resolution = resolution, settings.indirect.blur = blur;
+    return settings;
+}
+
+frame::Frame render(const Scene& scene, const frame::Settings& settings, const RunOptions& options = {}) {
+    return frame::execute(scene, settings, frame::plan(scene, settings), options);
+}
+
+Labels labels_of(const frame::Plan& plan, const std::string& start) {
+    Labels labels;
+    for (const frame::PlannedStage& s : plan.stages)
+        if (s.name.rfind(start, 0) == 0) labels.push_back(s.label);
+    return labels;
+}
+
+bool same_bits(const Image4& a, const Image4& b) {
+    return a.width == b.width && a.height == b.height &&
+           std::memcmp(a.data(), b.data(), a.size() * sizeof(glm::vec4)) == 0;
+}
+
+const filter::Resolution resolutions[] = {filter::Resolution::full, filter::Resolution::half};
+const filter::Blur blurs[] = {filter::Blur::none, filter::Blur::full, filter::Blur::separable};
+
+}  // namespace
+
+TEST_CASE("filters: a plan has those that the settings ask for, before and after the gathers", "[frame][filter]") {
+    const Scene scene = moving::scene();
+    using R = filter::Resolution;
+    using B = filter::Blur;
+    auto labels = [&](R resolution, B blur) {
+        return labels_of(frame::plan(scene, settings_of(resolution, blur)), "filter.");
+    };
+    CHECK(labels(R::full, B::none) == Labels{});
+    CHECK(labels(R::full, B::full) == Labels{"filter.blur"});
+    CHECK(labels(R::half, B::none) ==
+          Labels{"filter.reduce (position)", "filter.reduce (normal)", "filter.upsample"});
+    CHECK(labels(R::half, B::separable) == Labels{"filter.reduce (position)", "filter.reduce (normal)",
+                                                  "filter.upsample", "filter.blur (horizontal)",
+                                                  "filter.blur (vertical)"});
+    const frame::Plan plan = frame::plan(scene, settings_of(R::half, B::full));
+    CHECK(plan.stages[0].name == "gbuffer");
+    CHECK(plan.stages[1].label == "filter.reduce (position)");
+    const Labels all = labels_of(plan, "");
+    const auto at = [&](const std::string& label) { return std::find(all.begin(), all.end(), label) - all.begin(); };
+    CHECK(at("rsm.all (bulb)") < at("filter.upsample"));
+    CHECK(at("filter.upsample") < at("filter.blur"));
+    CHECK(at("filter.blur") < at("compose"));
+
+    frame::Settings direct = settings_of(R::half, B::full);
+    direct.method = frame::Method::direct;
+    CHECK(labels_of(frame::plan(scene, direct), "filter.") == Labels{});
+}
+
+TEST_CASE("filters: a blur of one pixel changes no light, and its depth goes along", "[frame][filter]") {
+    const Scene scene = moving::scene();
+    frame::Settings settings = settings_of(filter::Resolution::full, filter::Blur::full);
+    settings.indirect.kernel = 1;
+    const frame::Frame plain = render(scene, settings_of(filter::Resolution::full, filter::Blur::none));
+    const frame::Frame blurred = render(scene, settings);
+    CHECK(same_bits(blurred.radiance, plain.radiance));
+    CHECK(plain.gathered.empty());
+    for (std::size_t i = 0; i < plain.indirect.size(); ++i)
+        CHECK(blurred.indirect.texels[i] == glm::vec4(glm::vec3(plain.indirect.texels[i]),
+                                                      plain.gbuffer.position.texels[i].w));
+}
+
+TEST_CASE("filters: half resolution is close to full", "[frame][filter]") {
+    Scene scene = moving::scene();
+    scene.frame_size = {97, 64};
+    scene.materials[0].normal_texture = -1;
+    const frame::Frame full = render(scene, settings_of(filter::Resolution::full, filter::Blur::none));
+    auto rms = [&](filter::Upsample upsample) {
+        frame::Settings settings = settings_of(filter::Resolution::half, filter::Blur::none);
+        settings.indirect.upsample = upsample;
+        const frame::Frame half = render(scene, settings);
+        CHECK(half.gathered.width == 49);
+        CHECK(half.gathered.height == 32);
+        double squares = 0, sum = 0;
+        for (std::size_t i = 0; i < full.indirect.size(); ++i)
+            for (int c = 0; c < 3; ++c) {
+                const double a = half.indirect.texels[i][c], b = full.indirect.texels[i][c];
+                squares += (a - b) * (a - b), sum += b * b;
+            }
+        return std::sqrt(squares / sum);
+    };
+    const double bilateral = rms(filter::Upsample::bilateral), bilinear = rms(filter::Upsample::bilinear),
+                 published = rms(filter::Upsample::published);
+    CAPTURE(bilateral, bilinear, published);
+    CHECK(bilateral < 0.05);
+    CHECK(bilateral < bilinear);
+    CHECK(bilinear < published);
+}
+
+TEST_CASE("filters: frames that are kept are fresh ones to the bit", "[frame][frames][filter]") {
+    for (int moved = 0; moved < 4; ++moved)
+        for (filter::Resolution resolution : resolutions)
+            for (filter::Blur blur : blurs) {
+                CAPTURE(moved, int(resolution), int(blur));
+                Scene scene = moving::scene();
+                if (moved == 1) moving::move_camera(scene);
+                if (moved == 2) moving::switch_light(scene, 0);
+                if (moved == 3) moving::move_block(scene);
+                frame::KeptStages kept;
+                for (int f = 0; f < 8; ++f) {
+                    const Scene now = scene_at(scene, f);
+                    // Every third frame is filtered otherwise.
+                    frame::Settings settings = settings_of(resolution, blur, rsm::Gather::disc);
+                    if (f % 3 == 2) settings.indirect = {};
+                    const frame::Frame& got = frame::execute(now, settings, frame::plan(now, settings), {}, kept);
+                    const frame::Frame fresh = render(now, settings);
+                    CHECK(moving::differences(got, fresh, now.frame_size) == Labels{});
+                    CHECK(same_bits(got.indirect, fresh.indirect));
+                    if (moved == 0 && f == 1)
+                        for (const frame::StageRun& s : got.stages) CHECK(s.kept);
+                }
+            }
+}
+
+TEST_CASE("filters: they are left out where no gather runs", "[frame][pruning][filter]") {
+    Scene scene = moving::scene();
+    for (Light& light : scene.lights) light.on = false;
+    frame::Settings settings = settings_of(filter::Resolution::half, filter::Blur::separable);
+    const frame::Frame pruned = render(scene, settings);
+    for (const frame::StageRun& s : pruned.stages)
+        if (s.label.rfind("filter.", 0) == 0) CHECK(s.rule == "no-gather");
+    settings.pruning = false;
+    CHECK(same_bits(pruned.indirect, render(scene, settings).indirect));
+}
+
+TEST_CASE("filters: a truth is not filtered", "[frame][refusals][filter]") {
+    const Scene scene = moving::scene();
+    CHECK_THROWS_WITH(
+        frame::plan(scene, settings_of(filter::Resolution::half, filter::Blur::none, rsm::Gather::all_rays)),
+        "moving: [indirect] resolution = half: rsm.all_rays is a truth with a standard error of its own, which no filter "
+        "keeps: expected resolution = full and blur = none");
+    CHECK_THROWS_AS(
+        frame::plan(scene, settings_of(filter::Resolution::full, filter::Blur::full, rsm::Gather::all_rays)),
+        InputError);
+    CHECK_NOTHROW(
+        frame::plan(scene, settings_of(filter::Resolution::full, filter::Blur::none, rsm::Gather::all_rays)));
+}
+
+TEST_CASE("filters: explain and the frame's data tell what the frame has", "[frame][explain][filter]") {
+    const Scene scene = moving::scene();
+    const frame::Settings settings = settings_of(filter::Resolution::half, filter::Blur::separable, rsm::Gather::disc);
+    const frame::Plan plan = frame::plan(scene, settings);
+    const frame::Frame f = frame::execute(scene, settings, plan, {});
+    const glm::ivec2 pixel(9, 10);
+    auto last = [&](const frame::Explanation& e) {
+        const std::vector<double>& v = e.values.back().value;
+        return glm::vec3(v.at(0), v.at(1), v.at(2));
+    };
+    const std::vector<frame::Explanation> blur = frame::explain(scene, settings, plan, f, "filter.blur", -1, pixel);
+    REQUIRE(blur.size() == 2);
+    CHECK(last(blur[0]) == glm::vec3(f.blurred_across(9, 10)));
+    CHECK(last(blur[1]) == glm::vec3(f.indirect(9, 10)));
+    const auto up = frame::explain(scene, settings, plan, f, "filter.upsample", -1, pixel);
+    CHECK(last(up.at(0)) == glm::vec3(f.upsampled(9, 10)));
+    CHECK_THROWS_AS(frame::explain(scene, settings, plan, f, "rsm.disc", -1, {15, 3}), InputError);
+    CHECK(frame::explain(scene, settings, plan, f, "", -1, {19, 13}).size() > 8);
+
+    std::map<std::string, const Image4*> expected = {
+        {"filter.reduce.position", &f.half_position}, {"filter.reduce.normal", &f.half_normal},
+        {"filter.upsample", &f.upsampled},            {"filter.blur.horizontal", &f.blurred_across},
+        {"filter.blur.vertical", &f.indirect}};
+    for (const StageData& data : parity::frame_data(scene, settings, plan, f)) {
+        if (!expected.contains(data.id)) continue;
+        CAPTURE(data.id);
+        const Image4& image = *expected.at(data.id);
+        Bundle outputs;
+        parity::find_binding(data.stage, data.label).bind(data)->run({}, {}, outputs);
+        CHECK(std::memcmp(outputs.arrays.at(0).bytes.data(), image.data(), outputs.arrays.at(0).bytes.size()) == 0);
+        expected.erase(data.id);
+    }
+    CHECK(expected.empty());
+}
