@@ -90,9 +90,10 @@ std::vector<Case> frame_cases() {
         stored("rgba16f, flux", "lights whose flux does not fit a half", Layout::rgba16f, strong_lights),
         stored("rgba16f, emission", "emission of 1e5 W/m2, which does not fit a half", Layout::rgba16f,
                strong_emission),
-        set("published", "gather and shadow as printed",
+        set("published", "gather, shadow and direct light as printed",
             [](frame::Settings& s) {
                 s.rsm.variant = rsm::Variant::published, s.shadow.variant = direct::ShadowVariant::published;
+                s.direct.variant = direct::DirectVariant::published;
             }),
         set("projection clamped", "points outside of a map gather from its border",
             [](frame::Settings& s) { s.rsm.projection = rsm::Projection::clamped; }),
@@ -102,7 +103,10 @@ std::vector<Case> frame_cases() {
             [](frame::Settings& s) { s.rsm.min_distance = 1e18f; }),
         set("no bias", "the shadow test without any bias",
             [](frame::Settings& s) { s.shadow.bias = 0, s.shadow.slope_bias = 0; }),
-        set("one sample", "a disc of one sample", [](frame::Settings& s) { s.rsm.samples = 1; }),
+        set("one sample", "a disc of one sample, one path of one",
+            [](frame::Settings& s) { s.rsm.samples = s.rsm.directions = s.rsm.steps = 1; }),
+        set("slots meet at 0", "an edge of the micro linear buffer lies where a floor is seen from itself",
+            [](frame::Settings& s) { s.rsm.slots = 4; }),
         set("exposure 1e-6", "a picture that is nearly black", [](frame::Settings& s) { s.tonemap.exposure = 1e-6f; }),
         set("exposure 1e6", "a picture that is white", [](frame::Settings& s) { s.tonemap.exposure = 1e6f; }),
     };

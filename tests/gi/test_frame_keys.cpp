@@ -258,10 +258,24 @@ TEST_CASE("keys: seed, method, gather and what is left out", "[frame][frames][ke
     CHECK(check_outputs(before, after));
 
     // Another gather is another stage, with another key.
-    after = base();
-    after.settings.rsm.gather = rsm::Gather::all;
-    CHECK(same(before, after) == both({"gbuffer", "shadow (key)", "shadow (sun)", "shadow (bulb)", "direct"},
-                                      both(maps, traced)));
+    for (auto gather : {rsm::Gather::paths, rsm::Gather::all}) {
+        after = base();
+        after.settings.rsm.gather = gather;
+        CHECK(same(before, after) == both({"gbuffer", "shadow (key)", "shadow (sun)", "shadow (bulb)", "direct"},
+                                          both(maps, traced)));
+    }
+    // Its parameters are in its key.
+    Case paths = base();
+    paths.settings.rsm.gather = rsm::Gather::paths;
+    for (auto change : {+[](rsm::GatherParams& p) { p.slots = 7; }, +[](rsm::GatherParams& p) { p.steps = 9; },
+                        +[](rsm::GatherParams& p) { p.visibility = rsm::Visibility::algorithm_2; },
+                        +[](rsm::GatherParams& p) { p.turn = rsm::Turn::tile; }}) {
+        after = paths;
+        change(after.settings.rsm);
+        for (const char* light : {"key", "sun", "bulb"})
+            CHECK_FALSE(same(paths, after).contains(std::string("rsm.paths (") + light + ")"));
+        CHECK(check_outputs(paths, after));
+    }
 
     // Nothing that emits: with pruning the buffer is not wanted.
     Case unpruned = base();

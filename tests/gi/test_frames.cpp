@@ -16,7 +16,7 @@ using Labels = std::vector<std::string>;
 frame::Settings settings_for(rsm::Gather gather) {
     frame::Settings settings;
     settings.rsm.gather = gather;
-    settings.rsm.samples = 16;
+    settings.rsm.samples = 16, settings.rsm.directions = 4, settings.rsm.steps = 4;
     settings.reference.samples = 2, settings.reference.rounds = 2, settings.reference.rays = Rays::exact;
     return settings;
 }
@@ -87,7 +87,7 @@ TEST_CASE("frames: where nothing moves everything is kept, and nothing is copied
 TEST_CASE("frames: a moving camera keeps the lights' maps", "[frame][frames]") {
     Scene scene = moving::scene();
     moving::move_camera(scene);
-    for (auto gather : {rsm::Gather::disc, rsm::Gather::all, rsm::Gather::all_rays}) {
+    for (auto gather : {rsm::Gather::disc, rsm::Gather::paths, rsm::Gather::all, rsm::Gather::all_rays}) {
         const std::vector<Labels> labels = run(scene, settings_for(gather));
         check_every_later(labels, {"rsm (key)", "rsm (sun)", "rsm (bulb)"});
     }
@@ -96,7 +96,7 @@ TEST_CASE("frames: a moving camera keeps the lights' maps", "[frame][frames]") {
 TEST_CASE("frames: a moving light keeps the G-buffer and all of the other lights", "[frame][frames]") {
     Scene scene = moving::scene();
     moving::move_light(scene, 0);
-    for (auto gather : {rsm::Gather::disc, rsm::Gather::all_rays}) {
+    for (auto gather : {rsm::Gather::disc, rsm::Gather::paths, rsm::Gather::all_rays}) {
         const std::string name = rsm::stage_name(gather);
         check_every_later(run(scene, settings_for(gather)),
                           {"gbuffer", "rsm (sun)", "shadow (sun)", name + " (sun)", "rsm (bulb)", "shadow (bulb)",
@@ -107,7 +107,7 @@ TEST_CASE("frames: a moving light keeps the G-buffer and all of the other lights
 TEST_CASE("frames: a moving object changes what any stage sees", "[frame][frames]") {
     Scene scene = moving::scene();
     moving::move_block(scene);
-    for (auto gather : {rsm::Gather::disc, rsm::Gather::all_rays})
+    for (auto gather : {rsm::Gather::disc, rsm::Gather::paths, rsm::Gather::all_rays})
         check_every_later(run(scene, settings_for(gather)), {});
 }
 
@@ -137,7 +137,7 @@ TEST_CASE("frames: everything at once, by every method, layout and gather", "[fr
             settings.truth = method != frame::Method::reference;
             run(scene, settings);
         }
-    for (auto gather : {rsm::Gather::all, rsm::Gather::all_rays})
+    for (auto gather : {rsm::Gather::paths, rsm::Gather::all, rsm::Gather::all_rays})
         for (const char* layout : {"rgba16f", "lra"}) {
             frame::Settings settings = settings_for(gather);
             settings.layout = frame::parse_layout(layout, "test");

@@ -12,7 +12,7 @@
 #include "gi/compose/tonemap_kernel.h"
 #include "gi/direct/direct_kernel.h"
 #include "gi/direct/shadow_kernel.h"
-#include "gi/rsm/gather_kernel.h"
+#include "gi/rsm/paths_kernel.h"
 
 using namespace plumb;
 
@@ -31,7 +31,7 @@ struct Inputs {
         indirect{0, 0.2f};
     alignas(64) float records[4 * 16];
     std::int32_t offsets[2] = {1, 1 << 16};
-    float weights[2] = {2.5f, 3.25f};
+    float weights[2] = {2.5f, 3.25f}, edges[2] = {-0.25f, 0.25f};
     float visibility[8] = {1, 1, 0, 1, 1, 1, 1, 0};
     raster::LightArgs lights[2] = {{{0.2f, 1, 0.3f}, 0.5f, {0, -1, 0}, 3, {4, 2, 1}, 0},
                                    {{0, 0, 0}, -2, {0.6f, -0.8f, 0}, 1, {9, 8, 7}, 1}};
@@ -49,6 +49,18 @@ struct Inputs {
                1e-37f, 0.318309873f, 2, 1, 4, 1, 1, 0};
         v.position = position.value, v.normal = normal.value, v.records = records;
         v.offsets = offsets, v.weights = weights;
+        return v;
+    }
+    rsm::PathsInputsView<float> paths() const {
+        rsm::PathsInputsView<float> v{};
+        v.u.map = gather().u.map;
+        v.u.axis[1] = 1;
+        v.u.least_distance2 = 1e-37f, v.u.scale = 0.318309873f;
+        v.u.directions = 1, v.u.steps = 2, v.u.rotations = 1;
+        v.u.width = 4, v.u.height = 1, v.u.seed = 1, v.u.reach = 1;
+        v.u.slots = 3, v.u.propagates = -1;
+        v.position = position.value, v.normal = normal.value, v.records = records;
+        v.offsets = offsets, v.weights = weights, v.edges = edges;
         return v;
     }
     direct::ShadowInputsView shadow() const {
@@ -98,6 +110,11 @@ TEST_CASE("every kernel of gi/ runs for float, double and Bounded, and they fit 
     SECTION("rsm.disc") {
         require_within_bound([&](auto tag, int px) {
             return rsm::gather_disc<decltype(tag)>(inputs.gather(), index_t<decltype(tag)>(px), 0, tap);
+        });
+    }
+    SECTION("rsm.paths") {
+        require_within_bound([&](auto tag, int px) {
+            return rsm::gather_paths<decltype(tag)>(inputs.paths(), index_t<decltype(tag)>(px), 0, tap);
         });
     }
     SECTION("rsm.all") {

@@ -215,15 +215,15 @@ TEST_CASE("point light: one bounce inside a sphere is rho P / A everywhere, VRSM
     }
 }
 
-TEST_CASE("point light: run_maps() is the sum of its faces, in order, in rsm.disc too", "[rsm][point][bits]") {
+TEST_CASE("point light: run_maps() is the sum of its faces, in order, whatever gathers", "[rsm][point][bits]") {
     std::vector<raster::Rsm> maps = maps_of(scene_of(box(), lamp, 16));
     maps[2] = {};  // a face that saw nothing
     const Points points = on_walls(50, 0.1f);
-    for (auto kind : {rsm::Gather::disc, rsm::Gather::all}) {
+    for (auto kind : {rsm::Gather::disc, rsm::Gather::paths, rsm::Gather::all}) {
         rsm::GatherParams params;
         params.gather = kind;
         params.samples = 40;
-        const rsm::Pattern pattern = rsm::disc_pattern(params, 16, 1);
+        const rsm::Pattern pattern = rsm::pattern_of(params, 16, 1);
         Image4 all, sum(50, 1);
         rsm::run_maps(params, {&points.position, &points.normal, nullptr, &pattern, 1}, maps, {}, all);
         for (const raster::Rsm& map : maps) {
@@ -308,9 +308,9 @@ TEST_CASE("point light: a frame of spot, point and sun has the same bits everywh
           "[frame][point][bits]") {
     const Scene scene = three_lights();
     frame::Settings settings;
-    settings.rsm.samples = 30;
+    settings.rsm.samples = 30, settings.rsm.directions = 6, settings.rsm.steps = 5;
     for (auto mode : {direct::ShadowMode::hard, direct::ShadowMode::density})
-        for (auto kind : {rsm::Gather::disc, rsm::Gather::all}) {
+        for (auto kind : {rsm::Gather::disc, rsm::Gather::paths, rsm::Gather::all}) {
             settings.shadow.mode = mode;
             settings.rsm.gather = kind;
             RunOptions options;

@@ -39,8 +39,9 @@ std::vector<StageData> data_of(const Case& c, rsm::Gather gather = rsm::Gather::
 const std::vector<StageData>& room_data() {
     static const std::vector<StageData> data = [] {
         std::vector<StageData> all = data_of(case_of("room"));
-        for (StageData& d : data_of(case_of("room"), rsm::Gather::all))
-            if (d.stage == "rsm.all") all.push_back(std::move(d));
+        for (const rsm::Gather gather : {rsm::Gather::paths, rsm::Gather::all})
+            for (StageData& d : data_of(case_of("room"), gather))
+                if (d.stage == rsm::stage_name(gather)) all.push_back(std::move(d));
         return all;
     }();
     return data;
@@ -245,7 +246,7 @@ TEST_CASE("stability: at distance 0 every point coincides with a texel or a ligh
             for (const glm::vec3& p : x) REQUIRE(std::count(from.begin(), from.end(), p) > 0);
         }
     }
-    CHECK(looked_at == std::set<std::string>{"gbuffer", "rsm", "shadow", "direct", "rsm.disc", "rsm.all"});
+    CHECK(looked_at == std::set<std::string>{"gbuffer", "rsm", "shadow", "direct", "rsm.disc", "rsm.paths", "rsm.all"});
 }
 
 TEST_CASE("stability: at a distance every texel and light is so far before every surface", "[stability]") {
@@ -302,7 +303,7 @@ TEST_CASE("stability: what a layout cannot hold is refused before it is computed
     // The light's map, which sees nothing so far away, is drawn; what would read a G-buffer that is not there has no
     // cell.
     CHECK(!only(run({"rsm", "rgba16f at 65520"}, effort)).refused);
-    for (const char* reader : {"shadow", "direct", "rsm.disc", "rsm.all", "compose", "tonemap"})
+    for (const char* reader : {"shadow", "direct", "rsm.disc", "rsm.paths", "rsm.all", "compose", "tonemap"})
         CHECK(run({reader, "rgba16f at 65520"}, effort).empty());
 }
 
