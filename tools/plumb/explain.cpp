@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "io/file.h"
+#include "gi/frame/filters.h"
 #include "tools/plumb/cli.h"
 #include "tools/plumb/devices.h"
 #include "tools/plumb/explain_device.h"
@@ -56,8 +57,8 @@ struct Checker {
         return {v.x, v.y, v.z};
     }
 
-    // The picture of the indirect light is the sum over the lights, in their order.
-    Check gathered() const {
+    // The picture of the indirect light, before it is filtered, is the sum over the lights, in their order.
+    Check gathered(glm::ivec2 pixel) const {
         glm::vec3 sum(0);
         int lights = 0;
         for (const frame::PlannedStage& s : plan.stages) {
@@ -68,7 +69,7 @@ struct Checker {
             ++lights;
         }
         return {lights > 1 ? fmt::format("irradiance, the sum of {} lights", lights) : "irradiance",
-                at(frame.indirect),
+                at(frame::gather_sum(frame), pixel),
                 {sum.x, sum.y, sum.z}};
     }
 
@@ -103,7 +104,11 @@ struct Checker {
         if (s.name == "direct") return {{"irradiance", at(frame.direct), last_value(e, "irradiance")}};
         if (s.name == "compose") return {{"radiance", at(frame.radiance), last_value(e, "radiance")}};
         if (s.name == "tonemap") return {{"display", at(frame.display), last_value(e, "display")}};
-        return {gathered()};
+        if (frame::is_gather(s.name)) return {gathered(e.pixel)};
+        if (frame::is_filter(s.name))
+            return {{"irradiance", at(frame::filter_result(frame, settings, s), e.pixel),
+                     last_value(e, s.name == "filter.reduce" ? "value" : "irradiance")}};
+        return {};
     }
 };
 
@@ -123,7 +128,7 @@ frame::Plan up_to(frame::Plan plan, const std::string& stage) {
         if (stage != early) continue;
         std::erase_if(plan.stages, [](const frame::PlannedStage& s) {
             return s.name == "compose" || s.name == "tonemap" || s.name == "reference" ||
-                   s.name.rfind("rsm.", 0) == 0;
+                   s.name.rfind("rsm.", 0) == 0 || frame::is_filter(s.name);
         });
         if (stage != "gbuffer") plan.gbuffer.albedo = plan.gbuffer.emission = false;
     }
@@ -166,7 +171,7 @@ class Report {
         const bool sampled = std::any_of(e.values.begin(), e.values.end(), [](const TapValue& v) { return v.sample >= 0; });
         if (page_ || (sampled && !given_.common.json))
             for (ExplainedDispatch& one : explained_dispatches(scene_, settings_, plan_, frame_, stage, e)) {
-                text_ += samples_text(one.values, sample_shape(one.binding, &one.data));
+                text_ += samples_text(one.values, sample_shape(one.binding, &one.data, one.pixel));
                 if (page_) add_section(stage, one, "", one_side(one.values), notes);
             }
         for (const std::string& note : notes) text_ += note;
@@ -192,7 +197,7 @@ class Report {
   private:
     void add_section(const frame::PlannedStage& stage, const ExplainedDispatch& one, const std::string& device,
                      const parity::SideBySide& values, const std::vector<std::string>& notes) {
-        const Bundle outputs = made_by(one, stage, frame_, options_);
+        const Bundle outputs = made_by(one, stage, settings_, frame_, options_);
         page_->add({one.label, source_of(stage.name), one.pixel, one.binding, &one.data, &outputs, values, device, notes});
     }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "gi/frame/filters.h"
 #include "gi/parity/stages.h"
 #include "raster/light_view.h"
 #include "tools/plumb/stage_case.h"
@@ -63,8 +64,8 @@ std::vector<ExplainedDispatch> explained_dispatches(const Scene& scene, const fr
     return out;
 }
 
-Bundle made_by(const ExplainedDispatch& dispatch, const frame::PlannedStage& stage, const frame::Frame& frame,
-               const RunOptions& options) {
+Bundle made_by(const ExplainedDispatch& dispatch, const frame::PlannedStage& stage, const frame::Settings& settings,
+               const frame::Frame& frame, const RunOptions& options) {
     if (!dispatch.binding) return {};
     if (dispatch.binding->raster) {
         Bundle outputs = make_outputs(*dispatch.binding, dispatch.data);
@@ -74,7 +75,9 @@ Bundle made_by(const ExplainedDispatch& dispatch, const frame::PlannedStage& sta
     Bundle made;
     const glm::ivec2 size = dispatch.data.size;
     if (stage.name == "direct") copy(made, "irradiance", frame.direct, size);
-    if (frame::is_gather(stage.name)) copy(made, "irradiance", frame.indirect, size);
+    if (frame::is_gather(stage.name)) copy(made, "irradiance", frame::gather_sum(frame), size);
+    if (frame::is_filter(stage.name))
+        copy(made, dispatch.binding->outputs[0].name.c_str(), frame::filter_result(frame, settings, stage), size);
     if (stage.name == "compose") copy(made, "radiance", frame.radiance, size);
     if (stage.name == "tonemap") copy(made, "display", frame.display, size);
     const std::size_t pixels = std::size_t(size.x) * std::size_t(size.y), first = std::size_t(stage.light) * pixels;

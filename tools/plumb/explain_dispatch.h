@@ -25,7 +25,8 @@ std::vector<ExplainedDispatch> explained_dispatches(const Scene& scene, const fr
                                                     const frame::PlannedStage& stage, const frame::Explanation& e);
 
 // What the dispatch made, as far as pictures of it are at hand: a draw is drawn once more, others are the frame's.
-Bundle made_by(const ExplainedDispatch& dispatch, const frame::PlannedStage& stage, const frame::Frame& frame,
+Bundle made_by(const ExplainedDispatch& dispatch, const frame::PlannedStage& stage, const frame::Settings& settings,
+               const frame::Frame& frame,
                const RunOptions& options);
 
 // Source and budget of a stage by its name.

@@ -51,7 +51,7 @@ const TapValue* single(const std::vector<TapValue>& values, const std::string& n
 }
 
 std::optional<glm::dvec2> projection_of(const std::vector<TapValue>& values) {
-    for (const auto& [name, middle] : {std::pair("projection", 0.0), std::pair("centre", 0.5)})
+    for (const auto& [name, middle] : {std::pair("projection", 0.0), std::pair("centre", 0.5), std::pair("picked", 0.5)})
         if (const TapValue* v = single(values, name); v && v->value.size() == 2)
             return glm::dvec2(v->value[0] + middle, v->value[1] + middle);
     return {};
@@ -307,11 +307,17 @@ void list_of_values(Page& page, const ExplainedStage& stage, const Samples& samp
 
 }  // namespace
 
-SampleShape sample_shape(const StageBinding* binding, const StageData* data) {
+SampleShape sample_shape(const StageBinding* binding, const StageData* data, glm::ivec2 pixel) {
     SampleShape shape;
     if (!binding || !data) return shape;
-    for (const UniformMember& m : binding->uniforms)
-        if (m.name == "steps" && m.type == "int") shape.steps = int(uniform_value(*binding, *data, "steps").at(0));
+    shape.pixel = pixel;
+    for (const UniformMember& m : binding->uniforms) {
+        if (m.type != "int") continue;
+        const int value = int(uniform_value(*binding, *data, m.name).at(0));
+        if (m.name == "steps") shape.steps = value;
+        if (m.name == "radius_x") shape.radius.x = value;
+        if (m.name == "radius_y") shape.radius.y = value;
+    }
     for (const Slot& slot : binding->inputs)
         if (const Array* array = find(data->inputs, slot.name);
             array && !slot.frame && layers_of(slot, *array) == 1 && shape.map_width == 0)
@@ -331,7 +337,7 @@ void ExplainPage::picture(const Image4& display, glm::ivec2 pixel) {
 
 void ExplainPage::add(const ExplainedStage& stage) {
     const std::vector<TapValue> values = our_values(stage.values);
-    const Samples samples = samples_of(values, sample_shape(stage.binding, stage.data));
+    const Samples samples = samples_of(values, sample_shape(stage.binding, stage.data, stage.pixel));
     const std::string key = fmt::format("{}.", stages_++);
     page_.heading(fmt::format("{} at {},{}", stage.label, stage.pixel.x, stage.pixel.y), "stage" + key);
     page_.raw(fmt::format("<p class=\"note\">{}</p>\n", escaped(stage.source)));

@@ -40,8 +40,8 @@ class ExplainPage {
     int stages_ = 0;
 };
 
-// Paths and maps as the stage's uniform block and inputs have them.
-SampleShape sample_shape(const StageBinding* binding, const StageData* data);
+// Paths, windows and maps as the stage's uniform block and inputs have them.
+SampleShape sample_shape(const StageBinding* binding, const StageData* data, glm::ivec2 pixel);
 
 // A page lists no more samples than that: those that bring most. Above the second number marks are a picture of their own.
 inline constexpr std::size_t most_rows = 1000, most_marks = 4096;

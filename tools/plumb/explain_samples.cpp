@@ -26,14 +26,20 @@ std::optional<int> whole(std::optional<double> value) {
     return value && std::abs(*value) < 0x1p31 ? std::optional(int(*value)) : std::nullopt;
 }
 
-// x and y, or an index into the rows of a map; without either the sample's own number is that index.
-std::optional<glm::dvec2> texel_of(const std::vector<TapValue>& values, const Sample& s, int map_width) {
+// x and y, or an index into the rows of a map; without either the sample's own number is that index, or its place in the
+// window around the pixel.
+std::optional<glm::dvec2> texel_of(const std::vector<TapValue>& values, const Sample& s, const SampleShape& shape) {
     const TapValue* v = find(values, s, "texel");
+    if (!v) v = find(values, s, "coarse");
     if (v && v->value.size() == 2) return glm::dvec2(v->value[0], v->value[1]);
-    if (map_width <= 0) return {};
+    if (!v && shape.radius.x >= 0 && shape.radius.y >= 0) {
+        const int across = 2 * shape.radius.x + 1;
+        return glm::dvec2(shape.pixel - shape.radius + glm::ivec2(s.number % across, s.number / across));
+    }
+    if (shape.map_width <= 0) return {};
     const std::optional<int> index = v ? whole(v->value[0]) : std::optional(s.number);
     if (!index || *index < 0) return {};
-    return glm::dvec2(*index % map_width, *index / map_width);
+    return glm::dvec2(*index % shape.map_width, *index / shape.map_width);
 }
 
 // What runs along: the value of that name behind the sample.
@@ -64,10 +70,14 @@ void set_contribution(const std::vector<TapValue>& values, const Sample* before,
     if (sum) s.sum = sum->value;
     if (flux && s.form) {
         s.contribution = product(flux->value, s.weight.value_or(1) * s.visibility.value_or(1) * *s.form);
+    } else if (const TapValue* light = find(values, s, "irradiance_i"); light && s.weight) {
+        s.contribution = product(light->value, *s.weight);
     } else if (sum) {
         s.contribution = step_of(*sum, before, values);
     } else if (const TapValue* e = find(values, s, "E")) {
         s.contribution = e->value;
+    } else if (s.weight) {
+        s.contribution = {*s.weight};
     }
 }
 
@@ -161,7 +171,7 @@ Samples samples_of(const std::vector<TapValue>& values, const SampleShape& shape
         if (s.number < 0) continue;
         s.path = whole(number(values, s, "path")), s.step = whole(number(values, s, "step"));
         if (!s.path && shape.steps > 0) s.path = s.number / shape.steps, s.step = s.number % shape.steps;
-        s.texel = texel_of(values, s, shape.map_width);
+        s.texel = texel_of(values, s, shape);
         s.slot = number(values, s, "slot"), s.weight = number(values, s, "weight");
         s.visibility = number(values, s, "visibility"), s.form = number(values, s, "form");
         if (!s.visibility) s.visibility = number(values, s, "visible");

@@ -19,8 +19,8 @@ struct Sample {
     std::optional<glm::dvec2> texel;   // of the map, or of the picture, that is read
     std::optional<double> slot, visibility, weight, form;
     bool inside = true;
-    // weight visibility flux form, where the stage has flux and form; else the step of its running sum or count, or
-    // what one light sends (E). As many components as that has; empty where nothing can be said.
+    // weight visibility flux form, where the stage has flux and form; of a filter weight irradiance_i, or its weight; else
+    // the step of a running sum or count, or what one light sends (E). Empty where nothing can be said.
     std::vector<double> contribution;
     std::vector<double> sum;  // the kernel's own running sum behind this sample
 
@@ -41,6 +41,9 @@ struct Samples {
 struct SampleShape {
     int steps = 0;      // samples of a path, one path after another; 0: no paths
     int map_width = 0;  // texels: where the values name no texel, or name one by its index
+    // Of a filter whose samples are the window around the pixel, row by row: as far as it reaches; below 0: no window.
+    glm::ivec2 radius{-1};
+    glm::ivec2 pixel{0};
 };
 
 // `values`: of our kernel.
