@@ -60,6 +60,10 @@ Image4& filter_result(Frame& frame, const Settings& settings, const PlannedStage
     return place == "blurred_across" ? frame.blurred_across : frame.indirect;
 }
 
+const Image4& filter_result(const Frame& frame, const Settings& settings, const PlannedStage& stage) {
+    return filter_result(const_cast<Frame&>(frame), settings, stage);
+}
+
 const Image4& reduce_input(const Frame& frame, const PlannedStage& stage) {
     return stage.form == "position" ? frame.gbuffer.position : frame.gbuffer.normal;
 }

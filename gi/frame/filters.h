@@ -34,6 +34,10 @@ glm::ivec2 stage_size(const Settings& settings, const PlannedStage& stage, glm::
 Image4& filter_result(Frame& frame, const Settings& settings, const PlannedStage& stage);
 std::string filter_place(const Settings& settings, const PlannedStage& stage);
 
+const Image4& filter_result(const Frame& frame, const Settings& settings, const PlannedStage& stage);
+// The sum of the gathers, filtered or not.
+inline const Image4& gather_sum(const Frame& frame) { return frame.gathered.empty() ? frame.indirect : frame.gathered; }
+
 const Image4& reduce_input(const Frame& frame, const PlannedStage& stage);
 filter::UpsampleInputs upsample_inputs(const Frame& frame);
 filter::BlurInputs blur_inputs(const Settings& settings, const Frame& frame, const PlannedStage& stage);

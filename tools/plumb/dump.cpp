@@ -6,6 +6,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "gi/frame/filters.h"
 #include "gi/frame/frame.h"
 #include "gi/reference/ray_query.h"
 #include "gi/reference/lights.h"
@@ -129,7 +130,7 @@ struct Dump {
         Image4 image;
         rsm::RaysReport report;
         rsm::run_maps(settings.rsm,
-                      frame::gather_inputs(scene, settings, frame.gbuffer, s.light, geometry, pattern, rays.get()),
+                      frame::gather_inputs(scene, settings, frame, s.light, geometry, pattern, rays.get()),
                       frame.rsms[s.light], options, image, &report);
         const std::string name = s.name + "." + lights[s.light] + ".";
         outputs["irradiance"] = files.picture(name + "irradiance", image);
@@ -139,7 +140,7 @@ struct Dump {
     void gather(const frame::PlannedStage& s, Json& inputs, Json& outputs) {
         const int l = s.light;
         const rsm::Pattern pattern = rsm::pattern_of(settings.rsm, scene.lights[l].rsm_size, settings.seed);
-        inputs = surface_points();
+        inputs = gather_points();
         inputs["rsm"] = rsm_outputs(l)["records"];
         if (pattern.samples > 0) {
             const bool paths = settings.rsm.gather == rsm::Gather::paths;
@@ -186,6 +187,42 @@ struct Dump {
         return {{"position", g["position"]}, {"normal", g["normal"]}};
     }
 
+    // As filters of the indirect light leave them: gi/frame/filters.h names the files.
+    std::string filtered(const frame::PlannedStage& s) {
+        return files.picture(frame::filter_place(settings, s), frame::filter_result(frame, settings, s));
+    }
+
+    Json gather_points() {
+        if (!frame::halves_indirect(settings)) return surface_points();
+        return {{"position", files.picture("half_position", frame.half_position)},
+                {"normal", files.picture("half_normal", frame.half_normal)}};
+    }
+
+    void filter(const frame::PlannedStage& s, Json& inputs, Json& outputs) {
+        const Json points = surface_points();
+        if (s.name == "filter.reduce") {
+            inputs = {{"full", points.at(s.form)}};
+            outputs = {{"reduced", filtered(s)}};
+        } else if (s.name == "filter.upsample") {
+            const Json half = gather_points();
+            inputs = {{"coarse_irradiance", files.picture("gathered", frame.gathered)},
+                      {"coarse_position", half.at("position")}, {"coarse_normal", half.at("normal")},
+                      {"position", points.at("position")}, {"normal", points.at("normal")}};
+            outputs = {{"upsampled", filtered(s)}};
+        } else {
+            const filter::BlurInputs in = frame::blur_inputs(settings, frame, s);
+            const Buffer<float> spatial = filter::spatial_weights(settings.indirect, in.direction);
+            const char* from = in.irradiance == &frame.gathered    ? "gathered"
+                               : in.irradiance == &frame.upsampled ? "upsampled"
+                                                                   : "blurred_across";
+            const std::string name = s.name + (s.form.empty() ? "" : "." + s.form) + ".spatial";
+            inputs = {{"irradiance", files.picture(from, *in.irradiance)},
+                      {"position", points.at("position")}, {"normal", points.at("normal")},
+                      {"spatial", files.array(name, {std::int64_t(spatial.size())}, spatial.data())}};
+            outputs = {{"blurred", filtered(s)}};
+        }
+    }
+
     void direct(Json& inputs, Json& outputs) {
         std::vector<raster::LightArgs> args;
         inputs = surface_points();
@@ -215,6 +252,8 @@ struct Dump {
             outputs["visibility"] = visibility(s.light);
         } else if (s.name == "direct") {
             direct(inputs, outputs);
+        } else if (frame::is_filter(s.name)) {
+            filter(s, inputs, outputs);
         } else if (s.name == "compose") {
             const Json g = gbuffer_outputs();
             inputs = {{"normal", g["normal"]}, {"albedo", g["albedo"]}, {"emission", g["emission"]}};
@@ -231,6 +270,7 @@ struct Dump {
         }
         Json json = {{"stage", s.name}};
         if (s.light >= 0) json["light"] = scene.lights[s.light].name;
+        if (!s.form.empty()) json["form"] = s.form;
         if (!s.layer.empty()) json["layer"] = s.layer;
         json["inputs"] = inputs;
         json["outputs"] = outputs;

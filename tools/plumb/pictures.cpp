@@ -72,6 +72,13 @@ void write_pictures(const Scene& scene, const frame::Plan& plan, const frame::Fr
     const glm::ivec2 size = scene.frame_size;
     outputs.write(name + ".exr", [&](const std::string& path) { io::write_exr(path, size.x, size.y, layers); });
 
+    // What was gathered, before it was filtered, has a size of its own.
+    if (!frame.gathered.empty())
+        outputs.write(name + ".gathered.exr", [&](const std::string& path) {
+            io::write_exr(path, frame.gathered.width, frame.gathered.height,
+                          {layer("irradiance", rgb, frame.gathered), {"depth", {"Z"}, &frame.gathered.data()->w, 4}});
+        });
+
     // Write the reflective shadow maps.
     for (int l = 0; l < int(lights.size()); ++l) {
         std::vector<io::Layer> maps;

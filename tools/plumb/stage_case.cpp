@@ -7,6 +7,7 @@
 #include <map>
 
 #include "core/error.h"
+#include "gi/frame/filters.h"
 #include "gi/parity/stages.h"
 #include "io/file.h"
 #include "io/scene_file.h"
@@ -51,7 +52,7 @@ FieldValue field_value(const std::vector<std::string>& words) {
 // The table of settings that holds a parameter of the stage.
 std::string table_of(frame::Settings& settings, const std::string& stage, const std::string& key,
                      const std::string& place) {
-    const std::string first = stage.substr(0, stage.find('.'));
+    const std::string first = frame::is_filter(stage) ? "indirect" : stage.substr(0, stage.find('.'));
     std::vector<std::string> tables = frame::method_tables();
     std::stable_partition(tables.begin(), tables.end(), [&](const std::string& t) { return t == first; });
     for (const std::string& table : tables)
@@ -374,6 +375,10 @@ StageData CaseReader::data_of_scene(const io::ManifestStage& stage, const StageB
     frame::Settings settings = frame::settings_of(scene);
     choose_method(settings, stage.stage);
     settings.pruning = false;
+    // Of a dispatch the manifest tells the size: gathers read what they are given.
+    settings.indirect.resolution = filter::Resolution(stage.stage == "filter.reduce" || stage.stage == "filter.upsample");
+    settings.indirect.blur = stage.stage == "filter.blur" ? filter::Blur::full : filter::Blur::none;
+    if (stage.stage == "filter.reduce") scene.frame_size = 2 * scene.frame_size;
     set_params(settings, stage, binding);
 
     // Of a stage that runs once a light, and once a face, the manifest says which.
