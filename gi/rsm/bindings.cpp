@@ -11,8 +11,6 @@ namespace plumb::rsm {
 
 namespace {
 
-constexpr int most_reach = 32769;  // offsets of 16 bits; positions of as many texels, and one more
-
 // A device binds the map as three images; our kernel reads them as records of one cache line.
 Buffer<float> records_of(const StageData& d, int size) {
     const std::size_t texels = std::size_t(size) * std::size_t(size);
@@ -53,6 +51,7 @@ struct GatherOf {
         if (offsets < all || weights < weighed)
             throw InputError(fmt::format("{}: {} {} and {} weights: expected {} x {} and {}", d.label, offsets, table,
                                          weights, samples, u.rotations, weighed));
+        const int most_reach = continuous ? 32769 : 32768;
         if (u.reach < 0 || u.reach > most_reach)
             throw InputError(fmt::format("{}: reach = {}: expected 0 to {}", d.label, u.reach, most_reach));
         view.weights = floats(d, "weights");

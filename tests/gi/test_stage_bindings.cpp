@@ -197,6 +197,9 @@ double uniform(const StageData& data, const std::string& member) {
 }
 
 StageData disc_case() { return test::gather_case(small, rsm::Gather::disc, LightType::spot, 0, "disc"); }
+StageData continuous_case() {
+    return test::gather_case(small, rsm::Gather::disc, LightType::spot, 0, "continuous", rsm::Texels::continuous);
+}
 StageData paths_case() { return test::paths_case(small, LightType::spot, {.directions = 4, .steps = 3}, "paths"); }
 StageData shadow_case() {
     return test::shadow_case(small, LightType::spot, 0, direct::ShadowMode::hard, direct::ShadowVariant::corrected,
@@ -278,6 +281,8 @@ TEST_CASE("stage bindings: numbers that kernels loop over and index by are held 
     };
     const StageData tonemap = test::tonemap_case(small, compose::Operator::clamp, "tonemap");
     for (const Range& r : {Range{shadow_case(), "kernel", 1, 64}, {disc_case(), "reach", 0, 32768},
+                           {continuous_case(), "reach", 0, 32769},
+                           {continuous_case(), "samples", 0, uniform(continuous_case(), "samples")},
                            {disc_case(), "samples", 0, uniform(disc_case(), "samples")}, {tonemap, "op", 0, 3},
                            {paths_case(), "reach", 0, 32768}, {paths_case(), "directions", 0, 4},
                            {paths_case(), "steps", 0, 3}, {paths_case(), "slots", 2, 5}, {paths_case(), "tiled", 0, 1},
@@ -292,7 +297,7 @@ TEST_CASE("stage bindings: numbers that kernels loop over and index by are held 
                            Catch::StartsWith("direct: lights = "));
     }
     // The rotation is picked by the lower bits of a hash.
-    for (const StageData& data : {disc_case(), paths_case()}) {
+    for (const StageData& data : {disc_case(), continuous_case(), paths_case()}) {
         CHECK(with_uniform(data, "rotations", 1) == "");
         CHECK(with_uniform(data, "rotations", 2) == "");
         for (double rotations : {-1, 0, 3, 6})
