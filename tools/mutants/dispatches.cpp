@@ -90,6 +90,21 @@ void append_cornell(const std::filesystem::path& source, std::vector<Dispatch>& 
     for (Dispatch& d : tied)
         if (d.data.id.find(".bulb.") == std::string::npos) plant_ties(d.data), out.push_back(std::move(d));
 
+    // The filters of indirect light, on odd sides, in their modes and forms.
+    scene.frame_size = {95, 79};
+    frame::Settings filtered = settings, by_depth = settings, bilinear = settings, printed_picks = settings;
+    filtered.indirect.resolution = filter::Resolution::half, filtered.indirect.blur = filter::Blur::separable;
+    filtered.indirect.kernel = 7;
+    by_depth.indirect = bilinear.indirect = printed_picks.indirect = filtered.indirect;
+    by_depth.indirect.similarity = filter::Similarity::depth, by_depth.indirect.blur = filter::Blur::full;
+    bilinear.indirect.upsample = filter::Upsample::bilinear;
+    printed_picks.indirect.upsample = filter::Upsample::published;
+    const Lit half = execute(scene, filtered);
+    append("cornell, filtered", half, filtered, {"filter.reduce", "filter.upsample", "filter.blur"}, out);
+    append("cornell, filtered by depth", half, by_depth, {"filter.upsample", "filter.blur"}, out);
+    append("cornell, bilinear", half, bilinear, {"filter.upsample"}, out);
+    append("cornell, bilinear as printed", half, printed_picks, {"filter.upsample"}, out);
+
     // Every texel of a small map.
     for (Light& light : scene.lights) light.rsm_size = 16;
     scene.frame_size = {48, 40};
