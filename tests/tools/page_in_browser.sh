@@ -1,6 +1,6 @@
 #!/bin/bash
 # Opens a page of tools/page in a headless Chromium: every chart is drawn with its points in their places, a link and a
-# click show a point's pictures, the mouse its values, a click on a head sorts. Without Chromium: skipped (status 77).
+# click show a point's pictures, the mouse its values, a click on a head sorts, a mark on a picture points to its list. Without Chromium: skipped (status 77).
 # To run it: apt-get install chromium, then ctest -R page_in_browser.
 # Usage: page_in_browser.sh <folder of the build> <test_tools>
 set -euo pipefail
@@ -46,6 +46,13 @@ head.click();
 root.dataset.ascending = column(1);
 head.click();
 root.dataset.descending = column(1);
+const mark = document.querySelector("circle[data-key]"), list = document.querySelector("details[data-key]");
+mark.dispatchEvent(new MouseEvent("mouseover", {bubbles: true}));
+root.dataset.marked = root.dataset.pointed + list.classList.contains("pointed") + list.open;
+mark.dispatchEvent(new MouseEvent("click", {bubbles: true}));
+root.dataset.opened = list.open;
+canvas.dispatchEvent(new MouseEvent("mouseover", {bubbles: true}));
+root.dataset.left = document.querySelectorAll(".pointed").length;
 send("mousemove");
 setTimeout(() => {
     root.dataset.tooltip = chart.tooltip.body.map(b => b.lines.join()).join().slice(0, 9);
@@ -59,6 +66,9 @@ look visited "$work/visited_page.html"
 expect visited 'data-tooltip="settings:"'
 expect visited 'data-point="point=0"'
 expect visited 'data-pictures="3"'
+expect visited 'data-marked="2truefalse"'
+expect visited 'data-opened="true"'
+expect visited 'data-left="0"'
 expect visited 'data-ascending="9,10,undefined"'
 expect visited 'data-descending="10,9,undefined"'
 echo "page_in_browser: charts, links, clicks and tables work"

@@ -84,6 +84,8 @@ Page all_of_it() {
     for (int i = 0; i < 400; ++i) many.lines[0].points.push_back({double(i), std::exp2(-i * 0.1), {}, {}});
     page.chart(many);
     page.chart({"nothing", "x", "y"});
+    page.figure(b, {{4, 4}, {0, 0, 4, 4}, 64, "<circle data-key=\"one\" cx=\"2\" cy=\"2\" r=\"1\"/>"});
+    page.raw("<details data-key=\"one\"><summary>one</summary>more</details>\n");
     return page;
 }
 
@@ -218,6 +220,29 @@ TEST_CASE("page: a table's cells have heat, hints, links and an order", "[tools]
     CHECK(has(html, "<td class=\"nan\" data-number>NaN</td>"));
     CHECK(has(html, "<td data-number>5</td>"));
     CHECK(has(html, "<td><span class=\"badge doubt\">&lt;label&gt;</span></td>"));
+}
+
+TEST_CASE("page: a figure has marks over it in its texels, and a file of several figures is held once", "[tools][page]") {
+    Page page("overlay");
+    const Image<std::uint32_t> image = colors(7, 5);
+    const int first = page.picture(image, hostile), second = page.picture(image, "again");
+    page.figure(first, {{14, 10}, {-1, 0, 15, 10}, 300, "<circle r=\"1\"/>"});
+    page.figure(second, {{7, 5}, {0, 0, 7, 5}, 512, ""});
+    page.figure(page.picture(colors(3, 3), "other"), {{3, 3}, {0, 0, 3, 3}, 64, ""});
+    const std::string html = page.html();
+    CHECK(count(html, "data:image/png;base64,") == 2);
+    CHECK(has(html, "viewBox=\"-1 0 15 10\" width=\"300\" height=\"200\""));
+    const std::string held = between(html, "<g transform=\"scale(14 10)\"><image id=\"drawn0\" width=\"1\" height=\"1\" "
+                                           "preserveAspectRatio=\"none\" href=\"", "\"/></g>\n<circle r=\"1\"/></svg>");
+    CHECK(texels_of(held).texels == image.texels);
+    CHECK(has(html, "<g transform=\"scale(7 5)\"><use href=\"#drawn0\"/></g>"));
+    CHECK(has(html, "<image id=\"drawn1\""));
+    CHECK(count(html, "<script>alert") == 0);
+    CHECK(count(html, "://") == 0);
+    // A row has the key of its first cell, escaped.
+    page.table({{{"sample"}}, {{"0", true, -1, "", "", no_number, "", "a\"b"}}, {{"1"}}});
+    CHECK(has(page.html(), "<tr data-key=\"a&quot;b\"><td"));
+    CHECK(has(page.html(), "<tr><td>1</td>"));
 }
 
 // For page_in_browser.sh, which looks at it.

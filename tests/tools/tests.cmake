@@ -1,6 +1,8 @@
 # The parts of the program that can be tested without running it.
 if(TARGET test_tools)
-  target_sources(test_tools PRIVATE ${PROJECT_SOURCE_DIR}/tools/plumb/options.cpp
+  target_sources(test_tools PRIVATE ${PROJECT_SOURCE_DIR}/tools/plumb/explain_marks.cpp
+    ${PROJECT_SOURCE_DIR}/tools/plumb/explain_page.cpp ${PROJECT_SOURCE_DIR}/tools/plumb/explain_pictures.cpp
+    ${PROJECT_SOURCE_DIR}/tools/plumb/explain_samples.cpp ${PROJECT_SOURCE_DIR}/tools/plumb/options.cpp
     ${PROJECT_SOURCE_DIR}/tools/plumb/progress.cpp ${PROJECT_SOURCE_DIR}/tools/plumb/reference_files.cpp
     ${PROJECT_SOURCE_DIR}/tools/plumb/reports.cpp ${PROJECT_SOURCE_DIR}/tools/plumb/sweep_curves.cpp
     ${PROJECT_SOURCE_DIR}/tools/plumb/sweep_page.cpp ${PROJECT_SOURCE_DIR}/tools/plumb/sweep_report.cpp ${PROJECT_SOURCE_DIR}/tools/plumb/sweep_stats.cpp

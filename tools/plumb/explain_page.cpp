@@ -126,17 +126,16 @@ std::string caption_of(const SlotPicture& picture, int by) {
 void figure_of_map(Page& page, const Shown& shown, const Marks& marks) {
     const SlotPicture picture = slot_picture(shown.slot, shown.array, shown.layer);
     const glm::dvec2 size = layer_size(shown.slot, shown.array);
-    // What lies outside is seen as far as half a map.
+    // What lies outside is seen as far as a tenth of the map, which itself is always as large.
     glm::dvec2 low(0), high = size;
     const bool many = marks.samples.all.size() > most_marks;
     if (const auto extent = extent_of(marks.samples, marks.projection); extent && shown.read_at && !many) {
-        low = glm::max(glm::min(low, extent->low - 0.02 * size), -0.5 * size);
-        high = glm::min(glm::max(high, extent->high + 0.02 * size), 1.5 * size);
+        low = glm::max(glm::min(low, extent->low - 0.02 * size), -0.1 * size);
+        high = glm::min(glm::max(high, extent->high + 0.02 * size), 1.1 * size);
     }
-    const double side = std::max(high.x - low.x, high.y - low.y);
-    const Scale scale{side / map_px};
+    const Scale scale{std::max(size.x, size.y) / map_px};
     page::Overlay overlay{size, {low.x, low.y, high.x - low.x, high.y - low.y},
-                          int(std::round(map_px * (high.x - low.x) / side)), ""};
+                          int(std::round((high.x - low.x) / scale.texels_a_px)), ""};
     if (shown.read_at && !many) overlay.marks += sample_marks(marks.samples, marks.key, scale);
     if (!shown.of_frame && marks.projection) overlay.marks += point_mark(*marks.projection, scale);
     if (shown.of_frame) overlay.marks += marks.triangle + pixel_mark(marks.pixel, glm::ivec2(size), scale);

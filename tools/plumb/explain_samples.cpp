@@ -85,7 +85,7 @@ std::string texel_text(const Sample& s) {
     return s.texel ? fmt::format("{:g},{:g}", s.texel->x, s.texel->y) : "";
 }
 
-std::string short_text(double value) { return fmt::format("{:.5g}", value); }
+std::string short_text(double value) { return fmt::format("{:.4g}", value); }
 std::string short_text(const std::vector<double>& value) {
     std::string text;
     for (const double v : value) text += (text.empty() ? "" : " ") + short_text(v);
@@ -211,7 +211,7 @@ std::string samples_text(const std::vector<TapValue>& values, const SampleShape&
     std::vector<Column> columns;
     for (const std::string& head : table.head) columns.push_back({head, Align::right});
     return "what each sample brings: weight visibility flux form (VRSM (3.2))\n" + format_table(columns, table.rows) +
-           fmt::format("together: {}\n", short_text(samples.together));
+           fmt::format("together: {}\n", exact_text(samples.together));
 }
 
 }  // namespace plumb::cli
