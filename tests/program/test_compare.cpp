@@ -184,6 +184,31 @@ TEST_CASE("compare: the difference picture holds |A - B|", "[program]") {
     CHECK(files_in(p.folder) == Words{"a.exr", "b.exr", "d.exr", "d.png"});
 }
 
+TEST_CASE("compare: the signed error is blue where A is darker, red where it is brighter, else white", "[program]") {
+    Pair p("compare_signed");
+    // By half of what is there and more: full colour, (0.10, 0.28, 0.75) and (0.78, 0.09, 0.11) of 255.
+    for (int c = 0; c < 3; ++c) p.at(5, 6, c) *= 0.25f, p.at(7, 8, c) *= 4;
+    const std::string png = p.folder + "/signed.png";
+    const Result r = p.compare({"--signed-error", png});
+    CHECK(r.exit == 0);
+    CHECK_THAT(r.out, Contains("wrote " + png));
+    const compare::Picture picture = io::read_picture(png);
+    REQUIRE((picture.width == width && picture.height == height));
+    auto bytes = [&](int x, int y) {
+        std::vector<int> rgb;
+        for (int c = 0; c < 3; ++c)
+            rgb.push_back(int(std::lround(255 * picture.data[std::size_t(y * width + x) * picture.channels.size() + c])));
+        return rgb;
+    };
+    CHECK(bytes(5, 6) == std::vector<int>{26, 71, 191});
+    CHECK(bytes(7, 8) == std::vector<int>{199, 23, 28});
+    CHECK(bytes(6, 7) == std::vector<int>{255, 255, 255});
+    const Result bad = p.compare({"--signed-error", p.folder + "/signed.exr"});
+    CHECK(bad.exit == 2);
+    CHECK_THAT(bad.err, Contains("expected a name that ends in .png"));
+    CHECK_FALSE(std::filesystem::exists(p.folder + "/signed.exr"));
+}
+
 TEST_CASE("compare: a rendered file by layers", "[program]") {
     const std::string folder = fresh_folder("compare_layers"), scene = small_scene(folder);
     REQUIRE(run({"render", scene, "-o", folder + "/a"}).exit == 0);

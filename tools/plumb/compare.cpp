@@ -4,12 +4,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "core/compare_pictures.h"
 #include "core/error.h"
+#include "core/signed_error.h"
 #include "io/file.h"
 #include "io/image_file.h"
 #include "tools/plumb/cli.h"
@@ -23,7 +25,7 @@ namespace {
 
 struct CompareOptions {
     Common common;
-    std::string a, b, difference, layer;
+    std::string a, b, difference, signed_error, layer;
     std::optional<double> max_error, max_differing;
     std::optional<std::uint32_t> max_ulp;
 };
@@ -134,6 +136,35 @@ void write_difference(const compare::Picture& a, const compare::Picture& b, cons
     outputs.commit();
 }
 
+// (A - B) / B of luminance, B with a floor of 5 % of its mean; full colour at half of B.
+void write_signed_error(const compare::Picture& a, const compare::Picture& b, const compare::Options& options,
+                        const std::string& path) {
+    auto luminance = [&](const compare::Picture& picture) {
+        const bool layered = io::layer_names(picture).size() > 1;
+        const auto rgb = compare::linear_rgb(layered ? io::select_layer(picture, seen_layer(picture), path) : picture,
+                                             options.encoding);
+        if (!rgb) throw InputError(path, "", "a signed error shows R, G and B, which the pictures do not have");
+        compare::Plane plane(rgb->width, rgb->height);
+        for (std::size_t i = 0; i < plane.size(); ++i) plane.texels[i] = compare::luminance(rgb->texels[i]);
+        return plane;
+    };
+    const compare::Plane truth = luminance(b);
+    double sum = 0, finite = 0;
+    for (const double v : truth.texels)
+        if (std::isfinite(v)) sum += std::abs(v), ++finite;
+    const compare::Plane errors = compare::relative_errors(luminance(a), truth, finite > 0 ? 0.05 * sum / finite : 0);
+    std::vector<std::uint8_t> bytes;
+    for (const double e : errors.texels) {
+        const glm::vec3 color = compare::signed_color(e, 0.5);
+        for (int c = 0; c < 3; ++c) bytes.push_back(std::uint8_t(color[c] * 255 + 0.5f));
+    }
+    const std::filesystem::path where(path);
+    Outputs outputs(where.parent_path().string());
+    outputs.write(where.filename().string(),
+                  [&](const std::string& file) { io::write_png(file, errors.width, errors.height, bytes.data()); });
+    outputs.commit();
+}
+
 int run_compare(const CompareOptions& given) {
     compare::Options options;
     options.threads = given.common.run_options().threads;
@@ -143,6 +174,8 @@ int run_compare(const CompareOptions& given) {
     const std::string extension = io::extension_of(given.difference);
     if (!given.difference.empty() && extension != "exr" && extension != "png")
         throw InputError("-o " + given.difference + ": expected a name that ends in .exr or .png");
+    if (!given.signed_error.empty() && io::extension_of(given.signed_error) != "png")
+        throw InputError("--signed-error " + given.signed_error + ": expected a name that ends in .png");
     compare::Picture a = io::read_picture(given.a), b = io::read_picture(given.b);
     if (encoded(given.a) != encoded(given.b))
         throw InputError(fmt::format("{} is encoded for a display and {} is linear: they cannot be compared",
@@ -156,6 +189,7 @@ int run_compare(const CompareOptions& given) {
     // Compare; what cannot be compared has no difference picture.
     const compare::Report report = compare_all(a, b, options);
     const bool comparable = compare::mismatch(a, b).empty();
+    if (!given.signed_error.empty() && comparable) write_signed_error(a, b, options, given.signed_error);
     if (!given.difference.empty() && comparable) write_difference(a, b, given.difference);
     if (given.common.json) {
         std::fputs(json_text(compare_json(report)).c_str(), stdout);
@@ -165,6 +199,7 @@ int run_compare(const CompareOptions& given) {
     std::string text = fmt::format("A  {}\nB  {}\n\n", given.a, given.b);
     if (comparable) text += compare_text(report) + layers_text(a, b, options) + "\n";
     if (!given.difference.empty() && comparable) text += "wrote " + given.difference + "\n";
+    if (!given.signed_error.empty() && comparable) text += "wrote " + given.signed_error + "\n";
     text += !report.agree  ? "disagree: " + report.reason
             : report.equal ? "equal, to the bit"
             : bounded      ? "agree: within the bounds"
@@ -187,6 +222,10 @@ void add_compare(CLI::App& program, Action& action) {
         ->type_name("S");
     command->add_option("-o,--output", given->difference, "write |A - B| as .exr, or clamped to 0..1 as .png")
         ->type_name("DIFF");
+    command->add_option("--signed-error", given->signed_error,
+                        "write as .png where A is darker (blue) or brighter (red) than B; full colour: by 50 %")
+        ->check(some_word())
+        ->type_name("PNG");
     command->add_option("--layer", given->layer, "compare this layer of the files only")->type_name("L");
     add_common(*command, given->common);
     command->footer(

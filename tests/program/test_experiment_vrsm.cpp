@@ -1,0 +1,226 @@
+// plumb experiment vrsm, small: files, keys, that CSV, JSON and page hold the same numbers, bits, and what is refused.
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <set>
+#include <sstream>
+
+#include "tests/program/program.h"
+
+using namespace plumb::program;
+using Catch::Matchers::Contains;
+using Catch::Matchers::Equals;
+
+namespace {
+
+const Words small = {"--size", "64", "--repeats", "2", "--truth-rays", "1e6", "--slots", "3,5"};
+
+Result experiment(const std::string& scene, const std::string& out, Words more = {}) {
+    Words words = {"experiment", "vrsm", "--scene", scene, "-o", out};
+    words.insert(words.end(), more.begin(), more.end());
+    return run(words);
+}
+Json json_of(const std::string& out) { return Json::parse(read(out + "/vrsm.json")); }
+
+// Of the CSV's lines the cells; ours have no line ends and no doubled quotes.
+std::vector<Words> csv_of(const std::string& out) {
+    std::vector<Words> rows;
+    std::istringstream lines(read(out + "/vrsm.csv"));
+    for (std::string line; std::getline(lines, line);) {
+        Words cells = {""};
+        bool quoted = false;
+        for (const char c : line) {
+            if (c == '"')
+                quoted = !quoted;
+            else if (c == ',' && !quoted)
+                cells.push_back("");
+            else
+                cells.back() += c;
+        }
+        rows.push_back(cells);
+    }
+    return rows;
+}
+
+double value_of(const Json& json, const std::string& table, const std::string& row, const std::string& quantity) {
+    for (const Json& n : json["numbers"])
+        if (n["table"] == table && n["row"] == row && n["quantity"] == quantity) return n["value"].get<double>();
+    FAIL("no " << table << ", " << row << ": " << quantity);
+    return 0;
+}
+
+std::string refused(const std::string& scene, const std::string& out, const Words& more) {
+    const Result r = experiment(scene, out, more);
+    INFO(r.out << r.err);
+    CHECK(r.exit == 2);
+    CHECK(r.out.empty());
+    CHECK(std::count(r.err.begin(), r.err.end(), '\n') == 1);
+    CHECK_FALSE(std::filesystem::exists(out));
+    REQUIRE(r.err.rfind("plumb: ", 0) == 0);
+    return r.err.substr(7, r.err.size() - 8);
+}
+
+}  // namespace
+
+TEST_CASE("experiment vrsm: every file or none, and the same numbers in all of them", "[program][contract]") {
+    const std::string folder = fresh_folder("experiment_vrsm"), scene = small_scene(folder), out = folder + "/out";
+    const Result r = experiment(scene, out, small);
+    INFO(r.err);
+    REQUIRE(r.exit == 0);
+    CHECK(r.err.empty());
+    CHECK(files_in(out) == Words{"vrsm.csv", "vrsm.html", "vrsm.json"});
+    CHECK_THAT(r.out, Contains("table 5.1") && Contains("table 5.2") && Contains("table 5.3") && Contains("least rms"));
+
+    const Json json = json_of(out);
+    CHECK(keys(json) ==
+          Words{"isa", "processor", "threads", "repeats", "load_before", "load_after", "scenes", "numbers"});
+    REQUIRE(json["scenes"].size() == 1);
+    const Json& s = json["scenes"][0];
+    CHECK(keys(s) == Words{"name", "test_case", "triangles", "size", "settings", "times", "truth", "truth_seconds",
+                           "pictures"});
+    CHECK(s["test_case"].is_null());
+    CHECK(s["size"] == Json{64, 64});
+    // The thesis' setting, whatever the scene file says.
+    CHECK(s["settings"]["layout"] == "vrsm");
+    CHECK(s["settings"]["rsm"]["gather"] == "paths");
+    CHECK(s["settings"]["indirect"]["resolution"] == "half");
+    CHECK(s["settings"]["indirect"]["kernel"] == 17);
+    REQUIRE(s["times"].size() == 4);
+    for (const Json& t : s["times"]) {
+        REQUIRE(t["frame_ms"].size() == 2);
+        for (std::size_t i = 0; i < 2; ++i) {
+            double sum = 0;
+            for (const Json& pass : t["pass_ms"]) sum += pass[i].get<double>();
+            CHECK(sum == Approx(t["frame_ms"][i].get<double>()).epsilon(1e-12));
+            CHECK(sum > 0);
+        }
+    }
+
+    // CSV and JSON: the same rows, digit by digit.
+    const std::vector<Words> csv = csv_of(out);
+    REQUIRE(csv.size() == json["numbers"].size() + 1);
+    CHECK(csv[0] == Words{"table", "scene", "row", "quantity", "unit", "value", "thesis"});
+    std::map<std::string, int> rows;
+    for (std::size_t i = 0; i < json["numbers"].size(); ++i) {
+        const Json& n = json["numbers"][i];
+        CAPTURE(n.dump());
+        REQUIRE(keys(n) == csv[0]);
+        REQUIRE(csv[i + 1].size() == 7);
+        for (std::size_t k = 0; k < 5; ++k) CHECK(csv[i + 1][k] == n[csv[0][k]].get<std::string>());
+        CHECK(csv[i + 1][5].empty() == n["value"].is_null());
+        if (!n["value"].is_null()) CHECK(std::stod(csv[i + 1][5]) == n["value"].get<double>());
+        CHECK(n["thesis"].is_null());
+        ++rows[n["table"]];
+    }
+    // Without and 2 algorithms with 2 numbers of slots, of gather and frame; 9 numbers each.
+    CHECK(rows == std::map<std::string, int>{{"5.1", 9}, {"5.2", 18}, {"5.3", 10}, {"errors", 90}});
+
+    // The page: all numbers of the errors and times, to the last digit, and nothing from elsewhere.
+    const std::string html = read(out + "/vrsm.html");
+    for (std::size_t i = 0; i < json["numbers"].size(); ++i) {
+        const Json& n = json["numbers"][i];
+        if (n["value"].is_null() || n["quantity"] == "best") continue;
+        CAPTURE(n.dump());
+        CHECK_THAT(html, Contains("title=\"" + n["row"].get<std::string>() + ": " + n["quantity"].get<std::string>() +
+                                  "\" data-order=\"" + csv[i + 1][5] + "\""));
+    }
+    CHECK(html.find("http://") == html.find("http://www.w3.org"));
+    CHECK(html.find("src=\"http") == std::string::npos);
+    for (const char* id : {"table51", "table52", "table53", "scene0", "differences", "how"})
+        CHECK_THAT(html, Contains("id=\"" + std::string(id) + "\""));
+}
+
+TEST_CASE("experiment vrsm: the best is the least, visibility takes light, and shares are shares", "[program]") {
+    const std::string folder = fresh_folder("experiment_vrsm_errors"), scene = small_scene(folder),
+                      out = folder + "/out";
+    REQUIRE(experiment(scene, out, small).exit == 0);
+    const Json json = json_of(out);
+    std::map<std::string, std::vector<std::pair<double, bool>>> rms;
+    std::set<std::string> names;
+    for (const Json& n : json["numbers"])
+        if (n["table"] == "errors") names.insert(n["row"]);
+    for (const std::string& row : names) {
+        auto value = [&](const char* quantity) { return value_of(json, "errors", row, quantity); };
+        rms[row.substr(0, row.find(','))].push_back({value("rms"), value("best") == 1});
+        CHECK(value("no number") == 0);
+        CHECK(value("rms") > 0);
+        CHECK(value("noise") > 0);  // the truth is a subset here
+        CHECK(value("too dark") + value("too bright") <= 100);
+        // What is removed and what leaks makes up the mean, but for what noise hides of both.
+        CHECK(value("leaked") - value("removed") == Approx(value("mean error")).margin(2 * value("noise")));
+    }
+    REQUIRE(rms.size() == 2);
+    for (const auto& [kind, all] : rms) {
+        const auto least = std::min_element(all.begin(), all.end());
+        CHECK(std::count_if(all.begin(), all.end(), [](const auto& r) { return r.second; }) == 1);
+        CHECK(least->second);
+    }
+    // Visibility can only take light away; fewer slots take more.
+    for (const std::string kind : {"gather", "frame"}) {
+        const double none = value_of(json, "errors", kind + ", none", "mean error"),
+                     five = value_of(json, "errors", kind + ", algorithm_6, S = 5", "mean error"),
+                     two = value_of(json, "errors", kind + ", algorithm_2, S = 5", "mean error");
+        CHECK(none > five);
+        CHECK(five > two);
+    }
+}
+
+TEST_CASE("experiment vrsm: errors are the same by every number of threads, and --json prints the file", "[program]") {
+    const std::string folder = fresh_folder("experiment_vrsm_bits"), scene = small_scene(folder);
+    Words words = small;
+    words.insert(words.end(), {"--rays", "exact", "--json"});
+    std::vector<Json> errors;
+    for (const char* threads : {"1", "3"}) {
+        words.insert(words.end(), {"--threads", threads});
+        const Result r = experiment(scene, folder + "/out", words);
+        words.resize(words.size() - 2);
+        REQUIRE(r.exit == 0);
+        CHECK(r.out == read(folder + "/out/vrsm.json"));
+        errors.push_back(Json::array());
+        for (const Json& n : Json::parse(r.out)["numbers"])
+            if (n["table"] == "errors") errors.back().push_back(n);
+    }
+    CHECK(errors[0] == errors[1]);
+}
+
+TEST_CASE("experiment vrsm: the thesis' numbers stand beside the atrium alone", "[program]") {
+    const std::string folder = fresh_folder("experiment_vrsm_atrium"), scene = folder + "/atrium.toml";
+    write(scene, "[[mesh]]\ngenerate = \"atrium\"\ntriangles = 7000\nseed = 2\n");
+    const std::string out = folder + "/out";
+    REQUIRE(experiment(scene, out, {"--size", "32", "--repeats", "1", "--truth-rays", "1e5", "--slots", "5"}).exit == 0);
+    const Json json = json_of(out);
+    CHECK(json["scenes"][0]["test_case"] == "A");
+    std::vector<double> printed;
+    for (const Json& n : json["numbers"])
+        if (!n["thesis"].is_null()) printed.push_back(n["thesis"]);
+    // Tables 5.1 (A), 5.2 and 5.3.
+    CHECK(printed == std::vector<double>{31.6, 35.9, 14,   31.6, 35.9, 13,   79.8, 93.4, 17,   2.03,
+                                         5.7,  2.47, 6.9,  21.8, 60.7, 9.60, 26.7, 35.9, 100});
+}
+
+TEST_CASE("experiment vrsm: what it cannot do is refused before anything is measured or written", "[program]") {
+    const std::string folder = fresh_folder("experiment_vrsm_refused"), scene = small_scene(folder),
+                      out = folder + "/out";
+    auto says = [&](const Words& more) { return refused(scene, out, more); };
+    CHECK_THAT(says({"--size", "15"}), Contains("--size"));
+    CHECK_THAT(says({"--size", "many"}), Contains("--size"));
+    CHECK_THAT(says({"--repeats", "0"}), Contains("--repeats"));
+    for (const char* rays : {"nan", "-1", "few"}) CHECK_THAT(says({"--truth-rays", rays}), Contains("--truth-rays"));
+    CHECK_THAT(says({"--slots", "1"}), Contains("--slots"));
+    CHECK_THAT(says({"--slots", "5,33"}), Contains("--slots"));
+    CHECK_THAT(says({"--slots", "5,5"}), Equals("--slots: expected each larger than the one before"));
+    CHECK_THAT(says({"--rays", "some"}), Contains("--rays"));
+    for (const char* key : {"rsm.slots=4", "rsm.gather=disc", "rsm.visibility=none", "indirect.resolution=full"})
+        CHECK_THAT(says({"--set", key}), Contains("the experiment chooses it"));
+    CHECK_THAT(says({"--set", "rsm.radiu=1"}), Contains("radius"));
+    CHECK_THAT(says({"--set", "rsm.directions=0"}), Contains("directions"));
+    CHECK_THAT(says({"--scene", scene}), Contains("given twice"));
+    CHECK_THAT(refused(folder + "/missing.toml", out, {}), Contains("missing.toml"));
+    write(scene, read(scene).substr(0, read(scene).find("[[light]]")));
+    CHECK_THAT(says({}), Contains("no light of it is gathered"));
+    const Result none = run({"experiment", "vrsm"});
+    CHECK(none.exit == 2);
+    CHECK_THAT(none.err, Contains("-o") || Contains("--output"));
+}
