@@ -1,5 +1,6 @@
 // The filters of indirect light in a frame: which of them run, what they leave as it was, and that keeping, leaving out
 // and explaining fit what ran.
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstring>
@@ -89,25 +90,32 @@ TEST_CASE("filters: a blur of one pixel changes no light, and its depth goes alo
 
 TEST_CASE("filters: half resolution is close to full", "[frame][filter]") {
     Scene scene = moving::scene();
-    scene.frame_size = {97, 64};
+    scene.frame_size = {193, 128};
     scene.materials[0].normal_texture = -1;
-    const frame::Frame full = render(scene, settings_of(filter::Resolution::full, filter::Blur::none));
-    auto rms = [&](filter::Upsample upsample) {
-        frame::Settings settings = settings_of(filter::Resolution::half, filter::Blur::none);
+    scene.meshes.pop_back();  // holes between picks
+    auto settings_for = [](filter::Resolution resolution) {
+        frame::Settings settings = settings_of(resolution, filter::Blur::none);
+        settings.rsm.min_distance = 0.2f;  // without peaks where points touch texels
+        return settings;
+    };
+    const frame::Frame full = render(scene, settings_for(filter::Resolution::full));
+    // The error that one pixel in ten exceeds; the others are where light ends at a corner, between two picks.
+    auto error = [&](filter::Upsample upsample) {
+        frame::Settings settings = settings_for(filter::Resolution::half);
         settings.indirect.upsample = upsample;
         const frame::Frame half = render(scene, settings);
-        CHECK(half.gathered.width == 49);
-        CHECK(half.gathered.height == 32);
-        double squares = 0, sum = 0;
-        for (std::size_t i = 0; i < full.indirect.size(); ++i)
-            for (int c = 0; c < 3; ++c) {
-                const double a = half.indirect.texels[i][c], b = full.indirect.texels[i][c];
-                squares += (a - b) * (a - b), sum += b * b;
-            }
-        return std::sqrt(squares / sum);
+        CHECK(half.gathered.width == 97);
+        CHECK(half.gathered.height == 64);
+        std::vector<double> errors;
+        for (std::size_t i = 0; i < full.indirect.size(); ++i) {
+            const double a = half.indirect.texels[i].x, b = full.indirect.texels[i].x;
+            if (b > 0) errors.push_back(std::abs(a - b) / b);
+        }
+        std::sort(errors.begin(), errors.end());
+        return errors.at(errors.size() * 9 / 10);
     };
-    const double bilateral = rms(filter::Upsample::bilateral), bilinear = rms(filter::Upsample::bilinear),
-                 published = rms(filter::Upsample::published);
+    const double bilateral = error(filter::Upsample::bilateral), bilinear = error(filter::Upsample::bilinear),
+                 published = error(filter::Upsample::published);
     CAPTURE(bilateral, bilinear, published);
     CHECK(bilateral < 0.05);
     CHECK(bilateral < bilinear);
@@ -196,4 +204,35 @@ TEST_CASE("filters: explain and the frame's data tell what the frame has", "[fra
         expected.erase(data.id);
     }
     CHECK(expected.empty());
+}
+
+TEST_CASE("filters: every parameter changes the keys of the stages that read it, and no others",
+          "[frame][frames][keys][filter]") {
+    const Scene scene = moving::scene();
+    auto keys_of = [&](const frame::Settings& settings) {
+        const frame::Plan plan = frame::plan(scene, settings);
+        const std::vector<std::uint64_t> keys = frame::stage_keys(scene, settings, plan, Isa::scalar);
+        std::map<std::string, std::uint64_t> named;
+        for (std::size_t i = 0; i < keys.size(); ++i) named[plan.stages[i].label] = keys[i];
+        return named;
+    };
+    const frame::Settings before = settings_of(filter::Resolution::half, filter::Blur::separable, rsm::Gather::disc);
+    const auto old = keys_of(before);
+    const Labels filters = {"filter.upsample", "filter.blur (horizontal)", "filter.blur (vertical)"};
+    frame::Settings counted = before;
+    for (std::size_t i = 0; i < filter::fields(counted.indirect).size(); ++i) {
+        frame::Settings after = before;
+        Field field = filter::fields(after.indirect)[i];
+        CAPTURE(field.name);
+        if (int** p = std::get_if<int*>(&field.value)) **p = field.choices.empty() ? 5 : **p == 0 ? 1 : 0;
+        if (float** p = std::get_if<float*>(&field.value)) **p *= 0.5f;
+        const auto now = keys_of(after);
+        for (const auto& [label, key] : now) {
+            CAPTURE(label);
+            const bool gather = label.rfind("rsm.disc", 0) == 0;
+            const bool reads = std::count(filters.begin(), filters.end(), label) > 0 || label == "compose" ||
+                               label == "tonemap" || (gather && field.name == "resolution");
+            if (old.contains(label)) CHECK((key != old.at(label)) == reads);
+        }
+    }
 }
