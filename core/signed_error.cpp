@@ -66,16 +66,20 @@ SignedErrors result(const Sums& s) {
 
 }  // namespace
 
-Plane relative_errors(const Plane& a, const Plane& truth, double floor) {
+Plane relative_errors(const Plane& a, const Plane& truth, double floor, const Plane& error, double sigmas) {
     require_same_size(a, truth, "the truth");
+    if (!error.empty()) require_same_size(a, error, "the standard error");
     require_amount(floor, "floor");
+    require_amount(sigmas, "sigmas");
     Plane out(a.width, a.height);
     for (std::size_t i = 0; i < a.size(); ++i) {
-        const double x = a.texels[i], t = truth.texels[i];
-        if (!std::isfinite(x) || !std::isfinite(t))
+        const double x = a.texels[i], t = truth.texels[i], e = error.empty() ? 0 : error.texels[i];
+        if (!std::isfinite(x) || !std::isfinite(t) || !std::isfinite(e)) {
             out.texels[i] = std::numeric_limits<double>::quiet_NaN();
-        else
-            out.texels[i] = x == t ? 0 : (x - t) / (std::abs(t) + floor);
+            continue;
+        }
+        const double beyond = std::max(std::abs(x - t) - sigmas * e, 0.0);
+        out.texels[i] = beyond == 0 ? 0 : (x < t ? -beyond : beyond) / (std::abs(t) + floor);
     }
     return out;
 }

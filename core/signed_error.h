@@ -13,9 +13,10 @@ namespace plumb::compare {
 using Plane = Image<double>;
 
 // (a - truth) / (|truth| + floor), without a unit: 0 where they are equal, an infinity where something is held against
-// nothing, NaN where a or truth is no finite number. Throws InputError for sizes that differ and for a floor that is
-// negative or no number.
-Plane relative_errors(const Plane& a, const Plane& truth, double floor);
+// nothing, NaN where a, truth or error is no finite number. Of the difference, `sigmas` standard errors are taken off,
+// down to 0: what is left is no noise. error: empty where the truth has none. Throws InputError for sizes that differ,
+// and for a floor or sigmas that are negative or no numbers.
+Plane relative_errors(const Plane& a, const Plane& truth, double floor, const Plane& error = {}, double sigmas = 0);
 
 // sRGB-encoded: blue where too dark, red where too bright, white at 0, full colour at -1 and +1 `swing`; green for a
 // NaN.

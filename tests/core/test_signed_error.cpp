@@ -117,10 +117,12 @@ TEST_CASE("signed error: sizes and options that mean nothing are refused", "[com
     CHECK_THROWS_AS(signed_errors(one, one, two), InputError);
     CHECK_THROWS_AS(signed_errors(one, one, {}, mask({1, 1})), InputError);
     CHECK_THROWS_AS(relative_errors(one, two, 0), InputError);
+    CHECK_THROWS_AS(relative_errors(one, one, 0, two), InputError);
     for (const double bad : {-1.0, nan_value, infinite}) {
         CHECK_THROWS_AS(signed_errors(one, one, {}, {}, {bad, 3}), InputError);
         CHECK_THROWS_AS(signed_errors(one, one, {}, {}, {0.1, bad}), InputError);
         CHECK_THROWS_AS(relative_errors(one, one, bad), InputError);
+        CHECK_THROWS_AS(relative_errors(one, one, 0, one, bad), InputError);
     }
 }
 
@@ -137,6 +139,14 @@ TEST_CASE("signed error: relative to the truth and a floor, pixel by pixel", "[c
     CHECK(without.texels[0] == 0);
     CHECK(without.texels[1] == infinite);
     CHECK(without.texels[2] == -infinite);
+    // Two standard errors of 1/4, 1/2, 1 and none of differences of -1, -1, +1 and +1, of 2 + 2.
+    const Plane beyond =
+        relative_errors(row({1, 1, 3, 3, 2}), row({2, 2, 2, 2, 2}), 2, row({0.25, 0.5, 1, 0, nan_value}), 2);
+    CHECK(beyond.texels[0] == -0.125);
+    CHECK(beyond.texels[1] == 0);
+    CHECK(beyond.texels[2] == 0);
+    CHECK(beyond.texels[3] == 0.25);
+    CHECK(std::isnan(beyond.texels[4]));
 }
 
 TEST_CASE("signed error: blue is too dark, red too bright, white neither, green no number", "[compare]") {

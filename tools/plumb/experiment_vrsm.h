@@ -57,9 +57,10 @@ struct VrsmPictures {
     std::vector<glm::ivec4> crops;                 // x, y, width, height: where `difference` is largest
     double white = 0;
 };
-inline constexpr double vrsm_difference_gain = 4;  // of the irradiance that is white
-inline constexpr double vrsm_error_swing = 0.5;    // of the local truth
-inline constexpr double vrsm_error_floor = 0.05;   // of the truth's mean: dark points are not worth as much
+inline constexpr compare::SignedErrorOptions vrsm_judgement = {0.1, 3};  // 10 % of the local truth, 3 standard errors
+inline constexpr double vrsm_difference_gain = 4;                        // of the irradiance that is white
+inline constexpr double vrsm_error_swing = 0.5;                          // of the local truth
+inline constexpr double vrsm_error_floor = 0.05;  // of the truth's mean: dark points are not worth as much
 
 struct VrsmScene {
     std::string name;
@@ -103,6 +104,7 @@ double median(std::vector<double> values);
 struct VrsmViews {
     const raster::GBuffer* gbuffer = nullptr;
     const Image4 *truth = nullptr, *without = nullptr, *with = nullptr, *best = nullptr;  // irradiance, W/m2
+    const compare::Plane* truth_error = nullptr;                                          // of its luminance
 };
 VrsmPictures vrsm_pictures(const VrsmViews& views, int crops, const RunOptions& options);
 

@@ -192,7 +192,7 @@ void vrsm_look(const VrsmSubject& subject, const VrsmRequest& request, const Run
         for (VrsmErrors& row : rows) {
             show_progress(subject.scene.name + ": " + vrsm_row(row));
             row.errors = compare::signed_errors(compare::luminances(render(row).indirect), truth.luminance, truth.error,
-                                                truth.surface);
+                                                truth.surface, vrsm_judgement);
         }
         const compare::SignedErrors& first = rows.front().errors;
         if (first.pixels == 0 || (first.mean_truth && !(*first.mean_truth > 0)))
@@ -206,8 +206,8 @@ void vrsm_look(const VrsmSubject& subject, const VrsmRequest& request, const Run
     const frame::Frame& first = render({true, Visibility::none, 0});
     const Image4 without = first.indirect, global_without = first.display;
     const frame::Frame& second = render({true, Visibility::algorithm_6, 5});
-    scene.pictures =
-        vrsm_pictures({&second.gbuffer, &truth.irradiance, &without, &second.indirect, &best}, request.crops, options);
+    scene.pictures = vrsm_pictures(
+        {&second.gbuffer, &truth.irradiance, &without, &second.indirect, &best, &truth.error}, request.crops, options);
     scene.pictures.global_without = global_without, scene.pictures.global_with = second.display;
     show_progress("");
 }

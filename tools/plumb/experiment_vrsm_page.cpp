@@ -14,7 +14,7 @@ namespace {
 using page::Cell;
 using page::Page;
 
-constexpr int picture_width = 400, crop_width = 260;  // on the page, px
+constexpr int picture_width = 512, crop_width = 256;  // on the page, px
 
 class VrsmPage {
   public:
@@ -89,6 +89,9 @@ class VrsmPage {
                                              head("by pairs, %", "median of the overheads of each repetition"),
                                              head("lower quartile"),
                                              head("upper quartile"),
+                                             head("fastest without, ms"),
+                                             head("fastest with, ms"),
+                                             head("overhead, %", "of the fastest"),
                                              head("RSM sampling without, ms"),
                                              head("with, ms"),
                                              head("overhead, %")}};
@@ -105,6 +108,9 @@ class VrsmPage {
                             ours(n("overhead by pairs")),
                             ours(n("overhead by pairs, lower quartile")),
                             ours(n("overhead by pairs, upper quartile")),
+                            ours(n("fastest without")),
+                            ours(n("fastest with")),
+                            ours(n("overhead of the fastest")),
                             ours(n("sampling without")),
                             ours(n("sampling with")),
                             ours(n("sampling overhead"))});
@@ -209,7 +215,8 @@ class VrsmPage {
         page_.raw("<h3>Signed errors against (d)</h3>\n");
         page_.paragraph(
             fmt::format("Blue is too dark, red too bright, white neither; full colour at {:g} % of the local truth "
-                        "(plus {:g} % of its mean). Green would be no number; grey is no surface.",
+                        "(plus {:g} % of its mean), beyond 3 standard errors of the truth. Green would be no number; "
+                        "grey is no surface.",
                         100 * vrsm_error_swing, 100 * vrsm_error_floor));
         show(p.error_without, "(a) against (d): red is light that leaks");
         show(p.error_with, "(b) against (d): blue is what visibility should not have darkened");

@@ -39,7 +39,7 @@ Image4 grey(const Plane& plane, double factor) {
 }
 
 Image4 signed_picture(const VrsmViews& views, const Plane& a, const Plane& truth, double floor) {
-    const Plane errors = compare::relative_errors(a, truth, floor);
+    const Plane errors = compare::relative_errors(a, truth, floor, *views.truth_error, vrsm_judgement.sigmas);
     Image4 image(a.width, a.height, glm::vec4(no_surface));
     for (std::size_t i = 0; i < errors.size(); ++i)
         if (on_surface(views, i))
