@@ -23,7 +23,7 @@ struct FilterParams {
     Upsample upsample = Upsample::bilateral;
     Blur blur = Blur::none;
     int kernel = 17;
-    float sigma_distance = 4;
+    float sigma_distance = 3;
     Similarity similarity = Similarity::plane;
     float sigma_depth = 0.02f;
     float sigma_normal = 0.3f;
