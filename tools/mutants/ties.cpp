@@ -25,6 +25,18 @@ double beside_depth(const std::vector<TapValue>& values) {
     return depth && map && bias && (*map)[0] > 0 ? (*depth)[0] - ((*map)[0] + (*bias)[0]) : 0;
 }
 
+// Of the first sample that the map has.
+double beside_slot(const std::vector<TapValue>& values, double edge) {
+    bool inside = false, found = false;
+    double height = 0;
+    for (const TapValue& v : values) {
+        if (v.name == "inside") inside = v.value[0] != 0;
+        if (v.name == "dz" && inside) height = v.value[0] * std::abs(v.value[0]), found = true;
+        if (v.name == "d2" && found) return v.value[0] > 0 ? height / v.value[0] - edge : 0;
+    }
+    return 0;
+}
+
 // Moves the point along `way` to where f is 0, by the secant's rule; back to where it was if it does not get there.
 void solve(float* point, const glm::dvec3& way, const std::function<double()>& f) {
     const glm::dvec3 start(point[0], point[1], point[2]);
@@ -50,8 +62,16 @@ void plant_ties(StageData& data) {
     float* positions = nullptr;
     for (Array& array : data.inputs.arrays)
         if (array.name == "position") positions = reinterpret_cast<float*>(array.bytes.data());
-    const bool shadow = data.stage == "shadow";
-    glm::dvec3 eye(0), forward(0);
+    const bool shadow = data.stage == "shadow", paths = data.stage == "rsm.paths";
+    glm::dvec3 eye(0), forward(0), axis(0);
+    double edge = 0;
+    if (paths) {
+        const std::vector<double> a = uniform_value(binding, data, "axis");
+        axis = {a[0], a[1], a[2]};
+        // Above elevation 0 and next to it: where walls see a floor, and a floor sees walls.
+        const Array& edges = at(data.inputs, "edges");
+        edge = reinterpret_cast<const float*>(edges.bytes.data())[edges.bytes.size() / 8];
+    }
     bool perspective = false;
     if (shadow) {
         const std::vector<double> e = uniform_value(binding, data, "eye"), a = uniform_value(binding, data, "forward");
@@ -67,6 +87,8 @@ void plant_ties(StageData& data) {
                 solve(point, {0.8, 0.1, 0.6}, [&] { return beside_texel(stage->explain({x, y})); });
             if (which == 1 && shadow)
                 solve(point, perspective ? p - eye : forward, [&] { return beside_depth(stage->explain({x, y})); });
+            if (which == 1 && paths)
+                solve(point, axis, [&] { return beside_slot(stage->explain({x, y}), edge); });
         }
 }
 
