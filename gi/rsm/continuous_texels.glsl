@@ -1,4 +1,4 @@
-// Twin of texels_kernel.h, ContinuousTexels: the sample's own position is computed, and its texel is the one that it lies in.
+// Twin of texels_kernel.h, ContinuousTexels: each sample's own position is computed, and its texel holds it.
 layout(std430, binding = 6) readonly buffer Positions { vec2 positions[]; };  // [samples][rotations]
 
 #define CENTRE vec2

@@ -72,10 +72,10 @@ std::vector<Field> fields(GatherParams& p) {
          "how a pixel gets its rotation: by hash, or dealt out over tiles of 4 x 4 pixels (paths; ours)", 0, 1,
          {"hash", "tile"}, false, paths(curves, {0, 1})},
         {"texels", as_int(p.texels), "",
-         "disc, paths: whole texels from the one rounded projection, or each sample's own position rounded (the theses)", 0,
+         "disc, paths: whole texels from the one rounded projection, or each sample's position rounded (the theses)", 0,
          1, {"whole", "continuous"}, false, disc(curves, {})},
         {"pattern", &p.pattern, "",
-         "disc, paths: samples of one's own: .npy, [N, 3]: dx, dy in texels, and texels that the sample stands for", 0, 0,
+         "disc, paths: samples of one's own: .npy, [N, 3]: dx, dy, and the number that it stands for, in texels", 0, 0,
          {}, false},
     };
 }
@@ -125,11 +125,10 @@ void validate(const GatherParams& params, const GatherInputs& in) {
             fmt::format("rotations = {}: turn = \"tile\" deals out at least 16", params.rotations));
     require(in.pattern != nullptr, "pattern must be bound");
     const std::size_t offsets = std::size_t(samples) * std::size_t(params.rotations);
-    require(params.texels == Texels::whole ? in.pattern->offsets.size() == offsets
-                                           : in.pattern->positions.size() == 2 * offsets,
-            fmt::format("pattern has {} offsets and {} positions: texels = \"{}\" reads {} {}", in.pattern->offsets.size(),
-                        in.pattern->positions.size() / 2, params.texels == Texels::whole ? "whole" : "continuous", offsets,
-                        params.texels == Texels::whole ? "offsets" : "positions"));
+    const bool whole = params.texels == Texels::whole;
+    const std::size_t bound = whole ? in.pattern->offsets.size() : in.pattern->positions.size() / 2;
+    require(bound == offsets, fmt::format("pattern has {} {}: texels = \"{}\" reads {}", bound,
+                                          whole ? "offsets" : "positions", whole ? "whole" : "continuous", offsets));
     require(in.pattern->samples == samples && in.pattern->rotations == params.rotations,
             fmt::format("pattern has {} samples by {} rotations: expected {} by {}", in.pattern->samples,
                         in.pattern->rotations, samples, params.rotations));

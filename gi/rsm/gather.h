@@ -1,4 +1,4 @@
-// The stages rsm.disc, rsm.paths (each with whole or continuous texels), rsm.all and rsm.all_rays: indirect irradiance from one light's reflective shadow map.
+// The stages rsm.disc, rsm.paths, rsm.all and rsm.all_rays: indirect irradiance from one light's reflective shadow map.
 // See gi/rsm/README.md.
 #pragma once
 
@@ -58,7 +58,7 @@ struct GatherParams {
     SlotEdges slot_edges = SlotEdges::angle;
     Turn turn = Turn::hash;
     Texels texels = Texels::whole;
-    std::string pattern = {};  // disc, paths: a file's samples instead of those that the parameters make; `own` holds them
+    std::string pattern = {};  // disc, paths: a file's samples, which `own` holds, in place of made ones
     SampleRowsPtr own = {};
 };
 std::vector<Field> fields(GatherParams& params);
@@ -86,7 +86,7 @@ Pattern disc_pattern(const GatherParams& params, int map_size, std::uint32_t see
 // so that a constant is integrated exactly.
 Pattern paths_pattern(const GatherParams& params, int map_size, std::uint32_t seed);
 
-// The rows of params.own, of a disc any number. Rotation i turns them by i / rotations of a circle (disc) or of a path's sector (paths).
+// The rows of params.own. Rotation i turns them by i / rotations of a circle (disc) or of a path's sector (paths).
 Pattern own_pattern(const GatherParams& params);
 
 // What the gather of `params` reads: empty for those that read every texel. Throws InputError for rows that do not fit.

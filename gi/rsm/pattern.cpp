@@ -115,7 +115,8 @@ Pattern own_pattern(const GatherParams& params) {
         throw InputError(fmt::format("{}: {}: {}", params.own->path, stage_name(params), cause));
     };
     if (paths && n != std::size_t(params.directions) * std::size_t(params.steps))
-        refuse(fmt::format("has {} samples: expected directions = {} x steps = {}", n, params.directions, params.steps));
+        refuse(
+            fmt::format("has {} samples: expected directions = {} x steps = {}", n, params.directions, params.steps));
     if (n > most_samples) refuse(fmt::format("has {} samples: expected at most {}", n, most_samples));
     Pattern pattern = empty_pattern(params, int(n), paths ? n * rotations : n);
     for (std::size_t i = 0; i < rotations; ++i) {
@@ -136,8 +137,8 @@ Pattern own_pattern(const GatherParams& params) {
 Pattern pattern_of(const GatherParams& params, int map_size, std::uint32_t seed) {
     const bool samples = params.gather == Gather::disc || params.gather == Gather::paths;
     if (samples && params.pattern != (params.own ? params.own->name : ""))
-        throw InputError(fmt::format("{}: pattern = \"{}\": the file was not read: expected it in a scene file or --set",
-                                     stage_name(params), params.pattern));
+        throw InputError(fmt::format("{}: pattern = \"{}\": the file was not read: expected it in a scene file or "
+                                     "--set", stage_name(params), params.pattern));
     if (samples && params.own) return own_pattern(params);
     if (params.gather == Gather::disc) return disc_pattern(params, map_size, seed);
     if (params.gather == Gather::paths) return paths_pattern(params, map_size, seed);

@@ -1,5 +1,6 @@
 // A sample pattern of a user's own: the default pattern as a file gives the default picture to the bit, and bad files are
 // refused before anything is written.
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cstring>
 #include <filesystem>
