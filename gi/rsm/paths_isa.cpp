@@ -1,21 +1,17 @@
+#include "gi/rsm/paths_packets.h"
 #include "gi/rsm/paths_rows.h"
-#include "gi/shade_rows.h"
 
 namespace plumb::rsm {
-
-using F = PLUMB_ISA::Real;
-using I = index_t<F>;
 
 namespace {
 
 template <class View>
 void shade(const View& in, int first, int last, const std::uint8_t* tiles) {
+    using F = PLUMB_ISA::Real;
     if (in.positions)
-        shade_rows(in.u.width, first, last, tiles, in.irradiance, 0.0f,
-                   [&](I px, I py, NoTap& tap) { return gather_paths<F, true>(in, px, py, tap); });
+        shade_paths<F, true>(in, first, last, tiles);
     else
-        shade_rows(in.u.width, first, last, tiles, in.irradiance, 0.0f,
-                   [&](I px, I py, NoTap& tap) { return gather_paths<F>(in, px, py, tap); });
+        shade_paths<F, false>(in, first, last, tiles);
 }
 
 }  // namespace

@@ -94,8 +94,25 @@ PLUMB_INLINE F visibility_of(const PathsInputsView<Component>& in, const vec3<F>
     return select(visible == I(0), F(0.0f), F(1.0f));
 }
 
-template <class F, bool continuous = false, class Component, class Tap>
-PLUMB_INLINE vec3<F> gather_paths(const PathsInputsView<Component>& in, index_t<F> px, index_t<F> py, Tap& tap) {
+// What the paths of a pixel share.
+template <class F, bool continuous>
+struct ShadingPoint {
+    vec3<F> x, n;
+    TexelsOf<F, continuous> texels;
+    index_t<F> rotation;
+    mask_t<F> near;  // where samples may meet the map
+};
+
+template <class I>
+PLUMB_INLINE I rotation_of(const PathsUniforms& u, const I& px, const I& py) {
+    I rotation = shift_right(pixel_hash(px, py, I(0), I(std::int32_t(u.seed))).x, 16) & I(u.rotations - 1);
+    if (u.tiled != 0) rotation = (tile_place(px, py) * I(u.rotations)) >> 4;
+    return rotation;
+}
+
+template <class F, bool continuous, class Component, class Tap>
+PLUMB_INLINE ShadingPoint<F, continuous> shading_point(const PathsInputsView<Component>& in, const index_t<F>& px,
+                                                       const index_t<F>& py, Tap& tap) {
     using N = number<F>;
     using I = index_t<F>;
     const PathsUniforms& u = in.u;
@@ -103,47 +120,66 @@ PLUMB_INLINE vec3<F> gather_paths(const PathsInputsView<Component>& in, index_t<
     const vec3<F> x = xyz<F>(N::fetch4(in.position, pixel));      tap("x", x, "world, m");
     const vec3<F> n = xyz<F>(N::fetch4(in.normal, pixel));        tap("n", n, "unit normal of x");
     const TexelsOf<F, continuous> texels(u.map, x, tap);
-    I rotation = shift_right(pixel_hash(px, py, I(0), I(std::int32_t(u.seed))).x, 16) & I(u.rotations - 1);
-    if (u.tiled != 0) rotation = (tile_place(px, py) * I(u.rotations)) >> 4;
+    const I rotation = rotation_of<I>(u, px, py);
     tap("rotation", rotation, "column of the tables of offsets and weights");
+    return {x, n, texels, rotation, texels.near(u.map.size, u.reach)};
+}
 
-    const mask_t<F> near = texels.near(u.map.size, u.reach);
-    vec3<F> sum{F(0.0f), F(0.0f), F(0.0f)};
-    for (int path = 0; any(near) && path < u.directions; ++path) {
-        MicroLinearBuffer<F> met{I(-1), I(0), I(0)};
-        for (int step = 0; step < u.steps; ++step) {
-            const int k = path * u.steps + step;
-            tap.sample(k);
-            const ivec2<I> texel = texels.texel(in, rotation + I(k * u.rotations), tap);
-            tap("texel", texel, "VRSM Algorithm 5, line 8: proj + (u, v)");
+// Adds a path's samples to the sum. `rotation` is the point's own or, in a packet of one rotation, that number.
+template <class F, bool continuous, class Component, class Row, class Tap>
+PLUMB_INLINE void gather_path(const PathsInputsView<Component>& in, const ShadingPoint<F, continuous>& point,
+                              const Row& rotation, int path, vec3<F>& sum, Tap& tap) {
+    using N = number<F>;
+    using I = index_t<F>;
+    const PathsUniforms& u = in.u;
+    MicroLinearBuffer<F> met{I(-1), I(0), I(0)};
+    for (int step = 0; step < u.steps; ++step) {
+        const int k = path * u.steps + step;
+        tap.sample(k);
+        const ivec2<I> texel = point.texels.texel(in, rotation + Row(k * u.rotations), tap);
+        tap("texel", texel, "VRSM Algorithm 5, line 8: proj + (u, v)");
 
-            // A sample outside the map contributes nothing, and the divisor stays.
-            const mask_t<F> inside = in_range(texel.x, I(u.map.size)) & in_range(texel.y, I(u.map.size));
-            tap("inside", inside, "1 if the map has that texel; if not, what follows is texel 0 with weight 0");
-            const Record<F> p = N::fetch_record(in.records, select(inside, texel.y * I(u.map.size) + texel.x, I(0)));
-            const vec3<F> x_p = xyz<F>(p.a), n_p = xyz<F>(p.b), flux = xyz<F>(p.c);
-            const F weight = select(inside, N::fetch(in.weights, rotation + I(k * u.rotations)), F(0.0f));
-            tap("x_p", x_p, "world, m");
-            tap("n_p", n_p, "unit normal of x_p");
-            tap("flux", flux, "Phi_p, W");
-            tap("weight", weight, "texels: (2 pi rho / M) (r / K); published: rho^2, normalised");
+        // A sample outside the map contributes nothing, and the divisor stays.
+        const mask_t<F> inside = in_range(texel.x, I(u.map.size)) & in_range(texel.y, I(u.map.size));
+        tap("inside", inside, "1 if the map has that texel; if not, what follows is texel 0 with weight 0");
+        const Record<F> p = N::fetch_record(in.records, select(inside, texel.y * I(u.map.size) + texel.x, I(0)));
+        const vec3<F> x_p = xyz<F>(p.a), n_p = xyz<F>(p.b), flux = xyz<F>(p.c);
+        const F weight = select(inside, entry<F>(in.weights, rotation + Row(k * u.rotations)), F(0.0f));
+        tap("x_p", x_p, "world, m");
+        tap("n_p", n_p, "unit normal of x_p");
+        tap("flux", flux, "Phi_p, W");
+        tap("weight", weight, "texels: (2 pi rho / M) (r / K); published: rho^2, normalised");
 
-            F visibility(1.0f);
-            if (u.slots > 0) visibility = visibility_of<F>(in, x_p - x, inside & (p.b.w > F(0.0f)), met, tap);
-            tap("visibility", visibility, "VRSM Algorithm 5, line 12: 1 visible, 0 hidden");
+        F visibility(1.0f);
+        if (u.slots > 0) visibility = visibility_of<F>(in, x_p - point.x, inside & (p.b.w > F(0.0f)), met, tap);
+        tap("visibility", visibility, "VRSM Algorithm 5, line 12: 1 visible, 0 hidden");
 
-            const F g = form(x, n, x_p, n_p, F(u.least_distance2), tap) * (weight * visibility);
-            sum.x += flux.x * g;
-            sum.y += flux.y * g;
-            sum.z += flux.z * g;
-            tap("sum", sum, "VRSM Algorithm 5, line 15: sum so far of v w Phi_p form, W/m2");
-        }
+        const F g = form(point.x, point.n, x_p, n_p, F(u.least_distance2), tap) * (weight * visibility);
+        sum.x += flux.x * g;
+        sum.y += flux.y * g;
+        sum.z += flux.z * g;
+        tap("sum", sum, "VRSM Algorithm 5, line 15: sum so far of v w Phi_p form, W/m2");
     }
+}
+
+template <class F, bool continuous, class Tap>
+PLUMB_INLINE vec3<F> irradiance_of(const PathsUniforms& u, const ShadingPoint<F, continuous>& point,
+                                   const vec3<F>& sum, Tap& tap) {
     tap.sample(-1);
     const vec3<F> zero{F(0.0f), F(0.0f), F(0.0f)};
-    const vec3<F> irradiance = select3<F>(near, sum * F(u.scale), zero);
+    const vec3<F> irradiance = select3<F>(point.near, sum * F(u.scale), zero);
     tap("irradiance", irradiance, "E = sum / pi, W/m2");
     return irradiance;
+}
+
+// The whole of a pixel. paths_packets.h puts the same parts together and asks for records ahead.
+template <class F, bool continuous = false, class Component, class Tap>
+PLUMB_INLINE vec3<F> gather_paths(const PathsInputsView<Component>& in, index_t<F> px, index_t<F> py, Tap& tap) {
+    const auto point = shading_point<F, continuous>(in, px, py, tap);
+    vec3<F> sum{F(0.0f), F(0.0f), F(0.0f)};
+    for (int path = 0; any(point.near) && path < in.u.directions; ++path)
+        gather_path<F, continuous>(in, point, point.rotation, path, sum, tap);
+    return irradiance_of<F, continuous>(in.u, point, sum, tap);
 }
 
 }  // namespace plumb::rsm

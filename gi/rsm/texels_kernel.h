@@ -8,6 +8,22 @@
 
 namespace plumb::rsm {
 
+// An entry of a table: one a lane or, where a packet's lanes share the row, one for all of them.
+template <class F, class Row>
+PLUMB_INLINE index_t<F> entry(const std::int32_t* table, const Row& row) {
+    if constexpr (std::is_same_v<Row, index_t<F>>)
+        return number<F>::fetch(table, row);
+    else
+        return index_t<F>(table[row]);
+}
+template <class F, class Row>
+PLUMB_INLINE F entry(const float* table, const Row& row) {
+    if constexpr (std::is_same_v<Row, index_t<F>>)
+        return number<F>::fetch(table, row);
+    else
+        return F(table[row]);
+}
+
 // differs: the theses compute every sample's position and round it. Here the projection alone is rounded and samples are
 // whole texels away from it, so that which texels are read hardly depends on how a device rounds.
 template <class F>
@@ -29,9 +45,9 @@ struct WholeTexels {
     }
 
     // in.offsets: dx in the lower 16 bits, dy in the upper 16.
-    template <class View, class Tap>
-    PLUMB_INLINE ivec2<I> texel(const View& in, const I& row, Tap&) const {
-        const I offset = number<F>::fetch(in.offsets, row);
+    template <class View, class Row, class Tap>
+    PLUMB_INLINE ivec2<I> texel(const View& in, const Row& row, Tap&) const {
+        const I offset = entry<F>(in.offsets, row);
         return {centre.x + ((offset << 16) >> 16), centre.y + (offset >> 16)};
     }
 };
@@ -53,12 +69,11 @@ struct ContinuousTexels {
     }
 
     // in.positions: dx, dy.
-    template <class View, class Tap>
-    PLUMB_INLINE ivec2<I> texel(const View& in, const I& row, Tap& tap) const {
-        using N = number<F>;
+    template <class View, class Row, class Tap>
+    PLUMB_INLINE ivec2<I> texel(const View& in, const Row& row, Tap& tap) const {
         using raster::chosen;
-        const vec2<F> place{centre.x + N::fetch(in.positions, row + row),
-                            centre.y + N::fetch(in.positions, row + row + I(1))};
+        const vec2<F> place{centre.x + entry<F>(in.positions, row + row),
+                            centre.y + entry<F>(in.positions, row + row + Row(1))};
         tap("place", place, "the sample's position on the map, texels");
         return {chosen(place.x), chosen(place.y)};
     }
