@@ -6,8 +6,8 @@
 namespace plumb::mutants {
 
 // Moves points of a dispatch of shadow, rsm.disc or rsm.paths: a quarter of them to where they project on to the border of
-// two texels of the map, and a quarter to where another comparison is a tie: with the map's depth (shadow), of a sample's
-// elevation with an edge of two slots (rsm.paths); both to within a few roundings.
+// two texels of the map, and others to where another comparison is a tie: a quarter with the map's depth (shadow), a
+// sixteenth of a sample's elevation with an edge of two slots (rsm.paths); all to within a few roundings.
 void plant_ties(StageData& data);
 
 }  // namespace plumb::mutants
