@@ -60,7 +60,8 @@ std::vector<rsm::GatherParams> gathers() {
     disc.samples = 50, all.gather = rsm::Gather::all;
     paths.gather = rsm::Gather::paths, paths.directions = 7, paths.steps = 6;
     std::vector<rsm::GatherParams> kinds = {disc, all};
-    for (auto [visibility, slots] : {std::pair{none, 5}, {algorithm_2, 2}, {algorithm_3, 9}, {algorithm_6, 5}, {algorithm_6, 32}}) {
+    for (auto [visibility, slots] :
+         {std::pair{none, 5}, {algorithm_2, 2}, {algorithm_3, 9}, {algorithm_6, 5}, {algorithm_6, 32}}) {
         paths.visibility = visibility, paths.slots = slots;
         paths.turn = slots == 9 ? rsm::Turn::tile : rsm::Turn::hash;
         paths.slot_edges = slots == 32 ? rsm::SlotEdges::solid_angle : rsm::SlotEdges::angle;
@@ -135,7 +136,8 @@ TEST_CASE("rsm: a map of halves and the same map widened give the same bits", "[
         const Image4 from_halves = gather(params, points, halves, &pattern);
         const Image4 from_floats = gather(params, points, floats, &pattern);
         CHECK(std::memcmp(from_halves.data(), from_floats.data(), from_floats.size() * sizeof(glm::vec4)) == 0);
-        CHECK(std::any_of(from_floats.texels.begin(), from_floats.texels.end(), [](const glm::vec4& e) { return e.x > 0; }));
+        CHECK(std::any_of(from_floats.texels.begin(), from_floats.texels.end(),
+                          [](const glm::vec4& e) { return e.x > 0; }));
     }
 }
 

@@ -29,8 +29,8 @@ struct Path {
     vec3<float> d[steps];
 };
 
-// An axis of any direction. Half of the paths jump between elevations, half run along a surface whose elevation drifts, as
-// maps have it; distances are of any size.
+// An axis of any direction. Half of the paths jump between elevations, half run along a surface whose elevation drifts,
+// as maps have it; distances are of any size.
 Path random_path(int number) {
     Stream random{number};
     const double z = random.between(-1, 1), turn = random.between(0, 2 * host::pi), across = std::sqrt(1 - z * z);
@@ -99,9 +99,9 @@ Met kernel_along(const Path& p, const rsm::GatherParams& params, const Buffer<fl
     return result;
 }
 
-// Whether d lies so near to the edge between two slots that rounding may put it on either side. With sigma the sine of the
-// elevation and s the edge's, the kernel compares sigma |sigma| with s |s|, each times d^2: dz is off by at most 4 u |d|
-// (three products, two sums, and the axis), dz |dz| by twice |sigma| that and a rounding, d^2 by 4 u, s |s| and their
+// Whether d lies so near to the edge between two slots that rounding may put it on either side. With sigma the sine of
+// the elevation and s the edge's, the kernel compares sigma |sigma| with s |s|, each times d^2: dz is off by at most
+// 4 u |d| (three products, two sums, and the axis), dz |dz| by twice |sigma| that and a rounding, d^2 by 4 u, s |s| and their
 // product by u each; u = 2^-24.
 bool on_edge(double sigma, double s) {
     const double u = 0x1p-24, difference = std::abs(sigma * std::abs(sigma) - s * std::abs(s));

@@ -50,7 +50,8 @@ float noise(int x, int y) { return unit_float<float>(pixel_hash<std::int32_t>(x,
 // A floor at z = 0 under a light that looks down on it, its heights off by the last digit of a coordinate near 1.
 raster::Rsm floor_map(int size) {
     raster::Rsm map = plane_map(size, [](double x, double y) { return 1 + 0.5 * x - 0.2 * y; });
-    for (int i = 0; i < size * size; ++i) map.records[std::size_t(i) * record_stride + 2] = 0x1p-23f * (noise(i, 0) - 0.5f);
+    for (int i = 0; i < size * size; ++i)
+        map.records[std::size_t(i) * record_stride + 2] = 0x1p-23f * (noise(i, 0) - 0.5f);
     return map;
 }
 
@@ -72,9 +73,9 @@ Points wall_points() {
     return points;
 }
 
-// A floor at z = 0 and a wall on it, the plane x = 0 for |y| < 1 and z < wall_height, under a sun that shines down along
-// (-1, 0, -1): the wall's shadow ends at x = -wall_height. Beyond it lies a red patch; the floor on the lit side sends blue,
-// the wall's lit side green.
+// A floor at z = 0 and a wall on it, the plane x = 0 for |y| < 1 and z < wall_height, under a sun that shines down
+// along (-1, 0, -1): the wall's shadow ends at x = -wall_height. Beyond it lies a red patch; the floor on the lit side
+// sends blue, the wall's lit side green.
 constexpr double wall_height = 0.8;
 raster::Rsm wall_map(int size) {
     Light sun;
@@ -130,8 +131,10 @@ bool black(const Image4& image) {
 
 }  // namespace
 
-TEST_CASE("rsm.paths: Algorithm 2 darkens a floor that Algorithms 3 and 6 leave alone", "[rsm][paths][VRSM 3.3][analytic]") {
-    // Fig. 3.4. From a point of the floor all of it lies at elevation 0, in one slot: the first sample hides the other nine.
+TEST_CASE("rsm.paths: Algorithm 2 darkens a floor that Algorithms 3 and 6 leave alone",
+          "[rsm][paths][VRSM 3.3][analytic]") {
+    // Fig. 3.4. From a point of the floor all of it lies at elevation 0, in one slot: the first sample hides the other
+    // nine.
     const raster::Rsm map = floor_map(64);
     rsm::GatherParams params = paths_params();
     CHECK(hidden_share(params, floor_points(), map) == 0);
