@@ -134,10 +134,10 @@ class VrsmPage {
             const VrsmNumber &time = find("5.3", scene, row, "time"), &share = find("5.3", scene, row, "share");
             rows.push_back({{row}, ours(time), theirs(time), ours(share), theirs(share)});
         }
-        page_.table(rows,
-                    result_.scenes.front().name +
-                        ", half resolution, with visibility; medians. Shadow densities are of the G-buffer's pass, "
-                        "direct light, upsampling, blur, synthesis and tone curve of post processing.");
+        page_.table(rows, result_.scenes.front().name +
+                              ", half resolution, with visibility; medians, and their sum. Shadow densities are of "
+                              "the G-buffer's pass, direct light, upsampling, blur, synthesis and tone curve of "
+                              "post processing.");
     }
 
     // The whole picture, with the enlarged regions framed where there are any.

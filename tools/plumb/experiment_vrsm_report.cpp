@@ -229,7 +229,7 @@ Json vrsm_json(const Vrsm& result, const std::vector<VrsmNumber>& numbers) {
 
 std::string value_text(const std::optional<double>& value, const std::string& unit) {
     if (!value) return "undefined";
-    if (unit == "ms") return fmt::format("{:.3g}", *value);
+    if (unit == "ms") return *value < 100 ? fmt::format("{:.3g}", *value) : fmt::format("{:.0f}", *value);
     if (unit == "%") return fmt::format("{:.1f}", *value);
     return fmt::format("{:g}", *value);
 }
