@@ -1,5 +1,6 @@
 // Every stage against its twin on a device: the same inputs, in turns, wall clock. What is timed is one dispatch or draw
-// with all buffers in place, from submission to completion; ours is one run of the stage into memory that is kept.
+// with all buffers in place, from submission to completion; ours is one run of the stage into memory that is kept. CPU:
+// of all threads together, which other programs on the machine hardly change.
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
@@ -11,10 +12,12 @@
 #include "core/error.h"
 #include "core/parallel.h"
 #include "gi/parity/stages.h"
+#include "gi/rsm/gather.h"
 #include "io/scene_file.h"
 #include "raster/light_view.h"
 #include "raster/workspace.h"
 #include "tools/bench_raster/measure.h"
+#include "tools/plumb/options.h"
 #include "tools/vulkan/runner.h"
 
 namespace plumb::bench {
@@ -24,19 +27,37 @@ struct Options {
     std::string device = "llvmpipe";
     std::vector<std::string> scenes{"data/scenes/cornell/cornell.toml", "data/scenes/atrium/atrium.toml"};
     std::vector<std::string> stages;  // empty: all
+    std::vector<std::string> sets;    // table.key=value, as of `plumb render`
     int width = 1024, height = 1024, runs = 7;
     int samples = 0, rsm_size = 0;    // 0: as the scene says
+    bool half_maps = false;           // lights' maps in RGBA16F, ours and theirs
     RunOptions run;
 };
 
-// What differs between ours and theirs, in 32-bit words.
-std::size_t differing(const Bundle& ours, const Bundle& theirs) {
-    std::size_t n = 0;
-    for (const Array& a : ours.arrays) {
-        const Array& b = at(theirs, a.name);
-        for (std::size_t i = 0; i < a.bytes.size() && i < b.bytes.size(); i += 4)
-            n += std::memcmp(&a.bytes[i], &b.bytes[i], 4) != 0;
+// Of a gather, ours: run from records as the frame has them, and not from what the twin is bound to.
+struct OurGather {
+    const frame::Settings& settings;
+    const frame::Frame& frame;
+    rsm::Pattern pattern;
+    rsm::GatherInputs in;
+    Image4 irradiance;
+
+    OurGather(const Scene& scene, const frame::Settings& t, const frame::Frame& f)
+        : settings(t),
+          frame(f),
+          pattern(rsm::pattern_of(t.rsm, scene.lights[0].rsm_size, t.seed)),
+          in{&f.gbuffer.position, &f.gbuffer.normal, nullptr, &pattern, t.seed} {}
+    void run(const RunOptions& options) {
+        in.rsm = &frame.rsms[0][0];
+        rsm::run(settings.rsm, in, options, irradiance);
     }
+};
+
+// What differs between ours and theirs, in 32-bit words.
+std::size_t differing(const void* ours, const Array& theirs) {
+    const auto* a = static_cast<const unsigned char*>(ours);
+    std::size_t n = 0;
+    for (std::size_t i = 0; i < theirs.bytes.size(); i += 4) n += std::memcmp(a + i, &theirs.bytes[i], 4) != 0;
     return n;
 }
 
@@ -69,14 +90,19 @@ struct Ours {
 void measure(const vulkan::Device& device, const std::string& file, const Options& options) {
     Scene scene = io::load_scene(file, frame::method_tables());
     scene.frame_size = {options.width, options.height};
-    frame::Settings settings = frame::settings_of(scene);
-    settings.layout = raster::Layout::fp32;
+    cli::SceneOptions words;
+    words.sets = options.sets;
+    frame::Settings settings = cli::settings_of(scene, words);
+    settings.layout = options.half_maps ? raster::Layout::rgba16f : raster::Layout::fp32;
     if (options.samples > 0) settings.rsm.samples = options.samples;
     for (Light& light : scene.lights)
         if (options.rsm_size > 0) light.rsm_size = options.rsm_size;
     const frame::Plan plan = frame::plan(scene, settings);
     const frame::Frame frame = frame::execute(scene, settings, plan, options.run);
     Ours ours(scene, settings);
+    OurGather gather(scene, settings, frame);
+    vulkan::RunTwin how;
+    if (options.half_maps) how.maps = Format::rgba16f;
     const DeviceProfile ideal;
     std::string last;
     for (const StageData& data : parity::frame_data(scene, settings, plan, frame)) {
@@ -87,23 +113,30 @@ void measure(const vulkan::Device& device, const std::string& file, const Option
         if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), data.stage) == wanted.end()) continue;
         const StageBinding& binding = parity::find_binding(data.stage, "bench twins");
         const std::unique_ptr<BoundStage> bound = binding.bind(data);
-        vulkan::PreparedTwin twin(device, binding, data);
+        vulkan::PreparedTwin twin(device, binding, data, how);
+        const bool gathers = frame::is_gather(data.stage);
         Bundle outputs;
         auto run_ours = [&] {
             if (data.stage == "gbuffer") return clock_ms([&] { ours.draw_gbuffer(options.run); });
             if (data.stage == "rsm") return clock_ms([&] { ours.draw_rsm(scene.lights[0], options.run); });
+            if (gathers) return clock_ms([&] { gather.run(options.run); });
             return clock_ms([&] { bound->run(options.run, ideal, outputs); });
         };
         const std::vector<Times> times = interleave(options.runs, {run_ours, [&] { return twin.submit(); }});
         std::string note = "the same bits";
         if (!binding.raster) {
-            const std::size_t n = differing(outputs, twin.read().outputs);
+            const Bundle theirs = twin.read().outputs;
+            const void* result = gathers ? static_cast<const void*>(gather.irradiance.data())
+                                         : outputs.arrays[0].bytes.data();
+            const std::size_t n = differing(result, theirs.arrays[0]);
             if (n > 0) note = fmt::format("{} words differ", n);
         } else {
             note = "drawn";
         }
-        fmt::print("| {} | {} | {} x {} | {:.2f} | {:.2f} | {:.2f} | {} |\n", scene.name, data.label, data.size.x,
-                   data.size.y, times[0].median(), times[1].median(), times[1].median() / times[0].median(), note);
+        fmt::print("| {} | {} | {} x {} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {} |\n", scene.name,
+                   data.label, data.size.x, data.size.y, times[0].median(), times[1].median(),
+                   times[1].median() / times[0].median(), times[0].cpu_median(), times[1].cpu_median(),
+                   times[1].cpu_median() / times[0].cpu_median(), note);
         std::cout.flush();
     }
 }
@@ -120,6 +153,8 @@ int main(int argc, char** argv) {
     app.add_option("--against-device", options.device, "a part of the device's name (llvmpipe)");
     app.add_option("--scenes", options.scenes, "scene files (cornell and atrium)")->delimiter(',');
     app.add_option("--stages", options.stages, "names of `plumb stages` (all)")->delimiter(',');
+    app.add_option("--set", options.sets, "table.key=value, as of `plumb render`; may be repeated");
+    app.add_flag("--half-maps", options.half_maps, "lights' maps in RGBA16F on both sides, and not in fp32");
     app.add_option("--samples", options.samples, "of rsm.disc (as the scene says)")->check(CLI::Range(1, 65536));
     app.add_option("--rsm-size", options.rsm_size, "texels a side of every map (as the scene says)")
         ->check(CLI::Range(1, 16384));
@@ -133,7 +168,8 @@ int main(int argc, char** argv) {
         options.run.isa = parse_isa(isa);
         const vulkan::Device device({.name = options.device});
         fmt::print("{}; {} threads of ours\n\n", device.name(), thread_count(options.run.threads));
-        fmt::print("| scene | stage | pixels | ours, ms | twin, ms | twin / ours | results |\n|---|---|---|---|---|---|---|\n");
+        fmt::print("| scene | stage | pixels | ours, ms | twin, ms | twin / ours | ours, CPU ms | twin, CPU ms | twin / ours "
+                   "| results |\n|---|---|---|---|---|---|---|---|---|---|\n");
         for (const std::string& scene : options.scenes) bench::measure(device, scene, options);
         return 0;
     } catch (const InputError& error) {

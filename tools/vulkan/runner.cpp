@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstring>
 
+#include "core/formats.h"
 #include "tools/vulkan/batches.h"
 #include "tools/vulkan/choices.h"
 #include "tools/vulkan/compute.h"
@@ -45,6 +47,24 @@ VkFormat output_format(const Slot& slot, Format colour) {
     if (colour != Format::rgba32f && colour != Format::rgba16f)
         throw Error(fmt::format("twins write rgba32f or rgba16f, not {}", info(colour).name));
     return colour == Format::rgba16f && follows_colour(slot) ? VK_FORMAT_R16G16B16A16_SFLOAT : format_of(slot);
+}
+
+// Whether RunTwin::maps says how this input is stored.
+bool follows_maps(const Slot& slot) {
+    return slot.kind != SlotKind::buffer && !slot.frame && slot.dtype == DType::f32 && slot.channels == 4;
+}
+
+// Floats as the halves that they are.
+std::vector<Half> exact_halves(const StageData& data, const Array& array) {
+    const float* from = reinterpret_cast<const float*>(array.bytes.data());
+    std::vector<Half> halves(array.bytes.size() / sizeof(float));
+    for (std::size_t i = 0; i < halves.size(); ++i) {
+        halves[i] = float_to_half(from[i]);
+        const float back = half_to_float(halves[i]);
+        if (std::memcmp(&back, &from[i], sizeof back) != 0)
+            throw Error(fmt::format("{}: input {} holds {}, which no 16-bit float is", data.label, array.name, from[i]));
+    }
+    return halves;
 }
 
 // What outputs hold where nothing is written: 0, and -1 in outputs of indices.
@@ -222,8 +242,16 @@ void PreparedTwin::Parts::upload(const StageData& data) {
         }
         const bool layered = slot.kind == SlotKind::image_array;
         const std::int64_t* shape = array.shape.data() + (layered ? 1 : 0);
-        textures.push_back(make_texture(device, format_of(slot), extent({shape[1], shape[0]}), array.bytes.data(),
-                                        array.bytes.size(), layered ? std::uint32_t(array.shape[0]) : 0));
+        const VkExtent2D texels = extent({shape[1], shape[0]});
+        const std::uint32_t layers = layered ? std::uint32_t(array.shape[0]) : 0;
+        if (options.maps == Format::rgba16f && follows_maps(slot)) {
+            const std::vector<Half> halves = exact_halves(data, array);
+            textures.push_back(make_texture(device, VK_FORMAT_R16G16B16A16_SFLOAT, texels, halves.data(),
+                                            halves.size() * sizeof(Half), layers));
+        } else {
+            textures.push_back(
+                make_texture(device, format_of(slot), texels, array.bytes.data(), array.bytes.size(), layers));
+        }
         resources.push_back({.binding = std::uint32_t(slot.binding),
                              .type = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
                              .stages = stages(),

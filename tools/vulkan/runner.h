@@ -15,6 +15,9 @@ struct RunTwin {
     std::span<const std::uint32_t> spirv = {};
     int repeat = 1;                   // runs; the median of their times is reported
     Format colour = Format::rgba32f;  // of storage images and colour targets of four floats: or rgba16f
+    // Of input images of four floats that are not of the frame's size, a light's maps: or rgba16f, for values that halves
+    // hold exactly.
+    Format maps = Format::rgba32f;
     // Vertices beyond so many bytes are drawn in batches; 0: as many as a buffer of the device may have.
     std::size_t largest_buffer = 0;
 };
