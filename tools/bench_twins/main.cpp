@@ -168,8 +168,8 @@ int main(int argc, char** argv) {
         options.run.isa = parse_isa(isa);
         const vulkan::Device device({.name = options.device});
         fmt::print("{}; {} threads of ours\n\n", device.name(), thread_count(options.run.threads));
-        fmt::print("| scene | stage | pixels | ours, ms | twin, ms | twin / ours | ours, CPU ms | twin, CPU ms | twin / ours "
-                   "| results |\n|---|---|---|---|---|---|---|---|---|---|\n");
+        fmt::print("| scene | stage | pixels | ours, ms | twin, ms | twin / ours | ours, CPU ms | twin, CPU ms "
+                   "| twin / ours | results |\n|---|---|---|---|---|---|---|---|---|---|\n");
         for (const std::string& scene : options.scenes) bench::measure(device, scene, options);
         return 0;
     } catch (const InputError& error) {

@@ -62,7 +62,8 @@ std::vector<Half> exact_halves(const StageData& data, const Array& array) {
         halves[i] = float_to_half(from[i]);
         const float back = half_to_float(halves[i]);
         if (std::memcmp(&back, &from[i], sizeof back) != 0)
-            throw Error(fmt::format("{}: input {} holds {}, which no 16-bit float is", data.label, array.name, from[i]));
+            throw Error(
+                fmt::format("{}: input {} holds {}, which no 16-bit float is", data.label, array.name, from[i]));
     }
     return halves;
 }
