@@ -1,12 +1,14 @@
 // Which pixels of a band rsm.paths shades together. Only paths_isa.cpp includes it.
 //
 // shade_rows() would give a packet neighbours, each with a rotation of its own: two gathers a sample to read the
-// tables, and every lane somewhere else on the map. There time goes into waiting for memory: a disc of 0.3 x 512 texels is
-// 2.4 MB of half records, more than the processor's second cache level holds, and hardly two samples share a line.
+// tables, and every lane somewhere else on the map. There time goes into waiting for memory: a disc of 0.3 x 512
+// texels is 2.4 MB of half records, more than the processor's second cache level holds, and hardly two samples share
+// a line.
 //
 // Here a packet is pixels of one rotation. An entry of a table is one number for all lanes; and since a step moves
-// every lane by the same distance on the map, the records of the next path are asked for, an instruction each, while this one
-// is summed. Pixels that fill no packet of their rotation share packets, and each lane looks up its own rows.
+// every lane by the same distance on the map, the records of the next path are asked for, an instruction each, while
+// this one is summed. Pixels that fill no packet of their rotation share packets, and each lane looks up its own
+// rows.
 //
 // A pixel's samples are added up as gather_paths() does, whatever packet it is in: not a bit depends on any of this.
 #pragma once
