@@ -1,6 +1,7 @@
 // Keys of stages: whatever can change a stage's output changes its key, and what it does not read does not.
 #include <catch2/catch.hpp>
 #include <functional>
+#include <memory>
 #include <set>
 
 #include "core/error.h"
@@ -240,6 +241,8 @@ TEST_CASE("keys: every parameter changes the keys of the stages that read it, an
             std::vector<Field> fields = frame::table_fields(after.settings, table, "test");
             CAPTURE(table, fields[i].name);
             if (table == "rsm" && fields[i].name == "gather") continue;  // another stage, below
+            // A file's name is no reason to gather again; its rows are, below.
+            if (table == "rsm" && fields[i].name == "pattern") continue;
             change(fields[i]);
             // Some values are refused: that format for that buffer, that part without another. The next one then.
             for (int other = 0; other < 16 && !can_be_planned(after); ++other) change(fields[i]);
@@ -257,6 +260,17 @@ TEST_CASE("keys: seed, method, gather and what is left out", "[frame][frames][ke
     CHECK(same(before, after) ==
           without(lit, {"rsm.disc (key)", "rsm.disc (sun)", "rsm.disc (bulb)"}));
     CHECK(check_outputs(before, after));
+
+    // A pattern of one's own is its rows, wherever they come from.
+    auto with_rows = [](const std::string& file, double dx) {
+        Case c = base();
+        c.settings.rsm.own = std::make_shared<const SampleRows>(SampleRows{file, file, {{dx, 0, 1}}});
+        return c;
+    };
+    CHECK(same(with_rows("a.npy", 1), with_rows("b.npy", 1)) == everything());
+    for (const Case& c : {with_rows("a.npy", 2), before})
+        CHECK(same(with_rows("a.npy", 1), c) ==
+              without(everything(), {"rsm.disc (key)", "rsm.disc (sun)", "rsm.disc (bulb)", "compose", "tonemap"}));
 
     // Another gather is another stage, with another key.
     for (auto gather : {rsm::Gather::paths, rsm::Gather::all}) {

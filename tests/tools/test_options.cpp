@@ -92,7 +92,7 @@ TEST_CASE("options: what --set cannot set is named, with its place", "[tools]") 
     CHECK(set("rsm.max_rays=1e40") ==
           "--set rsm.max_rays: max_rays = 1e+40: expected at least 0 rays, and no more than a float holds, 3.4e+38");
     CHECK(set("reference.max_samples=64") == "--set reference.max_samples: max_samples = 64: expected 128 to 16777216");
-    CHECK(set("rsm.gather=dics") == "--set rsm.gather: gather = \"dics\": expected one of disc, all, all_rays");
+    CHECK(set("rsm.gather=dics") == "--set rsm.gather: gather = \"dics\": expected one of disc, all, all_rays, paths");
     CHECK(set("render.size=1").find("--set render.size: expected") == 0);
 }
 

@@ -272,7 +272,8 @@ TEST_CASE("sweep: curves follow from what fields() say", "[sweep]") {
     CHECK(names(swept_methods(settings, {}, {})) ==
           std::vector<std::string>{"direct", "rsm.disc", "rsm.disc, variant = published", "rsm.disc, radius = 0.15",
                                    "rsm.disc, radius = 0.6", "rsm.disc, rotations = 1", "rsm.all", "rsm.all_rays",
-                                   "reference"});
+                                   "rsm.paths", "rsm.paths, visibility = none", "rsm.paths, visibility = algorithm_2",
+                                   "rsm.paths, slots = 9", "rsm.paths, turn = tile", "reference"});
     const std::vector<SweptMethod> disc = swept_methods(settings, {"rsm.disc"}, {});
     REQUIRE(disc.size() == 5);
     const std::vector<SweptSettings> points = points_of(disc[0]);
@@ -296,7 +297,9 @@ TEST_CASE("sweep: --vary takes the place of the ranges of the curves that it con
     const frame::Settings settings;
     const std::vector<SweptMethod> curves =
         swept_methods(settings, {"rsm"}, {"rsm.samples=10,20", "rsm.radius=0.1,0.2,0.4"});
-    CHECK(names(curves) == std::vector<std::string>{"rsm.disc", "rsm.all", "rsm.all_rays"});
+    CHECK(names(curves) ==
+          std::vector<std::string>{"rsm.disc", "rsm.all", "rsm.all_rays", "rsm.paths", "rsm.paths, visibility = none",
+                                   "rsm.paths, visibility = algorithm_2", "rsm.paths, slots = 9", "rsm.paths, turn = tile"});
     CHECK(points_of(curves[0]).size() == 6);
     CHECK(points_of(curves[0])[5].text == "rsm.samples = 20, rsm.radius = 0.4");
     CHECK(points_of(curves[1]).size() == 1);
