@@ -7,6 +7,7 @@
 #include <set>
 #include <sstream>
 
+#include "io/npy.h"
 #include "tests/program/program.h"
 
 using namespace plumb::program;
@@ -78,8 +79,8 @@ TEST_CASE("experiment vrsm: every file or none, and the same numbers in all of t
           Words{"isa", "processor", "threads", "repeats", "load_before", "load_after", "scenes", "numbers"});
     REQUIRE(json["scenes"].size() == 1);
     const Json& s = json["scenes"][0];
-    CHECK(keys(s) ==
-          Words{"name", "test_case", "triangles", "size", "settings", "times", "truth", "truth_seconds", "pictures"});
+    CHECK(keys(s) == Words{"name", "test_case", "triangles", "size", "settings", "times", "beyond", "truth",
+                           "truth_seconds", "pictures"});
     CHECK(s["test_case"].is_null());
     CHECK(s["size"] == Json{64, 64});
     // The thesis' setting, whatever the scene file says.
@@ -115,20 +116,28 @@ TEST_CASE("experiment vrsm: every file or none, and the same numbers in all of t
         ++rows[n["table"]];
     }
     // Without and 2 algorithms with 2 numbers of slots, of gather and frame; 9 numbers each.
-    CHECK(rows == std::map<std::string, int>{{"5.1", 12}, {"5.2", 24}, {"5.3", 10}, {"errors", 90}});
+    const int beyond = int(s["beyond"].size());
+    CHECK(beyond > 10);
+    CHECK(rows == std::map<std::string, int>{{"5.1", 12},
+                                             {"5.2", 24},
+                                             {"5.3", 10},
+                                             {"errors", 90},
+                                             {"beyond", 10 * beyond},
+                                             {"beyond all", 3 * beyond}});
 
     // The page: all numbers of the errors and times, to the last digit, and nothing from elsewhere.
     const std::string html = read(out + "/vrsm.html");
     for (std::size_t i = 0; i < json["numbers"].size(); ++i) {
         const Json& n = json["numbers"][i];
-        if (n["value"].is_null() || n["quantity"] == "best") continue;
+        if (n["value"].is_null() || std::set<std::string>{"best", "winner", "least rms"}.contains(n["quantity"]))
+            continue;
         CAPTURE(n.dump());
         CHECK_THAT(html, Contains("title=\"" + n["row"].get<std::string>() + ": " + n["quantity"].get<std::string>() +
                                   "\" data-order=\"" + csv[i + 1][5] + "\""));
     }
     CHECK(html.find("http://") == html.find("http://www.w3.org"));
     CHECK(html.find("src=\"http") == std::string::npos);
-    for (const char* id : {"table51", "table52", "table53", "scene0", "differences", "how"})
+    for (const char* id : {"table51", "table52", "table53", "beyond", "scene0", "differences", "how"})
         CHECK_THAT(html, Contains("id=\"" + std::string(id) + "\""));
 }
 
@@ -167,6 +176,63 @@ TEST_CASE("experiment vrsm: the best is the least, visibility takes light, and s
     }
 }
 
+TEST_CASE("experiment vrsm: a winner beyond the thesis has at most its error, and less time", "[program]") {
+    const std::string folder = fresh_folder("experiment_vrsm_beyond"), scene = small_scene(folder),
+                      out = folder + "/out";
+    const Result r = experiment(scene, out, small);
+    REQUIRE(r.exit == 0);
+    CHECK_THAT(r.out, Contains("VRSM's error on every scene in least time: "));
+    const Json json = json_of(out), &beyond = json["scenes"][0]["beyond"];
+    REQUIRE(beyond[0]["row"] == "VRSM");
+    CHECK(beyond[0]["sets"].empty());
+    auto value = [&](const std::string& row, const char* quantity) { return value_of(json, "beyond", row, quantity); };
+    // The thesis' own setting is the chain that the errors' table judges.
+    CHECK(value("VRSM", "rms") == value_of(json, "errors", "frame, algorithm_6, S = 5", "rms"));
+    CHECK(value("VRSM", "mean error") == value_of(json, "errors", "frame, algorithm_6, S = 5", "mean error"));
+    CHECK(value("VRSM", "samples") == 150);
+    for (const char* same : {"relative time", "relative rms"}) CHECK(value("VRSM", same) == 100);
+    int winners = 0, least = 0, over_all = 0;
+    double winners_time = 0, least_rms = 0;
+    for (const Json& b : beyond) {
+        const std::string row = b["row"];
+        CAPTURE(row);
+        std::vector<double> ratios;
+        REQUIRE(b["ms"].size() == 2);
+        for (std::size_t i = 0; i < 2; ++i)
+            ratios.push_back(b["ms"][i].get<double>() / beyond[0]["ms"][i].get<double>());
+        CHECK(value(row, "relative time") == Approx(50 * (ratios[0] + ratios[1])));
+        CHECK(value(row, "relative rms") == Approx(100 * value(row, "rms") / value("VRSM", "rms")));
+        if (value(row, "winner") == 1) {
+            ++winners, winners_time = value(row, "relative time");
+            CHECK(value(row, "rms") <= value("VRSM", "rms"));
+        }
+        if (value(row, "least rms") == 1) {
+            ++least, least_rms = value(row, "rms");
+            CHECK(value(row, "relative time") <= 100);
+        }
+        // Of one scene, the winner on it is the winner on all.
+        CHECK(value_of(json, "beyond all", row, "winner") == value(row, "winner"));
+        over_all += value_of(json, "beyond all", row, "winner") == 1;
+    }
+    CHECK((winners == 1 && least == 1 && over_all == 1));
+    for (const Json& b : beyond) {
+        const std::string row = b["row"];
+        CAPTURE(row);
+        if (value(row, "rms") <= value("VRSM", "rms")) CHECK(value(row, "relative time") >= winners_time);
+        if (value(row, "relative time") <= 100) CHECK(value(row, "rms") >= least_rms);
+    }
+
+    REQUIRE(experiment(scene, folder + "/none",
+                       {"--size", "64", "--repeats", "1", "--truth-rays", "1e5", "--slots", "5", "--no-beyond", "--set",
+                        "rsm.turn=tile"})
+                .exit == 0);
+    const Json without = json_of(folder + "/none");
+    CHECK(without["scenes"][0]["beyond"].empty());
+    for (const Json& n : without["numbers"])
+        CHECK(n["table"].get<std::string>().rfind("beyond", 0) == std::string::npos);
+    CHECK(read(folder + "/none/vrsm.html").find("\"beyond\"") == std::string::npos);
+}
+
 TEST_CASE("experiment vrsm: errors are the same by every number of threads, and --json prints the file", "[program]") {
     const std::string folder = fresh_folder("experiment_vrsm_bits"), scene = small_scene(folder);
     Words words = small;
@@ -180,7 +246,8 @@ TEST_CASE("experiment vrsm: errors are the same by every number of threads, and 
         CHECK(r.out == read(folder + "/out/vrsm.json"));
         errors.push_back(Json::array());
         for (const Json& n : Json::parse(r.out)["numbers"])
-            if (n["table"] == "errors") errors.back().push_back(n);
+            if (n["table"] == "errors" || (n["table"] == "beyond" && n["quantity"] == "rms"))
+                errors.back().push_back(n);
     }
     CHECK(errors[0] == errors[1]);
 }
@@ -215,6 +282,9 @@ TEST_CASE("experiment vrsm: what it cannot do is refused before anything is meas
     CHECK_THAT(says({"--rays", "some"}), Contains("--rays"));
     for (const char* key : {"rsm.slots=4", "rsm.gather=disc", "rsm.visibility=none", "indirect.resolution=full"})
         CHECK_THAT(says({"--set", key}), Contains("the experiment chooses it"));
+    const std::vector<float> pattern(std::size_t(3) * 150, 1.0f);
+    plumb::io::write_npy(folder + "/own.npy", plumb::DType::f32, {150, 3}, pattern.data());
+    CHECK_THAT(says({"--set", "rsm.pattern=" + folder + "/own.npy"}), Contains("expected --no-beyond"));
     CHECK_THAT(says({"--set", "rsm.radiu=1"}), Contains("radius"));
     CHECK_THAT(says({"--set", "rsm.directions=0"}), Contains("directions"));
     CHECK_THAT(says({"--scene", scene}), Contains("given twice"));

@@ -95,6 +95,7 @@ std::string command_line(const VrsmOptions& given) {
     if (now.repeats != r.repeats) text += fmt::format(" --repeats {}", now.repeats);
     if (now.truth_rays != r.truth_rays) text += fmt::format(" --truth-rays {:g}", now.truth_rays);
     if (now.slots != r.slots) text += fmt::format(" --slots {}", fmt::join(now.slots, ","));
+    if (!now.beyond) text += " --no-beyond";
     if (given.rays != "native") text += " --rays " + given.rays;
     if (given.common.threads > 0) text += fmt::format(" --threads {}", given.common.threads);
     if (given.common.isa != "auto") text += " --isa " + given.common.isa;
@@ -156,6 +157,8 @@ void add_vrsm(CLI::App& experiment, Action& action) {
         ->delimiter(',')
         ->check(CLI::Range(2, 32).description(""))
         ->type_name("S,S");
+    command->add_flag_callback(
+        "--no-beyond", [given] { given->request.beyond = false; }, "leave out the settings beyond the thesis'");
     command->add_option("--rays", given->rays, "of the truth: native, or exact, the same bits everywhere")
         ->check(CLI::IsMember({"native", "exact"}).description(""))
         ->type_name("RAYS");

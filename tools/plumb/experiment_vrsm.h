@@ -1,6 +1,6 @@
 // plumb experiment vrsm: the evaluation of Bang 2011, "Reflective shadow maps with visibility" (VRSM), chapter 5, on
-// our scenes: tables 5.1-5.3 and figures 5.1-5.5, and the errors against the ray-cast truth that the thesis does not
-// state.
+// our scenes: tables 5.1-5.3 and figures 5.1-5.5, the errors against the ray-cast truth that the thesis does not
+// state, and settings beyond the thesis' that reach its error in less time.
 #pragma once
 
 #include <array>
@@ -10,6 +10,7 @@
 
 #include "core/signed_error.h"
 #include "gi/frame/frame.h"
+#include "tools/page/page.h"
 #include "tools/plumb/reports.h"
 
 namespace plumb::cli {
@@ -23,6 +24,7 @@ struct VrsmRequest {
     double truth_rays = 1e9;  // of each scene; 0: every texel at every point
     std::vector<int> slots = {3, 5, 9, 17, 32};
     Rays rays = Rays::native;  // of the truth
+    bool beyond = true;        // whether settings beyond the thesis' are measured
 };
 
 // Table 5.3's passes; every stage of a frame is part of one.
@@ -45,6 +47,25 @@ struct VrsmErrors {
     int slots = 0;      // without visibility none
     bool best = false;  // the least rms of its kind, gather or chain
     compare::SignedErrors errors = {};
+};
+
+// What errors are measured against.
+struct VrsmTruth {
+    Image4 irradiance;                // W/m2
+    compare::Plane luminance, error;  // error: of one standard deviation; empty where every texel was asked
+    Image<std::uint8_t> surface;      // not 0 where there is one
+};
+
+// A setting beside the thesis', half resolution and blurred as its is.
+struct VrsmBeyond {
+    std::string family;             // settings that only the number of samples tells apart: a curve
+    std::vector<std::string> sets;  // table.key=value in place of the thesis'; none: the thesis' own
+    int samples = 0;                // of a point
+    compare::SignedErrors errors = {};
+    std::vector<double> ms = {};  // of each repetition, all settings in turns: the stages from positions to irradiance
+    double relative_time = 1;     // median over the repetitions of the time over the thesis' in the same one
+    bool winner = false;          // the least time of those whose rms is at most the thesis'
+    bool least_rms = false;       // of those whose time is at most the thesis'
 };
 
 // sRGB-encoded, of one size; W/m2 at which irradiance is white.
@@ -72,6 +93,7 @@ struct VrsmScene {
     std::string truth;             // what was asked of it: rsm.all_rays' reason
     double truth_seconds = 0;
     std::vector<VrsmErrors> errors;
+    std::vector<VrsmBeyond> beyond;  // the thesis' first; empty where they are not measured
     VrsmPictures pictures;
 };
 
@@ -100,6 +122,16 @@ void vrsm_look(const VrsmSubject& subject, const VrsmRequest& request, const Run
 frame::Settings vrsm_settings(const VrsmSubject& subject, bool half, rsm::Visibility visibility, int slots);
 double median(std::vector<double> values);
 
+// experiment_vrsm_beyond.cpp.
+std::vector<VrsmBeyond> vrsm_candidates();
+frame::Settings vrsm_settings(const VrsmSubject& subject, const VrsmBeyond& candidate);
+std::vector<VrsmBeyond> vrsm_beyond(const VrsmSubject& subject, const VrsmRequest& request, const VrsmTruth& truth,
+                                    const RunOptions& options);
+std::optional<double> relative_rms(const VrsmBeyond& candidate, const VrsmBeyond& thesis);
+// The candidate whose rms is at most the thesis' on every scene, and of these the one whose largest relative time is
+// least: a number in every scene's `beyond`. None where none was measured.
+std::optional<std::size_t> vrsm_winner(const Vrsm& result);
+
 // experiment_vrsm_pictures.cpp.
 struct VrsmViews {
     const raster::GBuffer* gbuffer = nullptr;
@@ -110,17 +142,21 @@ VrsmPictures vrsm_pictures(const VrsmViews& views, int crops, const RunOptions& 
 
 // experiment_vrsm_report.cpp: every number of the experiment, once. CSV and JSON hold nothing else, the page shows it.
 struct VrsmNumber {
-    std::string table;  // "5.1", "5.2", "5.3", "errors"
+    std::string table;  // "5.1", "5.2", "5.3", "errors", "beyond", "beyond all"
     std::string scene, row, quantity, unit;
     std::optional<double> value;   // none where it is undefined
     std::optional<double> thesis;  // what VRSM prints, where it does
 };
 std::vector<VrsmNumber> vrsm_numbers(const Vrsm& result);
-std::string vrsm_row(const VrsmErrors& errors);  // "gather, algorithm_6, S = 5"
+std::string vrsm_row(const VrsmErrors& errors);     // "gather, algorithm_6, S = 5"
+std::string vrsm_row(const VrsmBeyond& candidate);  // "VRSM", "rsm.turn=tile rsm.rotations=16"
 std::string vrsm_csv(const std::vector<VrsmNumber>& numbers);
 Json vrsm_json(const Vrsm& result, const std::vector<VrsmNumber>& numbers);
 std::string vrsm_text(const Vrsm& result, const std::vector<VrsmNumber>& numbers);
 std::string value_text(const std::optional<double>& value, const std::string& unit);
+
+// experiment_vrsm_beyond_page.cpp.
+void add_beyond(page::Page& page, const Vrsm& result, const std::vector<VrsmNumber>& numbers);
 
 // experiment_vrsm_page.cpp. `command`: the command line that measured it.
 std::string vrsm_html(const Vrsm& result, const std::vector<VrsmNumber>& numbers, const std::string& command);

@@ -53,21 +53,14 @@ class TimedFrame {
     frame::KeptStages kept_;
 };
 
-// The truth and what the errors are measured with.
-struct Truth {
-    Image4 irradiance;
-    compare::Plane luminance, error;
-    Image<std::uint8_t> surface;
-};
-
 Image<std::uint8_t> surfaces(const Image4& normal) {
     Image<std::uint8_t> mask(normal.width, normal.height);
     for (std::size_t i = 0; i < normal.size(); ++i) mask.texels[i] = normal.texels[i].w != 0;
     return mask;
 }
 
-Truth cast_truth(const VrsmSubject& subject, const VrsmRequest& request, const RunOptions& options,
-                 frame::KeptStages& kept, VrsmScene& scene) {
+VrsmTruth cast_truth(const VrsmSubject& subject, const VrsmRequest& request, const RunOptions& options,
+                     frame::KeptStages& kept, VrsmScene& scene) {
     frame::Settings settings = vrsm_settings(subject, false, Visibility::none, 0);
     settings.indirect.blur = filter::Blur::none;
     settings.rsm.gather = rsm::Gather::all_rays;
@@ -80,7 +73,7 @@ Truth cast_truth(const VrsmSubject& subject, const VrsmRequest& request, const R
             scene.truth += (scene.truth.empty() ? "" : "; ") + f.stages[i].label + ": " + f.stages[i].reason;
             scene.truth_seconds += f.stages[i].ms * 1e-3;
         }
-    Truth truth{f.indirect, compare::luminances(f.indirect), {}, surfaces(f.gbuffer.normal)};
+    VrsmTruth truth{f.indirect, compare::luminances(f.indirect), {}, surfaces(f.gbuffer.normal)};
     if (!f.indirect_error.empty()) truth.error = compare::luminance_errors(f.indirect_error);
     return truth;
 }
@@ -152,6 +145,11 @@ VrsmSubject vrsm_subject(Scene scene, const VrsmRequest& request) {
     if (std::none_of(plan.stages.begin(), plan.stages.end(),
                      [](const frame::PlannedStage& s) { return s.needed && frame::is_gather(s.name); }))
         throw InputError(subject.scene.name + ": no light of it is gathered: expected one that sends indirect light");
+    if (!request.beyond) return subject;
+    if (!vrsm_settings(subject, true, Visibility::algorithm_6, 5).rsm.pattern.empty())
+        throw InputError(subject.scene.name +
+                         ": [rsm] pattern: it has one number of samples, expected --no-beyond with it");
+    for (const VrsmBeyond& candidate : vrsm_candidates()) frame::plan(subject.scene, vrsm_settings(subject, candidate));
     return subject;
 }
 
@@ -179,7 +177,7 @@ std::vector<VrsmTimes> vrsm_times(const VrsmSubject& subject, const VrsmRequest&
 void vrsm_look(const VrsmSubject& subject, const VrsmRequest& request, const RunOptions& options, VrsmScene& scene) {
     frame::KeptStages kept;
     show_progress(subject.scene.name + ": truth");
-    const Truth truth = cast_truth(subject, request, options, kept, scene);
+    const VrsmTruth truth = cast_truth(subject, request, options, kept, scene);
     // Of what the stages made before, the truth's maps and G-buffer are kept: all read the same.
     auto render = [&](const VrsmErrors& row) -> const frame::Frame& {
         frame::Settings settings = vrsm_settings(subject, row.chain, row.visibility, row.slots);
@@ -209,6 +207,7 @@ void vrsm_look(const VrsmSubject& subject, const VrsmRequest& request, const Run
     scene.pictures = vrsm_pictures(
         {&second.gbuffer, &truth.irradiance, &without, &second.indirect, &best, &truth.error}, request.crops, options);
     scene.pictures.global_without = global_without, scene.pictures.global_with = second.display;
+    if (request.beyond) scene.beyond = vrsm_beyond(subject, request, truth, options);
     show_progress("");
 }
 

@@ -25,6 +25,7 @@ class VrsmPage {
         introduce();
         add_times();
         add_passes();
+        add_beyond(page_, result_, numbers_);
         for (std::size_t i = 0; i < result_.scenes.size(); ++i) add_scene(i);
         add_differences();
         tell_how(command);
@@ -73,8 +74,9 @@ class VrsmPage {
         std::string links;
         for (std::size_t i = 0; i < result_.scenes.size(); ++i)
             links += fmt::format("<a href=\"#scene{}\">{}</a>, ", i, page::escaped(result_.scenes[i].name));
-        page_.raw("<p>Figures and errors: " + links +
-                  "<a href=\"#differences\">differences</a>. <a href=\"#how\">How it was measured</a>.</p>\n");
+        page_.raw("<p>Figures and errors: " + links + "<a href=\"#differences\">differences</a>. " +
+                  (result_.request.beyond ? "<a href=\"#beyond\">Beyond the thesis</a>. " : "") +
+                  "<a href=\"#how\">How it was measured</a>.</p>\n");
     }
 
     void add_pairs(const std::string& table, const std::string& caption) {

@@ -98,6 +98,33 @@ class Numbers {
         add("no number", "pixels", double(e.nonfinite));
     }
 
+    void add_beyond(const VrsmBeyond& b, const VrsmBeyond& thesis) {
+        add("samples", "", b.samples);
+        add("time", "ms", finite(median(b.ms)));
+        add("relative time", "%", finite(100 * b.relative_time));
+        add("rms", "%", percent(b.errors.rms));
+        add("relative rms", "%", percent(relative_rms(b, thesis)));
+        add("mean error", "%", percent(b.errors.mean_error));
+        add("removed", "%", percent(b.errors.removed));
+        add("leaked", "%", percent(b.errors.leaked));
+        add("winner", "", double(b.winner));
+        add("least rms", "", double(b.least_rms));
+    }
+
+    // The setting on the scene where it is worst.
+    void add_worst(const Vrsm& result, std::size_t candidate, bool winner) {
+        double time = 0;
+        std::optional<double> rms = 0;
+        for (const VrsmScene& s : result.scenes) {
+            const std::optional<double> here = relative_rms(s.beyond.at(candidate), s.beyond.front());
+            rms = rms && here ? std::optional(std::max(*rms, *here)) : std::nullopt;
+            time = std::max(time, s.beyond[candidate].relative_time);
+        }
+        add("largest relative time", "%", finite(100 * time));
+        add("largest relative rms", "%", percent(rms));
+        add("winner", "", double(winner));
+    }
+
   private:
     std::string table_, scene_, row_;
 };
@@ -144,12 +171,41 @@ std::string table_text(const std::vector<VrsmNumber>& numbers, const std::string
     return rows.empty() ? "" : format_table(columns, rows) + "\n";
 }
 
+std::string beside_text(const VrsmBeyond& b, const VrsmBeyond& thesis) {
+    const std::optional<double> rms = relative_rms(b, thesis);
+    return fmt::format("{}: {:.1f} % of the time, {} % of the rms", vrsm_row(b), 100 * b.relative_time,
+                       rms ? fmt::format("{:.1f}", 100 * *rms) : "undefined");
+}
+
+std::string beyond_text(const Vrsm& result) {
+    std::string text;
+    for (const VrsmScene& s : result.scenes)
+        for (const VrsmBeyond& b : s.beyond) {
+            if (b.winner)
+                text += fmt::format("{}: VRSM's error in least time: {}\n", s.name, beside_text(b, s.beyond[0]));
+            if (b.least_rms)
+                text += fmt::format("{}: least error in VRSM's time: {}\n", s.name, beside_text(b, s.beyond[0]));
+        }
+    if (const std::optional<std::size_t> winner = vrsm_winner(result)) {
+        const std::vector<VrsmBeyond>& first = result.scenes.front().beyond;
+        double time = 0;
+        for (const VrsmScene& s : result.scenes) time = std::max(time, s.beyond[*winner].relative_time);
+        text += fmt::format("VRSM's error on every scene in least time: {}: at most {:.1f} % of it\n",
+                            vrsm_row(first[*winner]), 100 * time);
+    }
+    return text;
+}
+
 }  // namespace
 
 std::string vrsm_row(const VrsmErrors& e) {
     const std::string kind = e.chain ? "frame" : "gather";
     if (e.visibility == rsm::Visibility::none) return kind + ", none";
     return fmt::format("{}, algorithm_{}, S = {}", kind, e.visibility == rsm::Visibility::algorithm_2 ? 2 : 6, e.slots);
+}
+
+std::string vrsm_row(const VrsmBeyond& b) {
+    return b.sets.empty() ? "VRSM" : fmt::format("{}", fmt::join(b.sets, " "));
 }
 
 std::vector<VrsmNumber> vrsm_numbers(const Vrsm& result) {
@@ -174,6 +230,16 @@ std::vector<VrsmNumber> vrsm_numbers(const Vrsm& result) {
             n.add_errors(e.errors);
             n.add("best", "", double(e.best));
         }
+    for (const VrsmScene& s : result.scenes)
+        for (const VrsmBeyond& b : s.beyond) {
+            n.at("beyond", s.name, vrsm_row(b));
+            n.add_beyond(b, s.beyond.front());
+        }
+    const std::optional<std::size_t> winner = vrsm_winner(result);
+    for (std::size_t i = 0; !result.scenes.empty() && i < result.scenes.front().beyond.size(); ++i) {
+        n.at("beyond all", "", vrsm_row(result.scenes.front().beyond[i]));
+        n.add_worst(result, i, winner == i);
+    }
     return n.all;
 }
 
@@ -197,12 +263,16 @@ Json vrsm_json(const Vrsm& result, const std::vector<VrsmNumber>& numbers) {
                              {"frame_ms", t.frame_ms},
                              {"pass_ms", passes}});
         }
+        Json beyond = Json::array();
+        for (const VrsmBeyond& b : s.beyond)
+            beyond.push_back({{"row", vrsm_row(b)}, {"family", b.family}, {"sets", b.sets}, {"ms", b.ms}});
         scenes.push_back({{"name", s.name},
                           {"test_case", s.test_case.empty() ? Json(nullptr) : Json(s.test_case)},
                           {"triangles", s.triangles},
                           {"size", {s.size.x, s.size.y}},
                           {"settings", s.settings},
                           {"times", times},
+                          {"beyond", beyond},
                           {"truth", s.truth},
                           {"truth_seconds", s.truth_seconds},
                           {"pictures", pictures_json(s.pictures)}});
@@ -253,7 +323,7 @@ std::string vrsm_text(const Vrsm& result, const std::vector<VrsmNumber>& numbers
             if (e.best)
                 text +=
                     fmt::format("{}: least rms: {}, {} %\n", s.name, vrsm_row(e), value_text(100 * *e.errors.rms, "%"));
-    return text;
+    return text + beyond_text(result);
 }
 
 }  // namespace plumb::cli
