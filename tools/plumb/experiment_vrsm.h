@@ -60,7 +60,7 @@ struct VrsmTruth {
 struct VrsmBeyond {
     std::string family;             // settings that only the number of samples tells apart: a curve
     std::vector<std::string> sets;  // table.key=value in place of the thesis'; none: the thesis' own
-    int samples = 0;                // of a point
+    glm::ivec2 samples{0};          // of a point: directions, steps
     compare::SignedErrors errors = {};
     std::vector<double> ms = {};  // of each repetition, all settings in turns: the stages from positions to irradiance
     double relative_time = 1;     // median over the repetitions of the time over the thesis' in the same one

@@ -24,15 +24,13 @@ const std::vector<Family>& families() {
                       solid = "rsm.slot_edges=solid_angle", rows = "indirect.blur=separable",
                       two = "rsm.visibility=algorithm_2";
     static const std::vector<Family> all = {
-        {"VRSM, by number of samples", {}, {{15, 10}, {8, 10}, {8, 5}, {4, 16}}},
-        {"rotations over 4 x 4 points", {tile, sixteen}, {{15, 10}, {8, 10}, {8, 5}, {4, 16}}},
-        {"and a wider blur", {tile, sixteen, wide}, {{15, 10}, {8, 10}, {4, 16}, {3, 16}}},
-        {"and slots by solid angle", {tile, sixteen, wide, solid}, {{15, 10}, {8, 10}, {4, 16}}},
-        {"the wider blur in rows and columns", {tile, sixteen, wide, rows}, {{15, 10}, {8, 10}, {4, 16}}},
-        {"Algorithm 2, 9 slots, the wider blur",
-         {tile, sixteen, wide, two, "rsm.slots=9"},
-         {{15, 10}, {8, 10}, {4, 16}}},
-        {"Algorithm 2, 7 slots, half the map, 1 m, the wider blur",
+        {"VRSM", {}, {{15, 10}, {8, 10}, {4, 16}, {8, 5}}},
+        {"rotations over 4 x 4", {tile, sixteen}, {{15, 10}, {8, 10}, {4, 16}, {8, 5}}},
+        {"and wider blur", {tile, sixteen, wide}, {{15, 10}, {8, 10}, {4, 16}, {3, 16}}},
+        {"and slots of equal solid angle", {tile, sixteen, wide, solid}, {{15, 10}, {8, 10}, {4, 16}}},
+        {"wider blur in rows and columns", {tile, sixteen, wide, rows}, {{15, 10}, {8, 10}, {4, 16}}},
+        {"wider blur, Algorithm 2", {tile, sixteen, wide, two, "rsm.slots=9"}, {{15, 10}, {8, 10}, {4, 16}}},
+        {"Algorithm 2, shorter paths, floor of 1 m",
          {tile, sixteen, wide, two, "rsm.slots=7", "rsm.radius=0.5", "rsm.min_distance=1"},
          {{15, 10}, {8, 10}, {4, 16}}},
     };
@@ -79,7 +77,7 @@ std::vector<VrsmBeyond> vrsm_candidates() {
     std::vector<VrsmBeyond> all;
     for (const Family& family : families())
         for (const glm::ivec2& samples : family.samples) {
-            VrsmBeyond candidate{family.name, family.sets, samples.x * samples.y};
+            VrsmBeyond candidate{family.name, family.sets, samples};
             if (samples.x != 15) candidate.sets.push_back(fmt::format("rsm.directions={}", samples.x));
             if (samples.y != 10) candidate.sets.push_back(fmt::format("rsm.steps={}", samples.y));
             all.push_back(std::move(candidate));
@@ -114,7 +112,7 @@ std::vector<VrsmBeyond> vrsm_beyond(const VrsmSubject& subject, const VrsmReques
             const frame::Plan plan = frame::plan(subject.scene, settings);
             const frame::Frame& f = frame::execute(subject.scene, settings, plan, options, kept);
             if (r < 0) {
-                b.samples = settings.rsm.directions * settings.rsm.steps;
+                b.samples = {settings.rsm.directions, settings.rsm.steps};
                 b.errors = compare::signed_errors(compare::luminances(f.indirect), truth.luminance, truth.error,
                                                   truth.surface, vrsm_judgement);
                 continue;

@@ -99,7 +99,7 @@ class Numbers {
     }
 
     void add_beyond(const VrsmBeyond& b, const VrsmBeyond& thesis) {
-        add("samples", "", b.samples);
+        add("samples", "", b.samples.x * b.samples.y);
         add("time", "ms", finite(median(b.ms)));
         add("relative time", "%", finite(100 * b.relative_time));
         add("rms", "%", percent(b.errors.rms));
