@@ -28,7 +28,7 @@ const std::vector<Family>& families() {
         {"rotations over 4 x 4", {tile, sixteen}, {{15, 10}, {8, 10}, {4, 16}, {8, 5}}},
         {"and wider blur", {tile, sixteen, wide}, {{15, 10}, {8, 10}, {4, 16}, {3, 16}}},
         {"and slots of equal solid angle", {tile, sixteen, wide, solid}, {{15, 10}, {8, 10}, {4, 16}}},
-        {"wider blur in rows and columns", {tile, sixteen, wide, rows}, {{15, 10}, {8, 10}, {4, 16}}},
+        {"wider blur in rows and columns", {tile, sixteen, wide, rows}, {{15, 10}, {6, 16}, {8, 10}, {4, 16}, {3, 16}}},
         {"wider blur, Algorithm 2", {tile, sixteen, wide, two, "rsm.slots=9"}, {{15, 10}, {8, 10}, {4, 16}}},
         {"Algorithm 2, shorter paths, floor of 1 m",
          {tile, sixteen, wide, two, "rsm.slots=7", "rsm.radius=0.5", "rsm.min_distance=1"},
