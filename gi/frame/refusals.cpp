@@ -266,6 +266,16 @@ void check_filters(const Scene& scene, const Settings& settings) {
                                  scene.name, halves_indirect(settings) ? "resolution = half" : "blur"));
 }
 
+// What no range of one parameter says.
+void check_gather(const Scene& scene, const Settings& settings) {
+    if (settings.method != Method::rsm) return;
+    try {
+        rsm::validate(settings.rsm);
+    } catch (const InputError& error) {
+        throw InputError(fmt::format("{}: {}", scene.name, error.what()));
+    }
+}
+
 }  // namespace
 
 double spectral_radius_bound(const Scene& scene, const Geometry& geometry) {
@@ -281,6 +291,7 @@ double passes_needed(double rho, double error) { return std::ceil(host::log(erro
 
 void refuse_scene(const Scene& scene, const Settings& settings, const Geometry& geometry) {
     check_filters(scene, settings);
+    check_gather(scene, settings);
     if (geometry.triangles.empty()) return;
     check_vertices(scene, geometry);
     const Asked a = ask(scene, settings, geometry);

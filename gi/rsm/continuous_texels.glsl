@@ -11,6 +11,10 @@ bool is_near(vec2 centre, int map_size, int reach) {
     return centre.x >= low && centre.x < high && centre.y >= low && centre.y < high;
 }
 
+bool is_in_place(vec2 centre, Projection map) {
+    return centre.x > map.low && centre.x < map.high && centre.y > map.low && centre.y < map.high;
+}
+
 ivec2 texel_of(vec2 centre, int row) {
     precise vec2 place = centre + positions[row];               TAP(place, place);
     CHOICE(int(floor(place.x)));

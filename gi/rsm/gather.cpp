@@ -98,7 +98,18 @@ std::string stage_name(Gather gather, Texels texels) {
 
 std::string stage_name(const GatherParams& params) { return stage_name(params.gather, params.texels); }
 
-void validate(const GatherParams& params, const GatherInputs& in) {
+namespace {
+
+// Offsets or weights of a pattern: 256 MiB of them.
+constexpr std::int64_t most_entries = 0x1p26;
+
+bool reads_pattern(const GatherParams& params) {
+    return params.gather == Gather::disc || params.gather == Gather::paths;
+}
+
+}  // namespace
+
+void validate(const GatherParams& params) {
     GatherParams copy = params;
     const std::string stage = stage_name(params);
     validate_fields(stage, fields(copy));
@@ -107,6 +118,22 @@ void validate(const GatherParams& params, const GatherInputs& in) {
     };
     require((params.rotations & (params.rotations - 1)) == 0,
             fmt::format("rotations = {}: expected a power of two", params.rotations));
+    if (!reads_pattern(params)) return;
+    const int samples = sample_count(params);
+    require(samples <= most_samples, fmt::format("directions = {} x steps = {}: expected at most {} samples",
+                                                 params.directions, params.steps, most_samples));
+    require(samples * std::int64_t(params.rotations) <= most_entries,
+            fmt::format("{} samples x rotations = {}: expected at most {}", samples, params.rotations, most_entries));
+    require(params.turn == Turn::hash || params.rotations >= 16,
+            fmt::format("rotations = {}: turn = \"tile\" deals out at least 16", params.rotations));
+}
+
+void validate(const GatherParams& params, const GatherInputs& in) {
+    validate(params);
+    const std::string stage = stage_name(params);
+    auto require = [&](bool good, const std::string& cause) {
+        if (!good) throw InputError(stage + ": " + cause);
+    };
     require(in.position && in.normal && in.rsm, "position, normal and rsm must be bound");
     require(in.position->width == in.normal->width && in.position->height == in.normal->height,
             fmt::format("normal is {} x {}, position is {} x {}: expected equal sizes", in.normal->width,
@@ -117,12 +144,8 @@ void validate(const GatherParams& params, const GatherInputs& in) {
     require(!depth_alone, "the map was drawn for its depth alone: it holds no flux");
     require(!in.tiles || in.tiles->fits({in.position->width, in.position->height}), "tiles are of another size");
     require(params.gather != Gather::all_rays || in.rays, "rays must be bound");
-    if (params.gather != Gather::disc && params.gather != Gather::paths) return;
+    if (!reads_pattern(params)) return;
     const int samples = sample_count(params);
-    require(samples <= most_samples, fmt::format("directions = {} x steps = {}: expected at most {} samples",
-                                                 params.directions, params.steps, most_samples));
-    require(params.turn == Turn::hash || params.rotations >= 16,
-            fmt::format("rotations = {}: turn = \"tile\" deals out at least 16", params.rotations));
     require(in.pattern != nullptr, "pattern must be bound");
     const std::size_t offsets = std::size_t(samples) * std::size_t(params.rotations);
     const bool whole = params.texels == Texels::whole;

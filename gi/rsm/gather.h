@@ -117,6 +117,9 @@ struct RaysReport {
     std::uint64_t traced = 0;    // rays: texels that face the point and are faced by it
 };
 
+// Throws InputError that names the parameter at fault; pattern_of() asks first, so that no table is made in vain.
+void validate(const GatherParams& params);
+
 // Throws InputError that names the input or parameter at fault.
 void validate(const GatherParams& params, const GatherInputs& inputs);
 

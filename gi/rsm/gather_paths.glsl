@@ -73,6 +73,8 @@ vec3 gather_paths(ivec2 pixel) {
     if (u.tiled != 0) rotation = (tile_place(pixel) * u.rotations) >> 4;
     TAP(rotation, rotation);
 
+    bool sighted = is_in_place(centre, u.map);                  TAP(sighted, sighted);
+
     bool near = is_near(centre, u.map.size, u.reach);
     precise vec3 sum = vec3(0.0);
     for (int path = 0; near && path < u.directions; ++path) {
@@ -96,6 +98,7 @@ vec3 gather_paths(ivec2 pixel) {
             float visibility = 1.0;
             precise vec3 d = x_p - x;
             if (u.slots > 0) visibility = visibility_of(d, inside && n_p.w > 0.0, met);
+            if (!sighted) visibility = 1.0;
             TAP(visibility, visibility);
 
             precise float g = form(x, n, x_p, n_p.xyz, u.least_distance2) * (weight * visibility);

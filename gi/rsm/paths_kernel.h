@@ -12,6 +12,9 @@
 //     slot 1 |  o                <- visible, and takes slot 1
 //     slot 0 |
 //
+// A point beside the map whose projection is held at its border (`projection = "clamped"`, ours) has no such lines: its
+// paths start elsewhere, and nothing is hidden from it.
+//
 // differs: the elevation phi of a sample is never computed. Slot i ends where sin(phi) = s_i, and with d = x_p - x and
 // dz = d . axis, sin(phi) = dz / |d|: the test is dz |dz| >= s_i |s_i| |d|^2. A texel without a surface neither hides nor
 // sends light; the thesis does not say what it does.
@@ -100,7 +103,8 @@ struct ShadingPoint {
     vec3<F> x, n;
     TexelsOf<F, continuous> texels;
     index_t<F> rotation;
-    mask_t<F> near;  // where samples may meet the map
+    mask_t<F> near;     // where samples may meet the map
+    mask_t<F> sighted;  // where paths are lines of sight: they start where x lies
 };
 
 template <class I>
@@ -122,7 +126,9 @@ PLUMB_INLINE ShadingPoint<F, continuous> shading_point(const PathsInputsView<Com
     const TexelsOf<F, continuous> texels(u.map, x, tap);
     const I rotation = rotation_of<I>(u, px, py);
     tap("rotation", rotation, "column of the tables of offsets and weights");
-    return {x, n, texels, rotation, texels.near(u.map.size, u.reach)};
+    const mask_t<F> sighted = texels.in_place(u.map);
+    tap("sighted", sighted, "0 where the projection is held on the map: nothing hides a sample there");
+    return {x, n, texels, rotation, texels.near(u.map.size, u.reach), sighted};
 }
 
 // Adds a path's samples to the sum. `rotation` is the point's own or, in a packet of one rotation, that number.
@@ -152,6 +158,7 @@ PLUMB_INLINE void gather_path(const PathsInputsView<Component>& in, const Shadin
 
         F visibility(1.0f);
         if (u.slots > 0) visibility = visibility_of<F>(in, x_p - point.x, inside & (p.b.w > F(0.0f)), met, tap);
+        visibility = select(point.sighted, visibility, F(1.0f));
         tap("visibility", visibility, "VRSM Algorithm 5, line 12: 1 visible, 0 hidden");
 
         const F g = form(point.x, point.n, x_p, n_p, F(u.least_distance2), tap) * (weight * visibility);

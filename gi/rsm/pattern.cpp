@@ -135,6 +135,7 @@ Pattern own_pattern(const GatherParams& params) {
 }
 
 Pattern pattern_of(const GatherParams& params, int map_size, std::uint32_t seed) {
+    validate(params);
     const bool samples = params.gather == Gather::disc || params.gather == Gather::paths;
     if (samples && params.pattern != (params.own ? params.own->name : ""))
         throw InputError(fmt::format("{}: pattern = \"{}\": the file was not read: expected it in a scene file or "

@@ -44,6 +44,13 @@ struct WholeTexels {
         return in_range(centre.x + I(reach), range) & in_range(centre.y + I(reach), range);
     }
 
+    // Whether x lies where its projection says: one that is held on the map (projection `clamped`) ends in a border texel.
+    PLUMB_INLINE mask_t<F> in_place(const raster::Projection& map) const {
+        if (map.low < 0.0f) return I(0) < I(1);
+        const I inner(max(map.size - 2, 0));
+        return in_range(centre.x - I(1), inner) & in_range(centre.y - I(1), inner);
+    }
+
     // in.offsets: dx in the lower 16 bits, dy in the upper 16.
     template <class View, class Row, class Tap>
     PLUMB_INLINE ivec2<I> texel(const View& in, const Row& row, Tap&) const {
@@ -66,6 +73,11 @@ struct ContinuousTexels {
     PLUMB_INLINE mask_t<F> near(std::int32_t map_size, std::int32_t reach) const {
         const F low(float(-reach)), high(float(map_size + reach));
         return (centre.x >= low) & (centre.x < high) & (centre.y >= low) & (centre.y < high);
+    }
+
+    PLUMB_INLINE mask_t<F> in_place(const raster::Projection& map) const {
+        const F low(map.low), high(map.high);
+        return (centre.x > low) & (centre.x < high) & (centre.y > low) & (centre.y < high);
     }
 
     // in.positions: dx, dy.

@@ -15,6 +15,13 @@ bool is_near(ivec2 centre, int map_size, int reach) {
     return shifted.x >= 0 && shifted.x < range && shifted.y >= 0 && shifted.y < range;
 }
 
+// Whether x lies where its projection says: one that is held on the map ends in a border texel.
+bool is_in_place(ivec2 centre, Projection map) {
+    if (map.low < 0.0) return true;
+    int last = map.size - 2;
+    return centre.x >= 1 && centre.x <= last && centre.y >= 1 && centre.y <= last;
+}
+
 ivec2 texel_of(ivec2 centre, int row) {
     int offset = offsets[row];
     return centre + ivec2((offset << 16) >> 16, offset >> 16);

@@ -247,6 +247,26 @@ TEST_CASE("rsm.paths: a wall hides the patch behind it, the better the finer", "
     CHECK(std::abs(sums(fine, 4).x - sums(truth, 4).x) < 0.25 * std::abs(sums(leaks, 4).x - sums(truth, 4).x));
 }
 
+TEST_CASE("rsm.paths: nothing is hidden from a point whose projection is held at the map's border", "[rsm][paths]") {
+    // Paths that start elsewhere than the point are no lines of sight. The same wall within the map has some.
+    const raster::Rsm map = floor_map(48);
+    Points within = wall_points(), beside = within;
+    for (glm::vec4& x : beside.position.texels) x.x += 2;
+    for (rsm::Texels texels : {rsm::Texels::whole, rsm::Texels::continuous}) {
+        rsm::GatherParams hiding = paths_params(rsm::Visibility::algorithm_2), open = hiding;
+        open.visibility = rsm::Visibility::none;
+        hiding.projection = open.projection = rsm::Projection::clamped;
+        hiding.texels = open.texels = texels;
+        const Image4 a = gathered(hiding, beside, map), b = gathered(open, beside, map);
+        for (std::size_t i = 0; i < a.size(); ++i) {
+            CHECK(a.texels[i] == b.texels[i]);
+            CHECK(a.texels[i].x > 0);
+        }
+        CHECK(hidden_share(hiding, beside, map) == 0);
+        CHECK(hidden_share(hiding, within, map) > 0.1);
+    }
+}
+
 TEST_CASE("rsm.paths: nothing comes from where there is nothing", "[rsm][paths]") {
     const raster::Rsm floor = floor_map(32);
     for (auto visibility : {rsm::Visibility::none, rsm::Visibility::algorithm_2, rsm::Visibility::algorithm_6}) {

@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstddef>
 
 #include "core/hash.h"
 #include "gi/compose/bindings.h"
+#include "gi/filter/bindings.h"
 #include "gi/frame/frame.h"
 #include "gi/parity/stages.h"
 #include "io/scene_file.h"
+#include "raster/light_kernel.h"
 #include "tools/mutants/panels.h"
 #include "tools/mutants/ties.h"
 
@@ -70,6 +73,10 @@ void append_cornell(const std::filesystem::path& source, std::vector<Dispatch>& 
     coloured.compose.shadow_color = glm::vec3(0.1f, 0.2f, 0.4f);
     printed.direct.variant = direct::DirectVariant::published;
     append("cornell, shadow density", lit, coloured, {"direct"}, out);
+    append("cornell, density without the first light", lit, coloured, {"direct"}, out);
+    for (Array& input : out.back().data.inputs.arrays)
+        if (input.name == "lights")
+            std::fill_n(input.bytes.begin() + offsetof(raster::LightArgs, intensity), 3 * sizeof(float), 0);
     append("cornell, direct light as printed", lit, printed, {"direct"}, out);
 
     // Paths of eight by five, and what the twin's branches are for: Algorithm 2, tiles, no visibility.
@@ -77,6 +84,7 @@ void append_cornell(const std::filesystem::path& source, std::vector<Dispatch>& 
     paths.rsm.gather = rsm::Gather::paths, paths.rsm.directions = 8, paths.rsm.steps = 5;
     tiled.rsm = unhidden.rsm = paths.rsm;
     tiled.rsm.visibility = rsm::Visibility::algorithm_2, tiled.rsm.slots = 9, tiled.rsm.turn = rsm::Turn::tile;
+    tiled.rsm.projection = rsm::Projection::clamped;
     unhidden.rsm.visibility = rsm::Visibility::none;
     append("cornell, paths", lit, paths, {"rsm.paths"}, out);
     append("cornell, paths by tiles", lit, tiled, {"rsm.paths"}, out);
@@ -148,6 +156,40 @@ void append_values(std::vector<Dispatch>& out) {
     }
 }
 
+// Surfaces that fill an odd frame up to its borders, at two depths and turned two ways, with holes where nothing is seen
+// but where some light lies.
+void append_surfaces(std::vector<Dispatch>& out) {
+    const glm::ivec2 size(37, 29);
+    Image4 position(size.x, size.y), normal(size.x, size.y), irradiance(size.x, size.y);
+    for (int y = 0; y < size.y; ++y)
+        for (int x = 0; x < size.x; ++x) {
+            const std::uint32_t h = pcg<std::uint32_t>(std::uint32_t(y * size.x + x));
+            for (int c = 0; c < 3; ++c) irradiance(x, y)[c] = 0.5f + float(h >> (8 * c) & 0xff) / 256;
+            if (h % 7 == 0) continue;  // nothing is seen
+            const bool near = h % 5 < 2;
+            const float depth = (near ? 1.0f : 4.0f) + 0.01f * float(x) + 0.02f * float(y);
+            position(x, y) = glm::vec4(0.1f * float(x), 0.1f * float(y), -depth, depth);
+            normal(x, y) = glm::vec4(near ? glm::vec3(0, 0, 1) : glm::vec3(0.6f, 0, 0.8f), 1);
+            irradiance(x, y).w = depth;
+        }
+    auto keep = [&](const std::string& name, StageData data) {
+        data.label = data.id = data.stage;
+        out.push_back({"surfaces: " + name, std::move(data)});
+    };
+    keep("reduce", filter::reduce_data(irradiance));
+    filter::FilterParams params;
+    params.kernel = 5;
+    keep("blur", filter::blur_data(params, {&irradiance, &position, &normal}));
+    Image4 coarse_irradiance, coarse_position, coarse_normal;
+    filter::run_reduce(irradiance, {}, coarse_irradiance);
+    filter::run_reduce(position, {}, coarse_position);
+    filter::run_reduce(normal, {}, coarse_normal);
+    const filter::UpsampleInputs in{&coarse_irradiance, &coarse_position, &coarse_normal, &position, &normal};
+    keep("upsample", filter::upsample_data(params, in));
+    params.similarity = filter::Similarity::depth;
+    keep("upsample by depth", filter::upsample_data(params, in));
+}
+
 }  // namespace
 
 std::vector<Dispatch> dispatches(const std::filesystem::path& source) {
@@ -158,6 +200,7 @@ std::vector<Dispatch> dispatches(const std::filesystem::path& source) {
     append("panels", execute(scene, settings), settings, {"gbuffer", "rsm"}, out);
     append_cornell(source, out);
     append_values(out);
+    append_surfaces(out);
     return out;
 }
 

@@ -135,6 +135,29 @@ std::vector<Job> jobs_of(const SweepRequest& request, const std::vector<Subject>
     return jobs;
 }
 
+// What only the run can refuse is left out, too.
+void warm_up_all(const std::vector<Subject>& subjects, std::vector<Job>& jobs, const RunOptions& options, Sweep& sweep,
+                 const SweepPictures* pictures) {
+    std::vector<std::string> refused(subjects.size());
+    std::vector<Job> warm;
+    for (std::size_t i = 0; i < jobs.size(); ++i) {
+        Job& job = jobs[i];
+        const SweepPoint& p = job.point;
+        show_progress(fmt::format("warming up, {} of {}: {} {}", i + 1, jobs.size(), p.method, p.settings));
+        try {
+            warm_up(subjects[job.subject], job, options, sweep, pictures ? &pictures->scenes[job.subject] : nullptr);
+            warm.push_back(std::move(job));
+        } catch (const InputError& error) {
+            refused[job.subject] = error.what();
+            sweep.left_out.push_back({p.scene, p.method, p.settings, error.what()});
+        }
+    }
+    jobs = std::move(warm);
+    for (std::size_t s = 0; s < subjects.size(); ++s)
+        if (std::none_of(jobs.begin(), jobs.end(), [&](const Job& job) { return job.subject == s; }))
+            throw InputError(refused[s]);
+}
+
 // Removes what takes too long, but never the one of a scene that takes least.
 void leave_out(std::vector<Job>& jobs, double Job::* ms, double longest_ms, const char* what, Sweep& sweep) {
     std::map<std::size_t, double> least;
@@ -213,11 +236,7 @@ Sweep run_sweep(const SweepRequest& request, const RunOptions& options, SweepPic
                      pictures ? &pictures->scenes[s] : nullptr);
     for (const std::string& note : kept.notes()) sweep.notes.push_back(note);
 
-    for (std::size_t i = 0; i < jobs.size(); ++i) {
-        show_progress(fmt::format("warming up, {} of {}: {} {}", i + 1, jobs.size(), jobs[i].point.method, jobs[i].point.settings));
-        warm_up(subjects[jobs[i].subject], jobs[i], options, sweep,
-                pictures ? &pictures->scenes[jobs[i].subject] : nullptr);
-    }
+    warm_up_all(subjects, jobs, options, sweep, pictures);
     leave_out(jobs, &Job::warm_up_ms, warm_up_slack * request.longest_ms, "took", sweep);
     run_in_turns(subjects, jobs, request.runs, options);
     show_progress("");

@@ -69,6 +69,7 @@ Subject load_subject(const SweepRequest& request, SceneOptions options) {
     raster::Layout& layout = subject.truth.layout;
     layout.name = "custom";
     layout.rsm_position = layout.rsm_normal = layout.rsm_flux = Format::rgba32f, layout.rsm_depth = Format::r32f;
+    layout.indirect = Format::rgba32f, layout.visibility = Format::r32f;
     // Other random numbers than the points': the method reference must not be held against its own paths.
     subject.truth.seed = std::uint32_t(pcg(std::int32_t(subject.settings.seed) + pcg(1)));
     frame::plan(subject.scene, subject.truth);  // throws for what no path traced truth can serve
