@@ -10,6 +10,8 @@ std::vector<ParamInfo> describe(const std::vector<Field>& fields) {
         std::string range;
         if (!f.choices.empty())
             range = fmt::format("{}", fmt::join(f.choices, " | "));
+        else if (type_name(f) == "string")
+            range = "";  // words have no bounds
         else if (f.max != unbounded)
             range = fmt::format("{}..{}", f.min, f.max);
         else if (f.min != -unbounded)

@@ -1,5 +1,6 @@
 // plumb explain and stages.
 #include <catch2/catch.hpp>
+#include <filesystem>
 #include <sstream>
 
 #include "io/image_file.h"
@@ -45,6 +46,21 @@ TEST_CASE("explain: every stage of a pixel ends with what the picture holds", "[
         CHECK(count(r.out, "NOT EQUAL") == 0);
     }
     CHECK(count(run({"explain", scene, "--stage", "rsm", "--pixel", "24,24"}).out, ": equal\n") == 4);
+}
+
+TEST_CASE("explain: a filter's check says what it holds against the picture", "[program]") {
+    const std::string folder = fresh_folder("explain_filter_check"), scene = small_scene(folder);
+    auto explain = [&](const char* stage) {
+        return run({"explain", scene, "--stage", stage, "--pixel", "20,15", "--set", "indirect.resolution=half",
+                    "--set", "indirect.blur=full", "--set", "render.layout=vrsm"});
+    };
+    const Result reduce = explain("filter.reduce"), blur = explain("filter.blur");
+    CHECK(reduce.exit == 0);
+    CHECK(blur.exit == 0);
+    for (const char* part : {"check: reduced position: ", "check: reduced normal: "})
+        CHECK_THAT(reduce.out, Contains(part));
+    CHECK_THAT(reduce.out, !Contains("check: irradiance: "));
+    CHECK_THAT(blur.out, Contains("check: irradiance: "));
 }
 
 TEST_CASE("explain: what any layout rounds is held against the rounded value", "[program][layout]") {
@@ -147,6 +163,109 @@ TEST_CASE("explain: JSON has the contract's keys, text has the same numbers", "[
     for (int c = 0; c < 3; ++c) CHECK(std::stof(v[c]) == radiance[c].get<float>());
 }
 
+namespace {
+
+// What a page needs is inside of it: no address, no file, and one script, its own.
+void check_self_contained(const std::string& html) {
+    for (const char* part : {"://", "src=\"/", "@import", "url(", "<link"}) CHECK(count(html, part) == 0);
+    CHECK(count(html, "<script") == 1);
+    CHECK(count(html, "data:image/png;base64,") > 0);
+    CHECK_THAT(html, Contains("default-src 'none'"));
+}
+
+}  // namespace
+
+TEST_CASE("explain --html: every stage of a frame has its buffers, its values and its check on the page", "[program]") {
+    const std::string folder = fresh_folder("explain_html"), scene = small_scene(folder);
+    const std::string file = folder + "/page.html";
+    const Json stages = Json::parse(run({"explain", scene, "--pixel", "40,33", "--json"}).out)["stages"];
+    REQUIRE(stages.size() >= 8);
+    const Result whole = run({"explain", scene, "--pixel", "40,33", "--html", file});
+    REQUIRE(whole.exit == 0);
+    CHECK(whole.err.empty());
+    CHECK(whole.out == run({"explain", scene, "--pixel", "40,33"}).out);
+    const std::string page = read(file);
+    check_self_contained(page);
+    CHECK(count(page, "NOT EQUAL") == 0);
+    CHECK(count(page, ": equal") >= 7);
+    // Equal pages of equal runs.
+    REQUIRE(run({"explain", scene, "--pixel", "40,33", "--html", file, "--threads", "1"}).exit == 0);
+    CHECK(read(file) == page);
+
+    for (const Json& e : stages) {
+        const std::string label = e["stage"], name = label.substr(0, label.find(' '));
+        INFO(label);
+        CHECK(count(page, "<h2 id=\"stage" ) == int(stages.size()));
+        CHECK_THAT(page, Contains(">" + label + " at 40,33<"));
+        // The stage alone, of its light.
+        Words words = {"explain", scene, "--stage", name, "--pixel", "40,33", "--html", file};
+        if (label != name) {
+            const std::string light = label.substr(label.find('(') + 1);
+            words.insert(words.end(), {"--light", light.substr(0, light.size() - 1)});
+        }
+        REQUIRE(run(words).exit == 0);
+        const std::string one = read(file);
+        check_self_contained(one);
+        for (const Json& v : e["values"]) {
+            const std::string tap = "<td>" + v["name"].get<std::string>() + "</td>";
+            CHECK(count(one, tap) > 0);
+        }
+    }
+    REQUIRE(run({"explain", scene, "--stage", "rsm", "--pixel", "20,31", "--html", file}).exit == 0);
+    CHECK_THAT(read(file), Contains("class=\"seen\"") && Contains("flux (W)"));
+}
+
+TEST_CASE("explain --html: a gather's samples lie on the light's map, and are rows of a table", "[program][VRSM (3.2)]") {
+    const std::string folder = fresh_folder("explain_html_gather"), scene = small_scene(folder);
+    const std::string file = folder + "/page.html";
+    const Result r = run({"explain", scene, "--stage", "rsm.disc", "--light", "key", "--pixel", "40,33", "--html", file});
+    REQUIRE(r.exit == 0);
+    const std::string page = read(file);
+    // 37 samples: a row each, and a mark on each of the map's three pictures at least.
+    CHECK(count(page, "<tr data-key=") == 37);
+    CHECK(count(page, "<circle") >= 3 * 37);
+    CHECK(count(page, "<details data-key=") == 37);
+    for (const char* part : {"rsm_flux (W)", "rsm_position (m)", "rsm_normal", "48 x 48", "percentile", "weights (texels)",
+                             "check: irradiance, the sum of 2 lights: "})
+        CHECK_THAT(page, Contains(part));
+    // The text has the same samples, with what each brings, and their sum.
+    CHECK_THAT(r.out, Contains("what each sample brings: weight visibility flux form (VRSM (3.2))\nsample  texel  inside"));
+    const std::size_t sum = r.out.find("\ntogether: ");
+    REQUIRE(sum != std::string::npos);
+    std::istringstream words(r.out.substr(sum + 11));
+    const Json e = Json::parse(run({"explain", scene, "--stage", "rsm.disc", "--light", "key", "--pixel", "40,33",
+                                    "--json"}).out);
+    for (int c = 0; c < 3; ++c) {
+        double together = 0;
+        words >> together;
+        CHECK(together == Approx(named(e, "sum").back()["value"][c].get<double>()).epsilon(1e-4));
+    }
+    // The whole map: more texels than marks can show, so that what each brings is a picture.
+    std::string text = read(scene);
+    text.replace(text.find("rsm_size = 48"), 13, "rsm_size = 96");
+    write(scene, text);
+    REQUIRE(run({"explain", scene, "--stage", "rsm.all", "--light", "key", "--set", "rsm.gather=all", "--pixel", "40,33",
+                 "--html", file}).exit == 0);
+    CHECK_THAT(read(file), Contains("contribution (W/m2)") && Contains("The 1000 of 9216 samples that bring most"));
+}
+
+TEST_CASE("explain --html: what cannot be written is one line, and a device stays one", "[program]") {
+    const std::string folder = fresh_folder("explain_html_refused"), scene = small_scene(folder);
+    for (const std::string& file : {folder + "/none/page.html", folder}) {
+        const Result r = run({"explain", scene, "--stage", "compose", "--pixel", "1,1", "--html", file});
+        CHECK(r.exit == 2);
+        CHECK(r.out.empty());
+        CHECK(std::count(r.err.begin(), r.err.end(), '\n') == 1);
+        CHECK_THAT(r.err, Contains(file));
+    }
+    const Words before = files_in(folder);
+    const Result outside = run({"explain", scene, "--pixel", "1000,1", "--html", folder + "/page.html"});
+    CHECK(outside.exit == 2);
+    CHECK(files_in(folder) == before);
+    CHECK(run({"explain", scene, "--stage", "compose", "--pixel", "1,1", "--html", "/dev/null"}).exit == 0);
+    CHECK(std::filesystem::is_character_file("/dev/null"));
+}
+
 TEST_CASE("stages: text and JSON name every stage, its ports and its twin", "[program][contract]") {
     const Result json = run({"stages", "--json"}), text = run({"stages"});
     CHECK(json.exit == 0);
@@ -162,6 +281,7 @@ TEST_CASE("stages: text and JSON name every stage, its ports and its twin", "[pr
         for (const Json& p : s["params"]) {
             CHECK(keys(p) == Words{"name", "type", "default", "range", "unit", "meaning"});
             CHECK_THAT(text.out, Contains(p["meaning"].get<std::string>()));
+            if (p["type"] == "string") CHECK(p["range"] == "");
         }
     }
 }

@@ -74,6 +74,7 @@ TEST_CASE("explain samples: what a gather's sample brings is weight visibility f
                                                  "contribution", "sum"});
     CHECK(table.rows[0] == std::vector<std::string>{"0", "3,4", "1", "0", "1", "3", "0.5", "6 3 1.5", "6 3 1.5"});
     CHECK(table.rows[2][2] == "0");
+    CHECK(table.rows[2][6] == "-");  // of texel 0, not of this sample
     // With paths of two steps, the second sample is the first path's second.
     const Samples paths = samples_of(values, {.steps = 2});
     CHECK(*paths.all[1].path == 0);
@@ -147,6 +148,11 @@ TEST_CASE("explain pictures: each kind of buffer has its own way into colours", 
     CHECK(colour(flux, 1, 0) == 0xffbcbcbcu);
     CHECK(has(flux.mapping, "white is 1,"));
     CHECK(has(flux.mapping, "0.5 to 1000"));
+
+    // Light that carries its depth in w (VRSM fig. 4.4) is shown as light.
+    const SlotPicture light = slot_picture({.name = "irradiance", .unit = "W/m2", .meaning = "w: linear depth, m"}, f, 0);
+    CHECK(light.texels.texels == flux.texels.texels);
+    CHECK(light.mapping == flux.mapping);
 
     const Array& odd = add_image(b, "odd", 2, 1, [](int x, int) { return glm::vec4(x ? float(no_number) : 1.0f); });
     const SlotPicture not_a_number = slot_picture({.name = "radiance", .unit = "W/(m2 sr)"}, odd, 0);

@@ -44,6 +44,12 @@ std::vector<double> last_value(const frame::Explanation& e, const std::string& n
     return {};
 }
 
+// What the frame goes on with: the result as its target stores it, where the layout rounds it.
+std::vector<double> kept_value(const frame::Explanation& e, const std::string& name) {
+    const std::vector<double> stored = last_value(e, "stored_" + name);
+    return stored.empty() ? last_value(e, name) : stored;
+}
+
 struct Checker {
     const Scene& scene;
     const frame::Settings& settings;
@@ -57,14 +63,15 @@ struct Checker {
         return {v.x, v.y, v.z};
     }
 
-    // The picture of the indirect light, before it is filtered, is the sum over the lights, in their order.
+    // The picture of the indirect light, before it is filtered, is the sum over the lights, in their order: each is
+    // rounded as its own target stores it (VRSM fig. 4.4), and added in single precision.
     Check gathered(glm::ivec2 pixel) const {
         glm::vec3 sum(0);
         int lights = 0;
         for (const frame::PlannedStage& s : plan.stages) {
             if (!s.needed || !frame::is_gather(s.name)) continue;
             const auto e = frame::explain(scene, settings, plan, frame, s.name, s.light, pixel);
-            const std::vector<double> v = last_value(e.at(0), "irradiance");
+            const std::vector<double> v = kept_value(e.at(0), "irradiance");
             sum += glm::vec3(v.at(0), v.at(1), v.at(2));
             ++lights;
         }
@@ -99,15 +106,17 @@ struct Checker {
         if (s.name == "shadow") {
             const std::size_t pixels = g.position.size();
             const std::size_t i = s.light * pixels + std::size_t(pixel.y) * g.position.width + pixel.x;
-            return {{"visibility", {frame.visibility[i]}, last_value(e, "visibility")}};
+            return {{"visibility", {frame.visibility[i]}, kept_value(e, "visibility")}};
         }
         if (s.name == "direct") return {{"irradiance", at(frame.direct), last_value(e, "irradiance")}};
         if (s.name == "compose") return {{"radiance", at(frame.radiance), last_value(e, "radiance")}};
         if (s.name == "tonemap") return {{"display", at(frame.display), last_value(e, "display")}};
         if (frame::is_gather(s.name)) return {gathered(e.pixel)};
-        if (frame::is_filter(s.name))
-            return {{"irradiance", at(frame::filter_result(frame, settings, s), e.pixel),
-                     last_value(e, s.name == "filter.reduce" ? "value" : "irradiance")}};
+        if (frame::is_filter(s.name)) {
+            const bool reduces = s.name == "filter.reduce";
+            return {{reduces ? "reduced " + s.form : "irradiance", at(frame::filter_result(frame, settings, s), e.pixel),
+                     last_value(e, reduces ? "value" : "irradiance")}};
+        }
         return {};
     }
 };

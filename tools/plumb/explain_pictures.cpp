@@ -122,12 +122,12 @@ struct Mapping {
             shown = Shown::indices;
         else if (l.channels == 1)
             shown = Shown::grey;
+        else if (starts(s.unit, "W"))
+            shown = Shown::exposed;  // light is what is looked at, whatever its w holds
         else if (starts(s.meaning, "w:") && l.channels == 4)
             shown = Shown::grey, first = 3, components = 1;
         else if (holds(s.name, "normal"))
             shown = Shown::direction;
-        else if (starts(s.unit, "W"))
-            shown = Shown::exposed;
         else if (s.unit == "m")
             shown = Shown::bounds;
         else if (s.name == "display")

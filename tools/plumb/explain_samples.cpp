@@ -109,7 +109,8 @@ SampleTable gather_table(const Samples& samples, const std::vector<std::size_t>&
         {"slot", [](const Sample& s) { return short_text(s.slot); }},
         {"visibility", [](const Sample& s) { return short_text(s.visibility); }},
         {"weight", [](const Sample& s) { return short_text(s.weight); }},
-        {"form", [](const Sample& s) { return short_text(s.form); }},
+        // Outside of the map the kernel goes on with texel 0 and weight 0, whose form says nothing of this sample.
+        {"form", [](const Sample& s) -> std::string { return s.form && !s.inside ? "-" : short_text(s.form); }},
         {"contribution", [](const Sample& s) { return short_text(s.contribution); }},
         {"sum", [](const Sample& s) { return short_text(s.sum); }},
     };
