@@ -42,7 +42,8 @@ ShadowInputsView view_of(const ShadowParams& params, const ShadowInputs& in, int
     v.u = shadow_uniforms(params, in, face);
     v.position = &in.position->data()->x;
     v.normal = &in.normal->data()->x;
-    v.map_position = &in.rsms[std::size_t(face)].position.data()->x;
+    const Image4& map = in.rsms[std::size_t(face)].position;
+    v.map_position = map.empty() ? nullptr : &map.data()->x;  // a face that sees nothing is not drawn
     return v;
 }
 

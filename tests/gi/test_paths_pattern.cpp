@@ -193,7 +193,8 @@ TEST_CASE("rsm.paths: a tile of 4 x 4 pixels deals out 16 rotations evenly", "[r
             }
     }
     params.rotations = 8;
-    const rsm::Pattern pattern = rsm::pattern_of(params, 16, 1);
+    CHECK_THROWS_WITH(rsm::pattern_of(params, 16, 1), "rsm.paths: rotations = 8: turn = \"tile\" deals out at least 16");
+    const rsm::Pattern pattern = rsm::paths_pattern(params, 16, 1);
     CHECK_THROWS_WITH(gather(params, points, map, &pattern),
                       "rsm.paths: rotations = 8: turn = \"tile\" deals out at least 16");
 }
@@ -223,5 +224,10 @@ TEST_CASE("rsm.paths: bad parameters and patterns are refused by name", "[rsm][p
     CHECK_THAT(refusal([](P& p) { p.rotations = 6; }), Contains("power of two"));
     CHECK_THAT(refusal([](P& p) { p.directions = p.steps = 300; }), Contains("65536"));
     CHECK_THAT(refusal([](P& p) { p.steps = 11; }), Contains("rsm.paths: pattern has "));
+    P large = paths_params();
+    large.directions = large.steps = 1024;
+    CHECK_THROWS_WITH(rsm::pattern_of(large, 16, 1), Contains("expected at most 65536 samples"));
+    large.directions = large.steps = 256, large.rotations = 4096;
+    CHECK_THROWS_WITH(rsm::pattern_of(large, 16, 1), Contains("65536 samples x rotations = 4096: expected at most 67108864"));
     CHECK(refusal([](P& p) { p.steps = 11; }).find('\n') == std::string::npos);
 }
