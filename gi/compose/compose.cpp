@@ -27,7 +27,7 @@ ComposeInputsView view_of(const ComposeParams& params, const ComposeInputs& in) 
 }
 
 TonemapInputsView view_of(const TonemapParams& params, const Image4& radiance) {
-    return {uniforms(params, radiance), &radiance.data()->x, nullptr};
+    return {uniforms(params, radiance), radiance.empty() ? nullptr : &radiance.data()->x, nullptr};
 }
 
 }  // namespace
@@ -113,7 +113,7 @@ void run(const TonemapParams& params, const Image4& radiance, const RunOptions& 
     validate_fields("tonemap", fields(copy));
     display = Image4(radiance.width, radiance.height);
     TonemapInputsView view = view_of(params, radiance);
-    view.display = &display.data()->x;
+    view.display = display.empty() ? nullptr : &display.data()->x;
     dispatch(options.isa, [&](auto isa) {
         parallel_bands(display.height, band, options,
                        [&](int first, int last) { Rows<isa()>::tonemap(view, first, last); });
