@@ -75,6 +75,9 @@ struct Light {
     glm::vec3 intensity{1};           // spot, point: W/sr; directional: irradiance on a plane across the light, W/m2
     bool on = true;
     int rsm_size = 512;               // texels a side
+    // Above 0: m, where the light ends, by ISR (16). A spot or point light then sends the irradiance intensity
+    // max(0, 1 - (d/radius)^2), W/m2, to a surface across its rays at distance d, in place of intensity / d^2.
+    float radius = 0;
 };
 
 struct Environment {

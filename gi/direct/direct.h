@@ -14,7 +14,7 @@
 
 namespace plumb::direct {
 
-enum class ShadowMode : int { hard, density };
+enum class ShadowMode : int { hard, density, pcf, esm };
 enum class ShadowVariant : int { corrected, published };
 
 struct ShadowParams {

@@ -32,7 +32,8 @@ struct PlannedStage {
     bool needed = true;
     std::string reason;    // why it is needed, or why it is left out
     std::string rule;      // the rule that leaves it out (rules.h), or empty
-    std::string form;      // of a filter that runs more than once: "position", "horizontal" (filters.h)
+    std::string form;      // of a stage that runs more than once: "position", "horizontal" (filters.h), "bounce 2" (isr.h)
+    int view = 0;          // of method isr: index into Frame::views of what it draws or reads beside the frame; 0: itself
     std::string layer;     // of a path traced stage: which layer it makes (truth.h)
     int samples = 0;       // of a path traced stage: paths a pixel; 0: as many as it takes
     double work = 0;       // how often its inner loop runs: pixels, triangles, samples
@@ -72,16 +73,38 @@ struct StageRun {
     Isa isa = Isa::scalar;  // of the kernels that ran
 };
 
+// What method isr draws beside the frame (gi/frame/isr.h): a guard band around it, layers behind it, other cameras.
+struct SourceView {
+    std::string name;          // "guard", "layer 2", "camera 1"
+    Camera camera;
+    glm::ivec2 size{0};        // pixels
+    raster::GBuffer gbuffer;
+    Buffer<float> visibility;  // [lights][height][width]
+    Image4 direct;             // irradiance, W/m2
+    Image4 surface, radiosity; // as isr.downsample makes them
+};
+
+// What method isr makes (gi/isr), of a quarter of the pixels; empty where its stages do not run.
+struct IsrBuffers {
+    Image4 surface, radiosity, reflectance;
+    std::vector<Image4> gathered;     // of each pass of isr.gather, in their order
+    std::vector<Image4> radiosities;  // of each pass of isr.bounce
+    Image4 lit;                       // ISR_4: xyz irradiance, w accessibility
+    Image4 blurred_across, blurred;
+};
+
 struct Frame {
     raster::GBuffer gbuffer;
     // [lights][1, or 6 faces of a point light]; size 0 where none was needed, or nothing can be seen.
     std::vector<std::vector<raster::Rsm>> rsms;
     Buffer<float> visibility;  // [lights][height][width]
-    Image4 direct, indirect;   // irradiance, W/m2
+    Image4 direct, indirect;   // irradiance, W/m2; of method isr indirect's w: accessibility
     // Of filters of the indirect light alone (filters.h); empty where they do not run.
     Image4 half_position, half_normal;
     Image4 gathered;           // the sum of all gathers, W/m2, at their own size; w: linear depth, m (VRSM fig. 4.4)
     Image4 upsampled, blurred_across;  // what further filters read
+    IsrBuffers isr;
+    std::vector<SourceView> views;  // of method isr; [0] stands for the frame itself and is empty
     Image4 indirect_error;     // standard error of `indirect`, by channel, W/m2; empty where no rsm.all_rays ran
     Image4 radiance;           // outgoing, W/(m2 sr)
     Image4 display;            // sRGB-encoded, 0..1

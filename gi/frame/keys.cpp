@@ -46,8 +46,9 @@ void add_materials(const Scene& scene, ContentHasher& surfaces, ContentHasher& e
 }
 
 void add_light(const Light& light, ContentHasher& h) {
-    const auto& [name, type, position, direction, cone_inner_deg, cone_outer_deg, intensity, on, rsm_size] = light;
-    h.add(type, position, direction, cone_inner_deg, cone_outer_deg, intensity, on, rsm_size);
+    const auto& [name, type, position, direction, cone_inner_deg, cone_outer_deg, intensity, on, rsm_size,
+                 radius] = light;
+    h.add(type, position, direction, cone_inner_deg, cone_outer_deg, intensity, on, rsm_size, radius);
 }
 
 void add_camera(const Camera& camera, ContentHasher& h) {

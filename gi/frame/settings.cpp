@@ -24,17 +24,19 @@ const std::vector<MethodInfo>& methods() {
     static const std::vector<MethodInfo> all = {
         {Method::direct, "direct", {"truth.direct"}},
         {Method::rsm, "rsm", {"truth.direct", "truth.indirect"}},
+        {Method::isr, "isr", {"truth.direct", "truth.indirect"}},
         {Method::reference, "reference", {}},
     };
     return all;
 }
 
 std::vector<std::string> method_tables() {
-    return {"rsm", "indirect", "shadow", "direct", "compose", "tonemap", "reference", "layout"};
+    return {"rsm", "isr", "indirect", "shadow", "direct", "compose", "tonemap", "reference", "layout"};
  }
 
 std::vector<Field> table_fields(Settings& s, const std::string& table, const std::string& place) {
     if (table == "rsm") return rsm::fields(s.rsm);
+    if (table == "isr") return isr::fields(s.isr);
     if (table == "indirect") return filter::fields(s.indirect);
     if (table == "shadow") return direct::fields(s.shadow);
     if (table == "direct") return direct::fields(s.direct);

@@ -8,6 +8,7 @@
 #include "gi/compose/compose.h"
 #include "gi/direct/direct.h"
 #include "gi/filter/filter.h"
+#include "gi/isr/isr.h"
 #include "gi/reference/reference.h"
 #include "gi/rsm/gather.h"
 #include "raster/layout.h"
@@ -15,7 +16,7 @@
 namespace plumb::frame {
 
 // reference: the picture itself is path traced.
-enum class Method : int { direct, rsm, reference };
+enum class Method : int { direct, rsm, isr, reference };
 
 // What everything that goes through all methods knows of one: its parameters are those of the table of its name.
 struct MethodInfo {
@@ -31,6 +32,7 @@ struct Settings {
     Method method = Method::rsm;
     raster::Layout layout = raster::Layout::fp32;
     rsm::GatherParams rsm;
+    isr::IsrParams isr;
     filter::FilterParams indirect;    // of the method rsm
     direct::ShadowParams shadow;
     direct::DirectParams direct;
@@ -42,7 +44,7 @@ struct Settings {
     bool pruning = true;  // false: every stage runs, needed or not; the picture is the same
 };
 
-// The tables of a scene file that hold parameters: "rsm", "indirect", "shadow", "direct", "compose", "tonemap", "reference",
+// The tables of a scene file that hold parameters: "rsm", "isr", "indirect", "shadow", "direct", "compose", "tonemap", "reference",
 // "layout" (of a custom layout).
 std::vector<std::string> method_tables();
 

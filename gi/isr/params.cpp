@@ -1,0 +1,82 @@
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "gi/isr/isr.h"
+
+namespace plumb::isr {
+
+std::vector<Field> fields(IsrParams& p) {
+    return {
+        {"variant", as_int(p.variant), "",
+         "corrected, or ISR (25), (26) and (29) as printed: without areas' cosines, scaled by 2 pi / N, and with the unlit "
+         "colour for the light that a surface sends", 0, 1, {"corrected", "published"}, true},
+        {"mode", as_int(p.mode), "",
+         "what is shown (ISR appendix D): F2 indirect light and shadows, F3 without shadows, F4 direct light alone with "
+         "shadows, F5 without", 0, 3, {"F2", "F3", "F4", "F5"}, false},
+        {"rings", &p.rings, "",
+         "k: (2 k + 1)^2 - 1 samples of indirect light a pixel; 2, 3 and 4 are ISR 5.3.1's 24, 48 and 80", 1, 127, {}, false,
+         {SweepRange::Role::along, {1, 2, 3, 4, 6, 8}}},
+        {"spacing", &p.spacing, "coarse pixels", "between samples of indirect light; ours", 1, 255, {}, true,
+         {SweepRange::Role::along, {2, 4, 8}}},
+        {"ssao_rings", &p.ssao_rings, "", "k of the samples of ambient occlusion", 1, 127, {}, false},
+        {"ssao_spacing", &p.ssao_spacing, "coarse pixels", "between samples of ambient occlusion; ours", 1, 255, {}, true},
+        {"rotations", &p.rotations, "", "rotations of the samples, of which each pixel has one; a power of two, 1: none; ours",
+         1, 1024, {}, true, {SweepRange::Role::curves, {1, 16}}},
+        {"bounces", &p.bounces, "", "of indirect light (ISR chapter 6)", 1, 64, {}, false, {SweepRange::Role::along, {1, 2, 4}}},
+        {"far_rings", &p.far_rings, "",
+         "rings of samples that remain for pixels far away (ISR chapter 6: fewer than for near ones); 0: all rings everywhere",
+         0, 127, {}, true, {SweepRange::Role::curves, {0, 1}}},
+        {"full_depth", &p.full_depth, "m",
+         "linear depth to which a pixel has all rings; beyond they fall with 1 / depth, down to far_rings; ours", 0, 1e20, {},
+         true},
+        {"guard", &p.guard, "pixels", "width of the guard band around the frame (ISR chapter 6: wider FOV); even", 0, 4096, {},
+         false, {SweepRange::Role::curves, {0, 64}}},
+        {"layers", &p.layers, "", "depth layers that send light (ISR chapter 6: depth peeling)", 1, 8, {}, false,
+         {SweepRange::Role::curves, {1, 2}}},
+        {"cameras", &p.cameras, "", "additional cameras whose surfaces send light (ISR chapter 6)", 0, 4, {}, false,
+         {SweepRange::Role::curves, {0, 2}}},
+        {"camera_angle", &p.camera_angle, "degrees", "by which they are turned about the point that the camera looks at; ours",
+         1, 180, {}, false},
+        {"position", as_int(p.position), "",
+         "how positions are rebuilt: from linear depth (ISR 4.3), or by inverse matrices and a division by w (4.7)", 0, 1,
+         {"linear", "inverse_matrix"}, true},
+        {"least_cosine", &p.least_cosine, "",
+         "below it a surface's slope does not enlarge the area that a sample stands for; ours", 1e-3, 1, {}, true},
+        {"blur", as_int(p.blur), "",
+         "of irradiance and accessibility: a Gaussian along rows and columns (ISR 4.2), and one that stops at edges (ours)", 0,
+         2, {"none", "gaussian", "edge_aware"}, true},
+        {"blur_radius", &p.blur_radius, "coarse pixels", "of that Gaussian; ours", 1, 32, {}, true},
+        {"blur_sigma", &p.blur_sigma, "coarse pixels", "of that Gaussian; ours", 1e-3, 1e6, {}, false},
+        {"upsample", as_int(p.upsample), "", "bilinear weights times similarity of depth, ISR (27), or bilinear alone", 0, 1,
+         {"bilateral", "bilinear"}, true},
+        {"epsilon", &p.epsilon, "", "of ISR (27), added to the difference of depths; a share of the depth; ours", 1e-9, 1e9, {},
+         true},
+        {"k_ssao", &p.k_ssao, "",
+         "ambient occlusion's power over direct light, ISR (29); 0: none, as light travels; 0.5 is ISR 4.7's", 0, 1, {}, true},
+        {"k_isr", &p.k_isr, "", "indirect light's power, ISR (29); 0.5 is ISR 4.7's", 0, 1, {}, true},
+        {"ambient", as_int(p.ambient), "",
+         "light from everywhere that accessibility lets through: none, or the environment's radiance; ours", 0, 1,
+         {"none", "environment"}, false},
+    };
+}
+
+void validate(const IsrParams& params) {
+    IsrParams copy = params;
+    validate_fields("isr", fields(copy));
+    if ((params.rotations & (params.rotations - 1)) != 0)
+        throw InputError(fmt::format("isr: rotations = {}: expected a power of two", params.rotations));
+    if (params.guard % 2 != 0) throw InputError(fmt::format("isr: guard = {}: expected an even number", params.guard));
+    const auto reach = [](int rings, float spacing) { return 1.5 * rings * double(spacing); };  // 1.5: the diagonal
+    if (reach(params.rings, params.spacing) > 32000)
+        throw InputError(fmt::format("isr: rings = {} with spacing = {}: samples would lie more than 32,000 coarse pixels "
+                                     "away", params.rings, params.spacing));
+    if (reach(params.ssao_rings, params.ssao_spacing) > 32000)
+        throw InputError(fmt::format("isr: ssao_rings = {} with ssao_spacing = {}: samples would lie more than 32,000 coarse "
+                                     "pixels away", params.ssao_rings, params.ssao_spacing));
+    if (params.far_rings > 0 && params.full_depth <= 0)
+        throw InputError(fmt::format("isr: far_rings = {}: expected a full_depth above 0", params.far_rings));
+    if (params.far_rings > params.rings)
+        throw InputError(fmt::format("isr: far_rings = {}: expected at most rings = {}", params.far_rings, params.rings));
+}
+
+}  // namespace plumb::isr
