@@ -7,6 +7,7 @@
 #include "core/fp_environment.h"
 #include "gi/frame/at_run.h"
 #include "gi/frame/filters.h"
+#include "gi/frame/isr.h"
 #include "gi/frame/kept.h"
 #include "gi/frame/run_stage.h"
 
@@ -18,8 +19,10 @@ namespace {
 std::string place_of(const Settings& settings, const PlannedStage& stage) {
     if (is_gather(stage.name)) return fmt::format("gather {}", stage.light);
     if (is_filter(stage.name)) return filter_place(settings, stage);
+    if (is_isr(stage.name)) return isr_place(stage);
     if (stage.name == "compose") return "radiance";
     if (stage.name == "reference") return stage.layer;
+    if (stage.view > 0) return fmt::format("{} {} of view {}", stage.name, stage.light, stage.view);
     return stage.light < 0 ? stage.name : fmt::format("{} {}", stage.name, stage.light);
 }
 
@@ -55,6 +58,7 @@ class Execution {
     void make_room() {
         const std::size_t lights = c_.lights.size();
         f_.rsms.resize(lights);
+        begin_views(c_.scene, c_.settings, f_);
         c_.memory.irradiance.resize(lights), c_.memory.irradiance_error.resize(lights);
         if (f_.visibility.size() == lights * c_.pixels) return;
         f_.visibility.resize(lights * c_.pixels);
@@ -63,6 +67,10 @@ class Execution {
 
     // The sum of the gathers stays where every term does.
     void begin_sum() {
+        if (gathers_isr(c_.settings)) {
+            f_.indirect_error = {};  // isr.upsample fills the place of the sum
+            return;
+        }
         ContentHasher h;
         h.add(c_.size);
         c_.sum_is_kept = !keys_.empty();
@@ -144,6 +152,7 @@ class Execution {
     void forget() {
         if (!made().contains("truth_display")) f_.truth_display = {};
         const std::vector<FilterStage> before = filters_before_gathers(c_.settings), after = filters_after_gathers(c_.settings);
+        if (!gathers_isr(c_.settings)) f_.isr = {};
         if (before.empty()) f_.half_position = f_.half_normal = {};
         if (after.empty()) f_.gathered = {};
         if (before.empty() || after.size() < 2) f_.upsampled = {};

@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "gi/frame/filters.h"
+#include "gi/frame/isr.h"
 #include "gi/frame/frame.h"
 #include "gi/reference/ray_query.h"
 #include "raster/light_view.h"
@@ -59,7 +60,26 @@ struct Explainer {
         return values;
     }
 
+    std::vector<TapValue> isr_values(const PlannedStage& stage, glm::ivec2 pixel) const {
+        const isr::IsrParams& params = settings.isr;
+        if (stage.name == "isr.downsample")
+            return isr::explain_downsample(params, coarse_of(stage.form), downsample_inputs(scene, frame, stage), pixel);
+        if (stage.name == "isr.gather") {
+            const isr::Pattern pattern = isr::gather_pattern(params);
+            return isr::explain(params, gather_inputs(scene, settings, frame, stage, pattern), pixel);
+        }
+        if (stage.name == "isr.ssao") {
+            const isr::Pattern pattern = isr::ssao_pattern(params);
+            return isr::explain(params, ssao_inputs(scene, settings, frame, pattern), pixel);
+        }
+        if (stage.name == "isr.bounce") return isr::explain(params, bounce_inputs(scene, settings, frame, stage), pixel);
+        if (stage.name == "isr.blur") return isr::explain(params, isr_blur_inputs(settings, frame, stage), pixel);
+        if (stage.name == "isr.upsample") return isr::explain(params, upsample_inputs(scene, settings, frame), pixel);
+        return isr::explain(params, compose_inputs(scene, frame), pixel);
+    }
+
     std::vector<TapValue> values(const PlannedStage& stage, glm::ivec2 pixel) const {
+        if (is_isr(stage.name)) return isr_values(stage, pixel);
         const raster::GBuffer& g = frame.gbuffer;
         const int l = stage.light;
         if (stage.name == "gbuffer") {
@@ -115,13 +135,14 @@ std::vector<Explanation> explain(const Scene& scene, const Settings& settings, c
     const Plan ran = as_it_ran(plan, frame);
     for (const PlannedStage& s : ran.stages) {
         if (stage.empty() ? s.name == "rsm" || s.name == "reference" : s.name != stage) continue;
+        if (s.view > 0 && !is_isr(s.name)) continue;  // of the frame itself
         if (light >= 0 && s.light >= 0 && s.light != light) continue;
         if (!s.needed) {
             left_out = s.reason;
             continue;
         }
         chosen.push_back(&s);
-        if (!stage.empty() && !is_filter(stage)) break;
+        if (!stage.empty() && !is_filter(stage) && !is_isr(stage)) break;
     }
     if (chosen.empty())
         throw InputError(fmt::format("explain: {} does not run for this scene{}", stage.empty() ? "any stage" : stage,
@@ -138,7 +159,8 @@ std::vector<Explanation> explain(const Scene& scene, const Settings& settings, c
     for (const PlannedStage* s : chosen) {
         const bool map = s->name == "rsm";
         const glm::ivec2 size = map ? map_size(scene.lights[std::size_t(s->light)])
-                                    : stage_size(settings, *s, scene.frame_size);
+                               : is_isr(s->name) ? isr_size(scene, settings, *s)
+                                                 : stage_size(settings, *s, scene.frame_size);
         // Of all stages at a pixel those of half size are asked for the one that stands for it.
         if (stage.empty()) require_inside("the frame", pixel, scene.frame_size);
         const glm::ivec2 at = stage.empty() && size != scene.frame_size ? pixel / 2 : pixel;

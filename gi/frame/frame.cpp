@@ -14,6 +14,8 @@ std::vector<StageInfo> frame_stages() {
     return {raster::info_gbuffer(), raster::info_rsm(),    direct::shadow_info(),    rsm::info_disc(),
             rsm::info_disc(rsm::Texels::continuous), rsm::info_paths(), rsm::info_paths(rsm::Texels::continuous),
             rsm::info_all(),       rsm::info_all_rays(),     direct::direct_info(),
+            isr::info_downsample(), isr::info_gather(), isr::info_bounce(), isr::info_ssao(), isr::info_blur(),
+            isr::info_upsample(),  isr::info_compose(),
             filter::info_reduce(),  filter::info_upsample(), filter::info_blur(),
             compose::compose_info(), reference::info(),    compose::tonemap_info()};
 }

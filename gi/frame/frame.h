@@ -34,6 +34,7 @@ struct PlannedStage {
     std::string rule;      // the rule that leaves it out (rules.h), or empty
     std::string form;      // of a stage that runs more than once: "position", "horizontal" (filters.h), "bounce 2" (isr.h)
     int view = 0;          // of method isr: index into Frame::views of what it draws or reads beside the frame; 0: itself
+    int pass = 0;          // of isr.gather and isr.bounce: index into Frame::isr's images of them
     std::string layer;     // of a path traced stage: which layer it makes (truth.h)
     int samples = 0;       // of a path traced stage: paths a pixel; 0: as many as it takes
     double work = 0;       // how often its inner loop runs: pixels, triangles, samples

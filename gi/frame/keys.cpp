@@ -5,6 +5,7 @@
 #include "core/content_hasher.h"
 #include "core/fields.h"
 #include "gi/frame/filters.h"
+#include "gi/frame/isr.h"
 #include "gi/frame/kept.h"
 #include "raster/light_view.h"
 
@@ -75,7 +76,7 @@ class Keys {
         for (const PlannedStage& stage : plan_.stages) {
             ContentHasher h;
             h.add(stage.name), h.add(stage.form), h.add(stage.layer);
-            h.add(stage.needed, stage.light, scene_.frame_size);
+            h.add(stage.needed, stage.light, scene_.frame_size, stage.view, stage.pass);
             if (stage.needed || stage.name == "reference")
                 add_inputs(stage, h);
             else if (stage.name == "gbuffer")
@@ -92,7 +93,7 @@ class Keys {
 
   private:
     void add_inputs(const PlannedStage& stage, ContentHasher& h) {
-        auto& [method, layout, rsm, indirect, shadow, direct, compose, tonemap, path, seed, truth, pruning] = settings_;
+        auto& [method, layout, rsm, isr, indirect, shadow, direct, compose, tonemap, path, seed, truth, pruning] = settings_;
         if (stage.name == "gbuffer") {
             const auto& [stages, gbuffer, maps, at_run] = plan_;
             const auto& [position, normal, albedo, emission, id] = gbuffer;
@@ -100,6 +101,7 @@ class Keys {
             add_drawn(h);
             h.add(scene_keys_.emission, scene_.convention);
             add_camera(scene_.camera, h);
+            if (stage.view > 0) add_views(h);
         } else if (stage.name == "rsm") {
             const auto& [wants, faces] = plan_.maps[std::size_t(stage.light)];
             h.add(wants.light, faces);
@@ -108,18 +110,26 @@ class Keys {
         } else if (stage.name == "shadow") {
             add_fields(direct::fields(shadow), h);
             h.add(gbuffer_, map(stage));
+            if (stage.view > 0) add_views(h);
         } else if (stage.name == "direct") {
             add_fields(direct::fields(direct), h);
             h.add(compose::reads_density(compose));
             h.add(gbuffer_, scene_.lights.size());
             for (const Light& l : scene_.lights) add_light(shining(l), h);
             h.add_all(visibility_);
+            h.add(casts_shadows(settings_));
+            if (stage.view > 0) add_views(h);
         } else if (is_gather(stage.name)) {
             add_fields(rsm::fields(rsm), h);
             if (rsm.own) h.add_all(rsm.own->rows);
             h.add(gbuffer_, map(stage), seed, indirect.resolution);
             if (stage.name == "rsm.all_rays") h.add(scene_keys_.geometry, scene_keys_.surfaces);
             if (stage.name == "rsm.all_rays" && rsm.rays == Rays::native) h.add(isa_);
+        } else if (is_isr(stage.name)) {
+            // All of them read nearly all of it.
+            add_fields(isr::fields(isr), h);
+            h.add(gbuffer_, direct_, seed, scene_.environment.radiance);
+            h.add_all(views_), h.add_all(image_space_);
         } else if (is_filter(stage.name)) {
             h.add(gbuffer_);
             if (stage.name == "filter.reduce") return;
@@ -148,8 +158,20 @@ class Keys {
         add_fields(raster::fields(settings_.layout), h);
     }
 
+    // Which views there are beside the frame, and what was drawn of them before.
+    void add_views(ContentHasher& h) {
+        for (const IsrView& v : isr_views(scene_, settings_)) {
+            h.add(int(v.kind), v.size, v.margin, v.behind);
+            add_camera(v.camera, h);
+        }
+        h.add_all(views_);
+    }
+
     // The key of what later stages read.
     void note(const PlannedStage& stage, std::uint64_t key) {
+        if (is_isr(stage.name)) image_space_.push_back(key);
+        if (stage.name == "isr.compose") radiance_ = key;
+        if (stage.view > 0) return views_.push_back(key);
         if (stage.name == "gbuffer") gbuffer_ = key;
         if (stage.name == "rsm") maps_.resize(scene_.lights.size()), maps_[std::size_t(stage.light)] = key;
         if (stage.name == "shadow") visibility_.push_back(key);
@@ -169,6 +191,7 @@ class Keys {
     Isa isa_;
     std::uint64_t gbuffer_ = 0, direct_ = 0, filtered_ = 0, radiance_ = 0;
     std::vector<std::uint64_t> maps_, visibility_, gathers_;  // a light each
+    std::vector<std::uint64_t> views_, image_space_;          // of stages of views beside the frame; of isr.*
 };
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include "core/error.h"
 #include "gi/frame/filters.h"
 #include "gi/frame/frame.h"
+#include "gi/frame/isr.h"
 #include "gi/frame/refusals.h"
 #include "gi/rsm/all_rays.h"
 #include "raster/light_view.h"
@@ -17,7 +18,7 @@ namespace {
 // on a 2.x GHz server core. They order stages by cost; they promise nothing.
 constexpr double ms_pixels = 60, ms_shadow = 8, ms_direct = 6, ms_disc = 4.2, ms_path_samples = 4.8, ms_all = 0.55,
                  ms_exact_rays = 100, ms_native_rays = 25, ms_compose = 5, ms_tonemap = 25, ms_reduce = 1, ms_upsample = 8, ms_blur = 0.2,
-                 ms_paths = 1000;
+                 ms_paths = 1000, ms_isr_samples = 1, ms_isr_pixels = 4, ms_isr_blur = 1;
 // What a part of a stage takes of that, for a million pixels: the light of a map, by `tools/bench pruning` (the Cornell
 // box with direct light alone); the two colours of a G-buffer with their textures and one of them alone, estimated.
 constexpr double ms_light = 45, ms_colours = 12, ms_colour = 4;
@@ -42,6 +43,7 @@ struct Planner {
     const std::vector<Rule>& rules;
     const Known& known;
     Plan plan;
+    std::vector<IsrView> views = isr_views(scene, settings);
 
     const Rule* left_out(const Work& work) const { return left_out_by(rules, known, work); }
 
@@ -79,6 +81,67 @@ struct Planner {
         return rule;
     }
 
+    // What a stage of a view beside the frame is, of the stage that is planned already.
+    static void note_view(PlannedStage& s, int v, const std::string& name) {
+        s.view = v;
+        if (s.label.ends_with(')'))
+            s.label.insert(s.label.size() - 1, ", " + name);
+        else
+            s.label += " (" + name + ")";
+        s.reason = s.reason.empty() ? "indirect light reads it" : s.reason;
+    }
+
+    void add_view_gbuffers(double triangles) {
+        for (int v = 1; v < int(views.size()); ++v) {
+            const double pixels = double(views[std::size_t(v)].size.x) * views[std::size_t(v)].size.y;
+            note_view(add("gbuffer", "isr.view", -1, triangles + pixels, "triangles + pixels", ms_pixels, ""), v,
+                      views[std::size_t(v)].name);
+        }
+    }
+    void add_view_shadows(int light) {
+        for (int v = 1; v < int(views.size()); ++v) {
+            const double pixels = double(views[std::size_t(v)].size.x) * views[std::size_t(v)].size.y;
+            note_view(add("shadow", "shadow", light, pixels, "pixels", ms_shadow, ""), v, views[std::size_t(v)].name);
+        }
+    }
+    void add_view_direct() {
+        for (int v = 1; v < int(views.size()); ++v) {
+            const double pixels = double(views[std::size_t(v)].size.x) * views[std::size_t(v)].size.y;
+            note_view(add("direct", "direct", -1, pixels * double(scene.lights.size()), "pixels x lights", ms_direct, ""), v,
+                      views[std::size_t(v)].name);
+        }
+    }
+
+    // Stages of gi/isr, from G-buffers and direct light to indirect light of every pixel.
+    void add_isr() {
+        const isr::IsrParams& p = settings.isr;
+        for (const IsrStage& i : isr_stages(scene, settings)) {
+            PlannedStage of;
+            of.name = i.name, of.form = i.form, of.view = i.view;
+            const glm::ivec2 size = isr_size(scene, settings, of);
+            const double pixels = double(size.x) * size.y;
+            PlannedStage* s = nullptr;
+            if (i.name == "isr.gather")
+                s = &add("isr.gather", "isr", -1, pixels * isr::sample_count(p.rings), "samples", ms_isr_samples,
+                         "indirect light");
+            else if (i.name == "isr.ssao")
+                s = &add("isr.ssao", "isr.ssao", -1, pixels * isr::sample_count(p.ssao_rings), "samples", ms_isr_samples,
+                         "accessibility");
+            else if (i.name == "isr.blur")
+                s = &add("isr.blur", "isr.lit", -1, pixels * (2 * p.blur_radius + 1), "samples", ms_isr_blur,
+                         "indirect light without its noise");
+            else if (i.name == "isr.upsample")
+                s = &add("isr.upsample", "isr.lit", -1, pixels, "pixels", ms_isr_pixels, "indirect light of every pixel");
+            else if (i.form == "surface")
+                s = &add("isr.downsample", "isr.lit", -1, pixels, "pixels", ms_isr_pixels, "gathers read it");
+            else
+                s = &add(i.name.c_str(), "isr", -1, pixels, "pixels", ms_isr_pixels, "gathers read it");
+            s->form = i.form, s->pass = i.pass;
+            if (!i.form.empty()) s->label += " (" + i.form + ")";
+            if (i.view > 0) note_view(*s, i.view, views[std::size_t(i.view)].name);
+        }
+    }
+
     void add_gbuffer(double triangles, double pixels) {
         const bool paths = settings.method == Method::reference;
         PlannedStage& s = add("gbuffer", "gbuffer", -1, triangles + pixels, "triangles + pixels", ms_pixels,
@@ -113,6 +176,7 @@ struct Planner {
         planned.wants.light = !leave_out(s, {"rsm", "light", l}, texels * 1e-6 * ms_light);
         leave_out_faces(s, planned, (triangles + side * side) * 1e-6 * ms_pixels);
         add("shadow", "shadow", l, pixels, "pixels", ms_shadow, "direct light reads it");
+        add_view_shadows(l);
         if (settings.method != Method::rsm) return;
         const glm::ivec2 size = gather_size(settings, scene.frame_size);
         add_gather(l, double(size.x) * size.y, maps, texels);
@@ -177,12 +241,16 @@ Plan plan_of(const Scene& scene, const Settings& settings, const Geometry& geome
     planner.plan.maps.resize(scene.lights.size());
     planner.add_gbuffer(triangles, pixels);
     planner.add_filters(filters_before_gathers(settings), pixels);
+    planner.add_view_gbuffers(triangles);
     double total_texels = 0;
-    for (int l = 0; l < int(scene.lights.size()); ++l) planner.add_light(l, triangles, pixels, total_texels);
+    for (int l = 0; casts_shadows(settings) && l < int(scene.lights.size()); ++l)
+        planner.add_light(l, triangles, pixels, total_texels);
     planner.add_filters(filters_after_gathers(settings), pixels);
     planner.add("direct", "direct", -1, pixels * double(scene.lights.size()), "pixels x lights", ms_direct,
                 "direct light");
-    planner.add("compose", "compose", -1, pixels, "pixels", ms_compose, "the picture");
+    planner.add_view_direct();
+    planner.add_isr();
+    planner.add(gathers_isr(settings) ? "isr.compose" : "compose", "compose", -1, pixels, "pixels", ms_compose, "the picture");
     if (settings.method == Method::reference) planner.add_traced("color", pixels, "the picture");
     planner.add("tonemap", "tonemap", -1, pixels, "pixels", ms_tonemap, "the picture");
     if (settings.truth) {

@@ -13,6 +13,7 @@
 #include "core/error.h"
 #include "core/host_math.h"
 #include "gi/frame/filters.h"
+#include "gi/frame/isr.h"
 #include "gi/frame/keys.h"
 #include "gi/reference/triangle_test.h"
 #include "raster/light_view.h"
@@ -292,6 +293,7 @@ double passes_needed(double rho, double error) { return std::ceil(host::log(erro
 void refuse_scene(const Scene& scene, const Settings& settings, const Geometry& geometry) {
     check_filters(scene, settings);
     check_gather(scene, settings);
+    check_isr(scene, settings);
     if (geometry.triangles.empty()) return;
     check_vertices(scene, geometry);
     const Asked a = ask(scene, settings, geometry);

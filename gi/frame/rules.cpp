@@ -66,6 +66,25 @@ bool no_albedo(const Known& known, const Work&) { return known.reflecting.empty(
 
 bool no_emission(const Known& known, const Work&) { return !known.emits; }
 
+// What sends indirect light in image space: emitters, and what a light shines on. As printed, unlit colours.
+bool no_radiosity(const Known& known, const Work& work) {
+    return known.settings.isr.variant == isr::Variant::corrected && !known.emits && no_light(known, work);
+}
+
+bool isr_unseen(const Known& known, const Work&) { return known.settings.isr.k_isr == 0; }
+
+// Without occlusion of direct light, and without light from everywhere, nobody asks how open a point is.
+bool access_unread(const Known& known, const Work&) {
+    const isr::IsrParams& p = known.settings.isr;
+    const bool sky = p.variant == isr::Variant::corrected && p.ambient == isr::Ambient::environment &&
+                     known.scene.environment.radiance != glm::vec3(0);
+    return p.k_ssao == 0 && !sky;
+}
+
+bool isr_unread(const Known& known, const Work&) {
+    return left_out_by(rules(), known, {"isr", ""}) && left_out_by(rules(), known, {"isr.ssao", ""});
+}
+
 // Nothing to filter: every light's gather is left out.
 bool no_gather(const Known& known, const Work&) {
     for (int l = 0; l < int(known.scene.lights.size()); ++l)
@@ -146,9 +165,10 @@ bool Rule::speaks_of(const Work& work) const {
 
 const std::vector<Rule>& rules() {
     static const std::vector<std::string> of_light = {"rsm", "shadow", "gather"};
-    static const std::vector<std::string> of_view = {"gbuffer", "rsm",          "shadow",        "gather",
-                                                     "direct",  "truth.direct", "truth.indirect"};
-    static const std::vector<std::string> of_screen = {"rsm", "shadow", "gather", "filter", "direct"};
+    static const std::vector<std::string> of_view = {"gbuffer",      "rsm",            "shadow", "gather",  "direct",
+                                                     "truth.direct", "truth.indirect", "isr",    "isr.ssao"};
+    static const std::vector<std::string> of_screen = {"rsm",    "shadow", "gather",   "filter",
+                                                       "direct", "isr",    "isr.ssao", "isr.lit"};
     static const std::vector<Rule> all = {
         {"scene-empty", of_view, "", "the scene is empty", scene_empty},
         {"light-off", of_light, "", "the light is off", light_off},
@@ -157,8 +177,12 @@ const std::vector<Rule>& rules() {
         {"paths-instead", {"rsm", "shadow", "direct", "compose"}, "", "paths are traced instead", paths_instead},
         {"camera-blind", of_view, "", "the camera sees nothing of the scene", camera_blind},
         {"no-light", {"direct", "truth.direct", "truth.indirect"}, "", "no light shines on the scene", no_light},
-        {"nothing-reflects", {"gather", "truth.indirect"}, "", "nothing reflects", nothing_reflects},
+        {"nothing-reflects", {"gather", "truth.indirect", "isr", "isr.ssao"}, "", "nothing reflects", nothing_reflects},
         {"reflectors-missed", {"gather"}, "", "nothing that the light may meet reflects", reflectors_missed},
+        {"no-radiosity", {"isr"}, "", "nothing sends light", no_radiosity},
+        {"isr-unseen", {"isr"}, "", "k_isr is 0: indirect light is not shown", isr_unseen},
+        {"access-unread", {"isr.ssao"}, "", "nothing reads how open a point is", access_unread},
+        {"isr-unread", {"isr.lit", "isr.view"}, "", "neither indirect light nor accessibility is read", isr_unread},
         {"no-gather", {"filter"}, "", "no gather runs", no_gather},
         {"no-albedo", {"gbuffer"}, "albedo", "no albedo: nothing reflects", no_albedo},
         {"no-emission", {"gbuffer"}, "emission", "no emission: nothing emits", no_emission},
@@ -166,7 +190,7 @@ const std::vector<Rule>& rules() {
         {"face-blind", {"rsm"}, "face", "sees nothing", face_blind},
         {"nothing-covered", of_screen, "", "no pixel sees a surface", nullptr, nothing_covered},
         {"map-dark", {"gather"}, "", "the light's map holds no flux", nullptr, map_dark},
-        {"tile-empty", {"shadow", "gather", "filter", "direct"}, "tile", "sees no surface", nullptr, tile_empty},
+        {"tile-empty", {"shadow", "gather", "filter", "direct", "isr", "isr.ssao", "isr.lit"}, "tile", "sees no surface", nullptr, tile_empty},
     };
     return all;
 }

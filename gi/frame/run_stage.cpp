@@ -9,6 +9,7 @@
 #include "core/hash.h"
 #include "gi/frame/at_run.h"
 #include "gi/frame/filters.h"
+#include "gi/frame/isr.h"
 #include "gi/reference/ray_query.h"
 #include "gi/rsm/all_rays.h"
 #include "raster/light_view.h"
@@ -46,24 +47,40 @@ void add_errors(Image4& sum, const Image4& term) {
 
 void nothing(Context&, const PlannedStage&, StageRun&) {}
 
-void draw_gbuffer(Context& c, const PlannedStage&, StageRun& run) {
-    const View view = make_view(c.scene.camera, double(c.size.x) / c.size.y, c.scene.convention, c.size);
-    raster::GBuffer& g = c.frame.gbuffer;
-    raster::draw_gbuffer(c.world.geometry, c.world.surfaces, view, c.size, c.settings.layout, c.options, g,
+// The frame, or a view beside it.
+glm::ivec2 view_size(const Context& c, const PlannedStage& stage) {
+    return stage.view == 0 ? c.size : c.frame.views[std::size_t(stage.view)].size;
+}
+raster::GBuffer& gbuffer_of(Context& c, const PlannedStage& stage) {
+    return stage.view == 0 ? c.frame.gbuffer : c.frame.views[std::size_t(stage.view)].gbuffer;
+}
+float* visibility_of(Context& c, const PlannedStage& stage) {
+    if (stage.view == 0) return c.visibility(stage.light);
+    SourceView& view = c.frame.views[std::size_t(stage.view)];
+    return view.visibility.data() + std::size_t(stage.light) * std::size_t(view.size.x) * std::size_t(view.size.y);
+}
+
+void draw_gbuffer(Context& c, const PlannedStage& stage, StageRun& run) {
+    const glm::ivec2 size = view_size(c, stage);
+    const Camera& camera = stage.view == 0 ? c.scene.camera : c.frame.views[std::size_t(stage.view)].camera;
+    const View view = make_view(camera, double(size.x) / size.y, c.scene.convention, size);
+    raster::GBuffer& g = gbuffer_of(c, stage);
+    raster::draw_gbuffer(c.world.geometry, c.world.surfaces, view, size, c.settings.layout, c.options, g,
                          c.plan.gbuffer, &c.memory.workspace);
     // Buffers that were not wanted are 0 where others read them.
     for (Image4* image : {&g.position, &g.normal, &g.albedo, &g.emission})
-        if (image->empty()) *image = Image4(c.size.x, c.size.y);
+        if (image->empty()) *image = Image4(size.x, size.y);
     run.bytes = bytes_of(g);
 }
 
 // A G-buffer that sees nothing: what the pass would write for an empty scene.
-void see_nothing(Context& c, const PlannedStage&, StageRun&) {
-    raster::GBuffer& g = c.frame.gbuffer = {};
-    g.position = g.normal = g.albedo = g.emission = Image4(c.size.x, c.size.y);
-    g.depth = Image1(c.size.x, c.size.y, c.scene.camera.reversed_z ? 0.0f : 1.0f);
-    g.id = Image<glm::ivec2>(c.size.x, c.size.y, glm::ivec2(-1));
-    g.covered = raster::Covered(c.size);
+void see_nothing(Context& c, const PlannedStage& stage, StageRun&) {
+    const glm::ivec2 size = view_size(c, stage);
+    raster::GBuffer& g = gbuffer_of(c, stage) = {};
+    g.position = g.normal = g.albedo = g.emission = Image4(size.x, size.y);
+    g.depth = Image1(size.x, size.y, c.scene.camera.reversed_z ? 0.0f : 1.0f);
+    g.id = Image<glm::ivec2>(size.x, size.y, glm::ivec2(-1));
+    g.covered = raster::Covered(size);
 }
 
 // All maps of a light that the plan wants.
@@ -93,28 +110,40 @@ void draw_no_map(Context& c, const PlannedStage& stage, StageRun&) {
 }
 
 void cast_shadows(Context& c, const PlannedStage& stage, StageRun& run) {
-    const raster::GBuffer& g = c.frame.gbuffer;
-    const raster::Covered tiles = tiles_to_shade(c.plan, c.frame, stage, run);
+    const raster::GBuffer& g = gbuffer_of(c, stage);
+    const glm::ivec2 size = view_size(c, stage);
+    const raster::Covered tiles = tiles_to_shade(c.plan, c.frame, stage, run, &g.covered);
+    float* visibility = visibility_of(c, stage);
     direct::run(c.settings.shadow, {&g.position, &g.normal, c.frame.rsms[std::size_t(stage.light)], or_all(tiles)},
-                c.options, c.visibility(stage.light));
-    raster::quantise(c.settings.layout.visibility, c.visibility(stage.light), c.size, c.options.threads);
-    run.bytes = c.pixels * sizeof(float);
+                c.options, visibility);
+    raster::quantise(c.settings.layout.visibility, visibility, size, c.options.threads);
+    run.bytes = std::size_t(size.x) * std::size_t(size.y) * sizeof(float);
 }
 
 void cast_no_shadow(Context& c, const PlannedStage& stage, StageRun&) {
-    std::fill_n(c.visibility(stage.light), c.pixels, 1.0f);
+    const glm::ivec2 size = view_size(c, stage);
+    std::fill_n(visibility_of(c, stage), std::size_t(size.x) * std::size_t(size.y), 1.0f);
+}
+
+Image4& direct_of(Context& c, const PlannedStage& stage) {
+    return stage.view == 0 ? c.frame.direct : c.frame.views[std::size_t(stage.view)].direct;
 }
 
 void light_directly(Context& c, const PlannedStage& stage, StageRun& run) {
-    const raster::GBuffer& g = c.frame.gbuffer;
-    const raster::Covered tiles = tiles_to_shade(c.plan, c.frame, stage, run);
-    direct::run(c.settings.direct, {&g.position, &g.normal, &c.lights, &c.frame.visibility, or_all(tiles),
+    const raster::GBuffer& g = gbuffer_of(c, stage);
+    Buffer<float>& visibility = stage.view == 0 ? c.frame.visibility : c.frame.views[std::size_t(stage.view)].visibility;
+    if (!casts_shadows(c.settings)) std::fill(visibility.begin(), visibility.end(), 1.0f);
+    const raster::Covered tiles = tiles_to_shade(c.plan, c.frame, stage, run, &g.covered);
+    direct::run(c.settings.direct, {&g.position, &g.normal, &c.lights, &visibility, or_all(tiles),
                                     compose::reads_density(c.settings.compose)},
-                c.options, c.frame.direct);
-    run.bytes = bytes_of(c.frame.direct);
+                c.options, direct_of(c, stage));
+    run.bytes = bytes_of(direct_of(c, stage));
 }
 
-void light_nothing(Context& c, const PlannedStage&, StageRun&) { c.frame.direct = Image4(c.size.x, c.size.y); }
+void light_nothing(Context& c, const PlannedStage& stage, StageRun&) {
+    const glm::ivec2 size = view_size(c, stage);
+    direct_of(c, stage) = Image4(size.x, size.y);
+}
 
 // VRSM fig. 4.4: each gather has a target of its own. No bound of what may be gathered at a point is of use, since points
 // may touch texels: what does not fit is refused when it is found.
@@ -190,6 +219,67 @@ void filter_nothing(Context& c, const PlannedStage& stage, StageRun&) {
     for (std::size_t i = 0; i < result.size(); ++i) result.texels[i].w = c.frame.gbuffer.position.texels[i].w;
 }
 
+// Squares of coarse pixels that a stage of gi/isr computes; isr.upsample's are the frame's.
+raster::Covered isr_tiles(Context& c, const PlannedStage& stage, StageRun& run) {
+    if (stage.name == "isr.upsample") return tiles_to_shade(c.plan, c.frame, stage, run);
+    const raster::Covered coarse = covered_by(c.frame.isr.surface);
+    return tiles_to_shade(c.plan, c.frame, stage, run, &coarse);
+}
+
+void note_excess(const Context& c, const Image4& gathered, StageRun& run) {
+    const isr::Excess excess = isr::excess_of(c.frame.isr.surface, gathered);
+    if (excess.share > 0)
+        run.reason += fmt::format("; form factors sum to more than 1, at most {:.4g}, at {:.3g} % of the pixels", excess.largest,
+                                  100 * excess.share);
+}
+
+void run_isr(Context& c, const PlannedStage& stage, StageRun& run) {
+    const isr::IsrParams& params = c.settings.isr;
+    Image4& result = isr_result(c.frame, stage);
+    if (stage.name == "isr.downsample") {
+        isr::run_downsample(params, coarse_of(stage.form), downsample_inputs(c.scene, c.frame, stage), c.options, result);
+    } else if (stage.name == "isr.bounce") {
+        isr::run(params, bounce_inputs(c.scene, c.settings, c.frame, stage), c.options, result);
+    } else if (stage.name == "isr.compose") {
+        isr::run(params, compose_inputs(c.scene, c.frame), c.options, result);
+    } else {
+        const raster::Covered tiles = isr_tiles(c, stage, run);
+        if (stage.name == "isr.gather") {
+            const isr::Pattern pattern = isr::gather_pattern(params);
+            isr::GatherInputs in = gather_inputs(c.scene, c.settings, c.frame, stage, pattern);
+            in.tiles = or_all(tiles);
+            isr::run(params, in, c.options, result);
+            note_excess(c, result, run);
+        } else if (stage.name == "isr.ssao") {
+            const isr::Pattern pattern = isr::ssao_pattern(params);
+            isr::SsaoInputs in = ssao_inputs(c.scene, c.settings, c.frame, pattern);
+            in.tiles = or_all(tiles);
+            isr::run(params, in, c.options, result);
+        } else if (stage.name == "isr.blur") {
+            isr::BlurInputs in = isr_blur_inputs(c.settings, c.frame, stage);
+            in.tiles = or_all(tiles);
+            isr::run(params, in, c.options, result);
+        } else {
+            isr::UpsampleInputs in = upsample_inputs(c.scene, c.settings, c.frame);
+            in.tiles = or_all(tiles);
+            isr::run(params, in, c.options, result);
+        }
+    }
+    run.bytes = bytes_of(result);
+}
+
+// No light, and nothing occluded. What goes through isr.ssao goes on without it.
+void run_no_isr(Context& c, const PlannedStage& stage, StageRun&) {
+    const glm::ivec2 size = isr_size(c.scene, c.settings, stage);
+    Image4& result = isr_result(c.frame, stage);
+    if (stage.name == "isr.ssao" && !c.frame.isr.gathered.empty()) {
+        result = c.frame.isr.gathered.back();
+        return;
+    }
+    const bool open = stage.name == "isr.blur" || stage.name == "isr.upsample" || stage.name == "isr.ssao";
+    result = Image4(size.x, size.y, glm::vec4(0, 0, 0, open ? 1 : 0));
+}
+
 void compose_radiance(Context& c, const PlannedStage&, StageRun& run) {
     const Frame& f = c.frame;
     compose::run(c.settings.compose, {&f.gbuffer.normal, &f.gbuffer.albedo, &f.gbuffer.emission, &f.direct,
@@ -229,6 +319,7 @@ Kind kind_of(const PlannedStage& stage) {
     if (stage.name == "direct") return {light_directly, light_nothing};
     if (is_gather(stage.name)) return {gather, nothing};
     if (is_filter(stage.name)) return {filter_indirect, filter_nothing};
+    if (is_isr(stage.name)) return {run_isr, stage.name == "isr.compose" ? nothing : run_no_isr};
     if (stage.name == "compose") return {compose_radiance, nothing};
     if (stage.name == "reference") return {trace_paths, trace_nothing};
     return {map_tones, nothing};

@@ -5,6 +5,8 @@
 #include "gi/direct/bindings.h"
 #include "gi/filter/bindings.h"
 #include "gi/frame/filters.h"
+#include "gi/frame/isr.h"
+#include "gi/isr/bindings.h"
 #include "gi/parity/stages.h"
 #include "gi/rsm/bindings.h"
 #include "raster/bindings.h"
@@ -54,6 +56,7 @@ struct Builder {
         direct = or_zeros(f.direct, size), indirect = or_zeros(f.indirect, size);
         radiance = or_zeros(f.radiance, size);
         if (frame::filters_indirect(t)) add_filtered();
+        if (frame::gathers_isr(t)) add_image_space();
         visibility = f.visibility;
         visibility.resize(s.lights.size() * position.size(), 1.0f);
     }
@@ -67,9 +70,44 @@ struct Builder {
         f.upsampled = or_zeros(frame.upsampled, size), f.blurred_across = or_zeros(frame.blurred_across, size);
     }
 
-    View camera_view() const {
-        const glm::ivec2 size = scene.frame_size;
-        return make_view(scene.camera, double(size.x) / size.y, scene.convention, size);
+    // What method isr reads and makes: zeros for what is missing.
+    void add_image_space() {
+        frame::Frame& f = filtered;
+        raster::GBuffer& g = f.gbuffer;
+        g.position = position, g.normal = normal, g.albedo = albedo, g.emission = emission;
+        f.direct = direct, f.indirect = indirect, f.isr = frame.isr, f.views = frame.views;
+        frame::begin_views(scene, settings, f);
+        for (std::size_t v = 1; v < f.views.size(); ++v) {
+            frame::SourceView& view = f.views[v];
+            raster::GBuffer& seen = view.gbuffer;
+            for (Image4* image : {&seen.position, &seen.normal, &seen.albedo, &seen.emission, &view.direct})
+                *image = or_zeros(*image, view.size);
+        }
+        for (const frame::IsrStage& stage : frame::isr_stages(scene, settings)) {
+            frame::PlannedStage of;
+            of.name = stage.name, of.form = stage.form, of.view = stage.view, of.pass = stage.pass;
+            Image4& image = frame::isr_result(f, of);
+            const glm::ivec2 size = frame::isr_size(scene, settings, of);
+            if (glm::ivec2(image.width, image.height) != size) image = Image4(size.x, size.y);
+        }
+    }
+
+    View view_of(const frame::PlannedStage& stage) const {
+        const glm::ivec2 size = size_of(stage);
+        const Camera& camera = stage.view == 0 ? scene.camera : filtered.views[std::size_t(stage.view)].camera;
+        return make_view(camera, double(size.x) / size.y, scene.convention, size);
+    }
+    glm::ivec2 size_of(const frame::PlannedStage& stage) const {
+        return stage.view == 0 ? scene.frame_size : filtered.views[std::size_t(stage.view)].size;
+    }
+    const Image4& position_of(const frame::PlannedStage& stage) const {
+        return stage.view == 0 ? position : filtered.views[std::size_t(stage.view)].gbuffer.position;
+    }
+    const Image4& normal_of(const frame::PlannedStage& stage) const {
+        return stage.view == 0 ? normal : filtered.views[std::size_t(stage.view)].gbuffer.normal;
+    }
+    const Buffer<float>& visibility_of(const frame::PlannedStage& stage) const {
+        return stage.view == 0 ? visibility : filtered.views[std::size_t(stage.view)].visibility;
     }
 
     // A light's maps as the frame drew them, or as it would have.
@@ -104,6 +142,37 @@ struct Builder {
         }
         out.push_back(std::move(data));
     }
+    // Of a stage of a view beside the frame.
+    void name_view(const frame::PlannedStage& stage, std::size_t first) {
+        for (std::size_t i = first; stage.view > 0 && i < out.size(); ++i)
+            out[i].id += "." + word_of(filtered.views[std::size_t(stage.view)].name);
+    }
+
+    void append_image_space(const frame::PlannedStage& stage) {
+        const isr::IsrParams& params = settings.isr;
+        StageData data;
+        if (stage.name == "isr.downsample") {
+            data = isr::downsample_data(params, frame::coarse_of(stage.form),
+                                        frame::downsample_inputs(scene, filtered, stage));
+        } else if (stage.name == "isr.gather") {
+            const isr::Pattern pattern = isr::gather_pattern(params);
+            data = isr::gather_data(params, frame::gather_inputs(scene, settings, filtered, stage, pattern));
+        } else if (stage.name == "isr.ssao") {
+            const isr::Pattern pattern = isr::ssao_pattern(params);
+            data = isr::ssao_data(params, frame::ssao_inputs(scene, settings, filtered, pattern));
+        } else if (stage.name == "isr.bounce") {
+            data = isr::bounce_data(params, frame::bounce_inputs(scene, settings, filtered, stage));
+        } else if (stage.name == "isr.blur") {
+            data = isr::blur_data(params, frame::isr_blur_inputs(settings, filtered, stage));
+        } else if (stage.name == "isr.upsample") {
+            data = isr::upsample_data(params, frame::upsample_inputs(scene, settings, filtered));
+        } else {
+            data = isr::compose_data(params, frame::compose_inputs(scene, filtered));
+        }
+        keep(std::move(data), stage.label);
+        if (!stage.form.empty()) out.back().id += "." + word_of(stage.form);
+    }
+
     void keep_filter(StageData data, const frame::PlannedStage& stage) {
         keep(std::move(data), stage.label);
         if (!stage.form.empty()) out.back().id += "." + stage.form;
@@ -118,20 +187,29 @@ struct Builder {
     }
 
     void append(const frame::PlannedStage& stage) {
+        const std::size_t first = out.size();
+        if (frame::is_isr(stage.name))
+            append_image_space(stage);
+        else
+            append_other(stage);
+        name_view(stage, first);
+    }
+
+    void append_other(const frame::PlannedStage& stage) {
         const int l = stage.light;
         if (stage.name == "gbuffer") {
-            keep(raster::gbuffer_data(geometry, surfaces, camera_view(), scene.frame_size), stage.label);
+            keep(raster::gbuffer_data(geometry, surfaces, view_of(stage), size_of(stage)), stage.label);
         } else if (stage.name == "rsm") {
             each_map(l, [&](const raster::Rsm& map, int face) {
                 keep(raster::rsm_data(geometry, surfaces, lights[std::size_t(l)], map.view), stage.label, l, face);
             });
         } else if (stage.name == "shadow") {
-            const direct::ShadowInputs in{&position, &normal, maps_of(l)};
+            const direct::ShadowInputs in{&position_of(stage), &normal_of(stage), maps_of(l)};
             each_map(l, [&](const raster::Rsm&, int face) {
                 keep(direct::shadow_data(settings.shadow, in, std::max(face, 0)), stage.label, l, face);
             });
         } else if (stage.name == "direct") {
-            keep(direct::direct_data(settings.direct, {&position, &normal, &lights, &visibility, nullptr,
+            keep(direct::direct_data(settings.direct, {&position_of(stage), &normal_of(stage), &lights, &visibility_of(stage), nullptr,
                                                        compose::reads_density(settings.compose)}),
                  stage.label);
         } else if (frame::is_gather(stage.name) && stage.name != "rsm.all_rays") {

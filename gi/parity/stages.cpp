@@ -6,6 +6,7 @@
 #include "gi/compose/bindings.h"
 #include "gi/direct/bindings.h"
 #include "gi/filter/bindings.h"
+#include "gi/isr/bindings.h"
 #include "gi/rsm/bindings.h"
 #include "raster/bindings.h"
 
@@ -17,6 +18,8 @@ const std::vector<StageBinding>& bindings() {
         direct::shadow_binding(),  rsm::disc_binding(),        rsm::paths_binding(),       rsm::all_binding(),
         rsm::disc_continuous_binding(), rsm::paths_continuous_binding(),
         filter::reduce_binding(), filter::upsample_binding(), filter::blur_binding(),
+        isr::downsample_binding(), isr::gather_binding(), isr::bounce_binding(), isr::ssao_binding(),
+        isr::blur_binding(), isr::upsample_binding(), isr::compose_binding(),
         direct::direct_binding(), compose::compose_binding(), compose::tonemap_binding(),
     };
     return all;

@@ -7,6 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "gi/frame/filters.h"
+#include "gi/frame/isr.h"
+#include "gi/parity/stages.h"
 #include "gi/frame/frame.h"
 #include "gi/reference/ray_query.h"
 #include "gi/reference/lights.h"
@@ -223,6 +225,34 @@ struct Dump {
         }
     }
 
+    // Image-space radiosity, as its stages bind what they read.
+    void image_space(const frame::PlannedStage& s, Json& inputs, Json& outputs) {
+        frame::Plan one = plan;
+        one.stages = {s};
+        for (const StageData& data : parity::frame_data(scene, settings, one, frame)) {
+            for (const Array& a : data.inputs.arrays) {
+                const std::string name = data.id + "." + a.name;
+                inputs[a.name] = a.dtype == DType::i32
+                                     ? files.array(name, a.shape, reinterpret_cast<const std::int32_t*>(a.bytes.data()))
+                                     : files.array(name, a.shape, reinterpret_cast<const float*>(a.bytes.data()));
+            }
+            const std::string made = parity::find_binding(s.name, s.label).outputs[0].name;
+            outputs[made] = files.picture(data.id + "." + made, frame::isr_result(frame, s));
+        }
+    }
+
+    // A view beside the frame: what image-space radiosity reads of it.
+    void other_view(const frame::PlannedStage& s, Json& outputs) {
+        const frame::SourceView& view = frame.views[std::size_t(s.view)];
+        const std::string name = file_name(view.name) + ".";
+        if (s.name == "gbuffer")
+            outputs = {{"position", files.picture(name + "gbuffer.position", view.gbuffer.position)},
+                       {"normal", files.picture(name + "gbuffer.normal", view.gbuffer.normal)},
+                       {"albedo", files.picture(name + "gbuffer.albedo", view.gbuffer.albedo)},
+                       {"emission", files.picture(name + "gbuffer.emission", view.gbuffer.emission)}};
+        if (s.name == "direct") outputs = {{"irradiance", files.picture(name + "direct.irradiance", view.direct)}};
+    }
+
     void direct(Json& inputs, Json& outputs) {
         std::vector<raster::LightArgs> args;
         inputs = surface_points();
@@ -234,13 +264,17 @@ struct Dump {
             inputs["visibility"].push_back(visibility(l));
         }
         inputs["lights"] =
-            files.array("direct.lights", {std::int64_t(args.size()), 12}, reinterpret_cast<const float*>(args.data()));
+            files.array("direct.lights", {std::int64_t(args.size()), 16}, reinterpret_cast<const float*>(args.data()));
         outputs["irradiance"] = files.picture("direct.irradiance", frame.direct);
     }
 
     Json stage(const frame::PlannedStage& s) {
         Json inputs = Json::object(), outputs = Json::object();
-        if (s.name == "gbuffer") {
+        if (frame::is_isr(s.name)) {
+            image_space(s, inputs, outputs);
+        } else if (s.view > 0) {
+            other_view(s, outputs);
+        } else if (s.name == "gbuffer") {
             inputs = surface_inputs();
             outputs = gbuffer_outputs();
         } else if (s.name == "rsm") {
@@ -271,6 +305,7 @@ struct Dump {
         Json json = {{"stage", s.name}};
         if (s.light >= 0) json["light"] = scene.lights[s.light].name;
         if (!s.form.empty()) json["form"] = s.form;
+        if (s.view > 0) json["view"] = frame.views[std::size_t(s.view)].name;
         if (!s.layer.empty()) json["layer"] = s.layer;
         json["inputs"] = inputs;
         json["outputs"] = outputs;

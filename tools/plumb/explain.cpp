@@ -9,6 +9,7 @@
 #include "core/error.h"
 #include "io/file.h"
 #include "gi/frame/filters.h"
+#include "gi/frame/isr.h"
 #include "tools/plumb/cli.h"
 #include "tools/plumb/devices.h"
 #include "tools/plumb/explain_device.h"
@@ -80,6 +81,13 @@ struct Checker {
                 {sum.x, sum.y, sum.z}};
     }
 
+    // As kernels tap what they return.
+    static const char* isr_result_name(const frame::PlannedStage& s) {
+        if (s.name == "isr.downsample") return s.form == "surface" ? "normal" : s.form == "radiosity" ? "radiosity" : "reflectance";
+        if (s.name == "isr.bounce") return "radiosity";
+        return s.name == "isr.compose" ? "radiance" : "irradiance";
+    }
+
     std::vector<Check> checks(const frame::PlannedStage& s, const frame::Explanation& e) const {
         const raster::GBuffer& g = frame.gbuffer;
         if (s.name == "gbuffer") {
@@ -112,6 +120,11 @@ struct Checker {
         if (s.name == "compose") return {{"radiance", at(frame.radiance), last_value(e, "radiance")}};
         if (s.name == "tonemap") return {{"display", at(frame.display), last_value(e, "display")}};
         if (frame::is_gather(s.name)) return {gathered(e.pixel)};
+        if (frame::is_isr(s.name)) {
+            const Image4& image = frame::isr_result(frame, s);
+            const glm::vec4& v = image(e.pixel.x, e.pixel.y);
+            return {{"result", {v.x, v.y, v.z}, last_value(e, isr_result_name(s))}};
+        }
         if (frame::is_filter(s.name)) {
             const bool reduces = s.name == "filter.reduce";
             return {{reduces ? "reduced " + s.form : "irradiance", at(frame::filter_result(frame, settings, s), e.pixel),
@@ -137,7 +150,7 @@ frame::Plan up_to(frame::Plan plan, const std::string& stage) {
         if (stage != early) continue;
         std::erase_if(plan.stages, [](const frame::PlannedStage& s) {
             return s.name == "compose" || s.name == "tonemap" || s.name == "reference" ||
-                   s.name.rfind("rsm.", 0) == 0 || frame::is_filter(s.name);
+                   s.name.rfind("rsm.", 0) == 0 || frame::is_filter(s.name) || frame::is_isr(s.name);
         });
         if (stage != "gbuffer") plan.gbuffer.albedo = plan.gbuffer.emission = false;
     }

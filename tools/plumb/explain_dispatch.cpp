@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "gi/frame/filters.h"
+#include "gi/frame/isr.h"
 #include "gi/parity/stages.h"
 #include "raster/light_view.h"
 #include "tools/plumb/stage_case.h"
@@ -78,6 +79,8 @@ Bundle made_by(const ExplainedDispatch& dispatch, const frame::PlannedStage& sta
     if (frame::is_gather(stage.name)) copy(made, "irradiance", frame::gather_sum(frame), size);
     if (frame::is_filter(stage.name))
         copy(made, dispatch.binding->outputs[0].name.c_str(), frame::filter_result(frame, settings, stage), size);
+    if (frame::is_isr(stage.name))
+        copy(made, dispatch.binding->outputs[0].name.c_str(), frame::isr_result(frame, stage), size);
     if (stage.name == "compose") copy(made, "radiance", frame.radiance, size);
     if (stage.name == "tonemap") copy(made, "display", frame.display, size);
     const std::size_t pixels = std::size_t(size.x) * std::size_t(size.y), first = std::size_t(stage.light) * pixels;

@@ -10,6 +10,7 @@
 #include "core/content_hash.h"
 #include "core/error.h"
 #include "gi/frame/filters.h"
+#include "gi/frame/isr.h"
 #include "gi/frame/frame.h"
 #include "gi/parity/stages.h"
 #include "io/file.h"
@@ -193,10 +194,11 @@ io::ManifestStage export_stage(const StageBinding& binding, const StageData& dat
 
 // The part of the plan that makes the inputs of what is exported.
 frame::Plan needed_by(frame::Plan plan, const std::string& stage) {
-    if (stage == "all" || stage == "compose" || stage == "tonemap" || frame::is_filter(stage)) return plan;
+    if (stage == "all" || stage == "compose" || stage == "tonemap" || frame::is_filter(stage) || frame::is_isr(stage))
+        return plan;
     std::erase_if(plan.stages, [](const frame::PlannedStage& s) {
         return s.name == "compose" || s.name == "tonemap" || frame::is_gather(s.name) ||
-               s.name == "filter.upsample" || s.name == "filter.blur";
+               s.name == "filter.upsample" || s.name == "filter.blur" || frame::is_isr(s.name);
     });
     return plan;
 }

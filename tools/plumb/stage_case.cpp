@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "gi/frame/filters.h"
+#include "gi/frame/isr.h"
 #include "gi/parity/stages.h"
 #include "io/file.h"
 #include "io/scene_file.h"
@@ -339,7 +340,13 @@ void read_choices(const io::ManifestStage& stage, StageCase& out) {
 }  // namespace
 
 void choose_method(frame::Settings& settings, const std::string& stage) {
-    if (settings.method == frame::Method::reference) settings.method = frame::Method::rsm;
+    if (frame::is_isr(stage)) {
+        settings.method = frame::Method::isr;
+        if (!frame::gathers_isr(settings)) settings.isr.mode = isr::Mode::f2;
+        return;
+    }
+    if (settings.method == frame::Method::reference || settings.method == frame::Method::isr)
+        settings.method = frame::Method::rsm;
     for (const auto& [gather, texels] : rsm::gather_stages) {
         if (rsm::stage_name(gather, texels) != stage) continue;
         settings.method = frame::Method::rsm;
@@ -378,7 +385,8 @@ StageData CaseReader::data_of_scene(const io::ManifestStage& stage, const StageB
     // Of a dispatch the manifest tells the size: gathers read what they are given.
     settings.indirect.resolution = filter::Resolution(stage.stage == "filter.reduce" || stage.stage == "filter.upsample");
     settings.indirect.blur = stage.stage == "filter.blur" ? filter::Blur::full : filter::Blur::none;
-    if (stage.stage == "filter.reduce") scene.frame_size = 2 * scene.frame_size;
+    const bool coarse = frame::is_isr(stage.stage) && stage.stage != "isr.upsample" && stage.stage != "isr.compose";
+    if (stage.stage == "filter.reduce" || coarse) scene.frame_size = 2 * scene.frame_size;
     set_params(settings, stage, binding);
 
     // Of a stage that runs once a light, and once a face, the manifest says which.
