@@ -79,6 +79,7 @@ struct Light {
     // max(0, 1 - (d/radius)^2), W/m2, to a surface across its rays at distance d, in place of intensity / d^2.
     float radius = 0;
 };
+inline constexpr float least_light_radius = 1e-6f, largest_light_radius = 1e9f;  // m
 
 struct Environment {
     glm::vec3 radiance{0};  // W/(m2 sr), from everywhere; multiplied by the map where there is one

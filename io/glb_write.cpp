@@ -259,6 +259,7 @@ class GlbWriter {
                                {"outerConeAngle", outer}};
             }
             out["extras"]["plumb"] = {{"on", light.on}, {"rsm_size", light.rsm_size}};
+            if (light.radius > 0) out["extras"]["plumb"]["radius"] = light.radius;
             const glm::dvec3 d(light.direction);
             const glm::dvec3 up = std::fabs(d.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(0, 0, 1);
             Json node = {{"name", light.name}};

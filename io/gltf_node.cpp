@@ -181,6 +181,9 @@ Light read_gltf_light(const JsonValue& json, const glm::dmat4& to_world, const G
     }
     const JsonValue own = json.own();
     light.on = own["on"].flag(true);
+    light.radius = float(own["radius"].number(0, largest_light_radius, 0));
+    if (light.radius > 0 && (light.radius < least_light_radius || light.type == LightType::directional))
+        own["radius"].fail(fmt::format("expected 0, or of a spot or point light {} m or more", least_light_radius));
     light.rsm_size = int(own["rsm_size"].integer(1, 16384, 512));
     return light;
 }

@@ -61,7 +61,8 @@ std::string light_toml(const Light& light, const std::string& name) {
     if (light.type == LightType::spot)
         out += fmt::format("cone_deg = [{}, {}]\n", number(light.cone_inner_deg), number(light.cone_outer_deg));
     out += fmt::format("intensity = {}  # {}\n", vector(light.intensity),
-                       light.type == LightType::directional ? "W/m2" : "W/sr");
+                       light.type == LightType::directional || light.radius > 0 ? "W/m2" : "W/sr");
+    if (light.radius > 0) out += fmt::format("radius = {}\n", number(light.radius));
     if (!light.on) out += "on = false\n";
     return out + fmt::format("rsm_size = {}\n", light.rsm_size);
 }

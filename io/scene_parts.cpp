@@ -96,6 +96,11 @@ Light read_light(TomlReader& reader, const std::vector<Light>& others) {
     light.direction = made_unit(d);
     if (const auto cone = read_cone(reader)) light.cone_inner_deg = float(cone->x), light.cone_outer_deg = float(cone->y);
     light.intensity = glm::vec3(reader.vector("intensity", glm::dvec3(1), 0, 3e38));
+    light.radius = float(reader.number("radius", 0, 0, largest_light_radius));
+    if (light.radius > 0 && light.type == LightType::directional)
+        reader.fail("radius", "a directional light has no distance to end at; expected 0");
+    if (light.radius > 0 && light.radius < least_light_radius)
+        reader.fail("radius", fmt::format("expected 0, or {} m or more", least_light_radius));
     light.on = reader.flag("on", true);
     light.rsm_size = reader.integer("rsm_size", 512, 1, max_rsm_size);
     return light;

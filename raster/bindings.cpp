@@ -171,6 +171,8 @@ StageBinding make_rsm() {
                   {"light.falloff_scale", "float", light + int(offsetof(LightArgs, falloff_scale))},
                   {"light.intensity", "vec3", light + int(offsetof(LightArgs, intensity))},
                   {"light.directional", "float", light + int(offsetof(LightArgs, directional)), 1},
+                  {"light.inverse_radius2", "float", light + int(offsetof(LightArgs, inverse_radius2))},
+                  {"light.radius2", "float", light + int(offsetof(LightArgs, radius2))},
                   {"texel_scale", "float", offsetof(U, texel_scale)},
                   {"half_width", "float", offsetof(U, half_width)}};
     b.uniform_bytes = sizeof(U);

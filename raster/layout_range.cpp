@@ -127,7 +127,9 @@ Brightest brightest_of(const Scene& scene, const Geometry& geometry) {
 
 glm::dvec3 largest_flux(const Light& light, const View& view, const Brightest& brightest) {
     const double side = 2 / (std::abs(view.view_to_clip[0][0]) * light.rsm_size);
-    return glm::dvec3(light.intensity) * glm::dvec3(brightest.reflectance) * (side * side);
+    // (1 - s) s is at most 1/4.
+    const double reach = light.radius > 0 ? double(light.radius) * double(light.radius) / 4 : 1;
+    return glm::dvec3(light.intensity) * glm::dvec3(brightest.reflectance) * (side * side * reach);
 }
 
 void check_view(const Layout& layout, const View& view) {

@@ -7,6 +7,8 @@ struct LightArgs {
     float falloff_scale;
     vec3 intensity;
     float directional;
+    float inverse_radius2;
+    float radius2;
 };
 
 float spot_falloff(LightArgs light, float cosine) {
@@ -15,9 +17,13 @@ float spot_falloff(LightArgs light, float cosine) {
     return falloff;
 }
 
-// Radiant intensity of a spot or point light in that direction, W/sr.
-vec3 light_intensity(LightArgs light, float cosine) {
-    float falloff = spot_falloff(light, cosine);
+// Radiant intensity of a spot or point light in that direction, W/sr; with a radius: ISR (16), I (1 - s) s r^2.
+vec3 light_intensity(LightArgs light, float cosine, float d2) {
+    precise float falloff = spot_falloff(light, cosine);
+    if (light.inverse_radius2 > 0.0) {
+        precise float s = min(d2 * light.inverse_radius2, 1.0);
+        falloff = falloff * ((1.0 - s) * s * light.radius2);
+    }
     precise vec3 intensity = light.intensity * falloff;
     return intensity;
 }

@@ -24,6 +24,15 @@ glm::dvec3 unit_direction(const Light& light) {
     return d / length;
 }
 
+void check_radius(const Light& light) {
+    const std::string what = fmt::format("light \"{}\": radius = {}", light.name, light.radius);
+    if (!(light.radius == 0 || (light.radius >= least_light_radius && light.radius <= largest_light_radius)))
+        throw InputError(fmt::format("{}: expected {} to {} m, or 0: the light ends nowhere", what, least_light_radius,
+                                     largest_light_radius));
+    if (light.radius > 0 && light.type == LightType::directional)
+        throw InputError(what + ": a directional light has no distance to end at: expected 0");
+}
+
 glm::dvec3 up_for(const glm::dvec3& forward) {
     return std::abs(forward.y) > 0.999 ? glm::dvec3(0, 0, 1) : glm::dvec3(0, 1, 0);
 }
@@ -168,6 +177,9 @@ LightArgs light_args(const Light& light) {
         a.intensity[c] = light.intensity[c];
     }
     a.directional = light.type == LightType::directional ? 1.0f : 0.0f;
+    check_radius(light);
+    a.radius2 = light.radius * light.radius;
+    a.inverse_radius2 = light.radius > 0 ? float(1 / (double(light.radius) * double(light.radius))) : 0;
     a.cos_outer = -2;
     a.falloff_scale = 1e30f;
     if (light.type != LightType::spot) return a;

@@ -48,7 +48,8 @@ Projection projection_args(const View& view, int size, bool clamped);
 // Its members in a uniform block, "<name>.to_texel_x" and so on.
 std::vector<UniformMember> projection_members(const std::string& name, int offset);
 
-// Cosines are computed in double and rounded once.
+// Cosines are computed in double and rounded once. Throws InputError for a radius that is not 0, below or above these, or of
+// a directional light.
 LightArgs light_args(const Light& light);
 
 }  // namespace plumb::raster

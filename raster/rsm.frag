@@ -22,8 +22,8 @@ layout(location = 0) out vec4 position;  // w: linear depth from the light, m
 layout(location = 1) out vec4 normal;    // w: 1
 layout(location = 2) out vec4 flux;      // W
 
-// Power that the light sends through texel (px, py), W.
-vec3 texel_power(int px, int py) {
+// Power that the light sends through texel (px, py) to `position`, W.
+vec3 texel_power(int px, int py, vec3 position) {
     if (u.light.directional > 0.0) {
         precise float area = u.texel_scale * u.texel_scale;                     TAP(area, area);
         precise vec3 power = u.light.intensity * area;
@@ -34,7 +34,9 @@ vec3 texel_power(int px, int py) {
     precise float cos2 = 1.0 / (1.0 + (x * x + y * y));
     precise float cosine = sqrt(cos2);                                         TAP(cos, cosine);
     precise float dw = (u.texel_scale * u.texel_scale) * (cosine * cos2);             TAP(dw, dw);
-    vec3 intensity = light_intensity(u.light, cosine);                         TAP(intensity, intensity);
+    precise vec3 d = position - u.light.position;
+    precise float d2 = d.x * d.x + d.y * d.y + d.z * d.z;
+    vec3 intensity = light_intensity(u.light, cosine, d2);                     TAP(intensity, intensity);
     precise vec3 power = intensity * dw;
     return power;
 }
@@ -45,7 +47,7 @@ void main() {
     TAP(z, gl_FragCoord.z);
     Surface s = surface(triangle, barycentrics, Viewer(u.viewer, u.forward, u.pixel_area));
     float depth = linear_depth(u.eye, u.forward, s.position);                   TAP(depth, depth);
-    vec3 power = texel_power(int(gl_FragCoord.x), int(gl_FragCoord.y));          TAP(power, power);
+    vec3 power = texel_power(int(gl_FragCoord.x), int(gl_FragCoord.y), s.position);  TAP(power, power);
     precise vec3 reflected = s.albedo * power;                                    TAP(flux, reflected);
     position = vec4(s.position, depth);
     normal = vec4(s.normal, 1.0);

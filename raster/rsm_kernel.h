@@ -6,6 +6,8 @@
 //     point         the same for each of its six faces, a = 90 degrees: dw = (2 / R)^2 cos^3
 //     directional   Phi = rho E_perp A,    A = (side / R)^2
 //
+// A light that ends at its radius (ISR (16)) has the intensity of the distance at which it meets the surface.
+//
 // with a the full angle of the map, R its side in texels and cos the cosine between w and the light's axis. The texel's
 // centre decides w, not the point that was hit: the sum over the map then depends on no geometry.
 // differs: LRA's flux has neither the light's colour nor the cosine.
@@ -33,9 +35,9 @@ struct RsmArgs {
     float* flux;
 };
 
-// Power that the light sends through texel (px, py), W.
+// Power that the light sends through texel (px, py) to `position`, W.
 template <class F, class Tap>
-PLUMB_INLINE vec3<F> texel_power(const RsmArgs& in, index_t<F> px, index_t<F> py, Tap& tap) {
+PLUMB_INLINE vec3<F> texel_power(const RsmArgs& in, index_t<F> px, index_t<F> py, const vec3<F>& position, Tap& tap) {
     using N = number<F>;
     const F scale(in.texel_scale);
     if (in.light.directional > 0) {
@@ -47,7 +49,10 @@ PLUMB_INLINE vec3<F> texel_power(const RsmArgs& in, index_t<F> px, index_t<F> py
     const F cos2 = F(1.0f) / (F(1.0f) + (x * x + y * y));
     const F cosine = sqrt(cos2);                                     tap("cos", cosine, "between w and the axis");
     const F dw = (scale * scale) * (cosine * cos2);                  tap("dw", dw, "(2 tan(a/2) / R)^2 cos^3, sr");
-    const vec3<F> intensity = light_intensity(in.light, cosine);     tap("intensity", intensity, "I(w), W/sr");
+    const vec3<F> d{position.x - F(in.light.position[0]), position.y - F(in.light.position[1]),
+                    position.z - F(in.light.position[2])};
+    const vec3<F> intensity = light_intensity(in.light, cosine, dot3(d, d));
+    tap("intensity", intensity, "I(w), W/sr");
     return {intensity.x * dw, intensity.y * dw, intensity.z * dw};
 }
 
@@ -61,7 +66,8 @@ PLUMB_INLINE RsmTexel<F> rsm(const RsmArgs& in, index_t<F> px, index_t<F> py, in
                              Tap& tap) {
     const Surface<F> s = surface<F>(in.surfaces, triangle, l, tap);
     const F depth = linear_depth(in.eye, in.forward, s.position);    tap("depth", depth, "linear, from the light, m");
-    const vec3<F> power = texel_power<F>(in, px, py, tap);           tap("power", power, "through the texel, W");
+    const vec3<F> power = texel_power<F>(in, px, py, s.position, tap);
+    tap("power", power, "through the texel, W");
     const vec3<F> flux{s.albedo.x * power.x, s.albedo.y * power.y, s.albedo.z * power.z};
     tap("flux", flux, "Phi = rho I(w) dw or rho E_perp A, W");
     return {vec4<F>(s.position, depth), vec4<F>(s.normal, F(1.0f)), vec4<F>(flux, F(0.0f))};

@@ -126,8 +126,8 @@ const StageBinding& direct_binding() {
                    {.name = "normal", .binding = 2, .meaning = "unit normal, w 1; all 0 where nothing is", .fixed = 8},
                    {.name = "lights", .kind = SlotKind::buffer, .binding = 3, .channels = 4, .frame = false,
                     .unit = "m, W/sr, W/m2",
-                    .meaning = "three vec4 a light: position, cos_outer; direction, falloff_scale; intensity, "
-                               "directional"},
+                    .meaning = "four vec4 a light: position, cos_outer; direction, falloff_scale; intensity, "
+                               "directional; 1 / radius^2, radius^2"},
                    {.name = "visibility", .kind = SlotKind::image_array, .binding = 4, .channels = 1,
                     .meaning = "a layer a light: 1 lit, 0 shadowed"}},
         .outputs = {{.name = "irradiance", .kind = SlotKind::storage_image, .binding = 5, .unit = "W/m2",
@@ -160,7 +160,7 @@ StageData direct_data(const DirectParams& params, const DirectInputs& in) {
     std::vector<raster::LightArgs> args;
     for (const Light& light : *in.lights) args.push_back(raster::light_args(light));
     args.resize(std::max(args.size(), std::size_t(1)));
-    add(d.inputs, "lights", {std::int64_t(args.size()) * 3, 4}, args[0].position);
+    add(d.inputs, "lights", {std::int64_t(args.size()) * 4, 4}, args[0].position);
     const Shape layers{std::max(lights, 1), d.size.y, d.size.x};
     if (lights > 0)
         add(d.inputs, "visibility", layers, in.visibility->data());

@@ -50,7 +50,7 @@ vec4 direct(ivec2 pixel) {
             precise float cos_theta = max(0.0, n.x * w.x + n.y * w.y + n.z * w.z);
             TAP(cos_theta, cos_theta);
             precise float cos_axis = -(w.x * axis.x + w.y * axis.y + w.z * axis.z);
-            precise vec3 intensity = light_intensity(light, cos_axis);
+            precise vec3 intensity = light_intensity(light, cos_axis, d2);
             TAP(intensity, intensity);
             precise float factor = cos_theta * inverse * inverse;
             e = intensity * factor;

@@ -3,6 +3,8 @@
 //     E = sum over lights  V  I(w) max(0, n . w) / |y - x|^2          spot, point: y the light, w the direction to it
 //     E = sum over lights  V  E_perp max(0, -n . direction)           directional
 //
+// Of a light that ends at its radius (ISR (16)) I(w) holds d^2: light_kernel.h.
+//
 // Shadow density (VRSM 4.3, fig. 4.3), where it is asked for: alpha = the mean of V over the lights that shine, 0 where
 // none does or nothing is seen. As printed the density is all there is of direct light: E = pi alpha, so that a surface of
 // reflectance rho sends rho alpha.
@@ -57,10 +59,11 @@ PLUMB_INLINE vec4<F> direct(const DirectInputsView& in, index_t<F> px, index_t<F
             e = vec3<F>{F(light.intensity[0]), F(light.intensity[1]), F(light.intensity[2])} * cos_theta;
         } else {
             const vec3<F> v{F(light.position[0]) - x.x, F(light.position[1]) - x.y, F(light.position[2]) - x.z};
-            const F inverse = F(1.0f) / sqrt(max(dot3(v, v), F(1e-37f)));
+            const F d2 = dot3(v, v);
+            const F inverse = F(1.0f) / sqrt(max(d2, F(1e-37f)));
             const vec3<F> w = v * inverse;                          tap("w", w, "direction to the light");
             const F cos_theta = max(F(0.0f), dot3(n, w));           tap("cos_theta", cos_theta, "n . w");
-            const vec3<F> intensity = raster::light_intensity(light, -dot3(w, axis));
+            const vec3<F> intensity = raster::light_intensity(light, -dot3(w, axis), d2);
             tap("intensity", intensity, "I(w), W/sr");
             e = intensity * (cos_theta * inverse * inverse);
         }

@@ -10,7 +10,8 @@ namespace plumb::reference {
 
 // A row of 16 floats, by kind:
 //     triangle     corner m, index of the triangle (its bits); edge m, 0; edge m, kind
-//     lamp         position m, cosine of the outer angle; direction, scale of the falloff; intensity W/sr, kind
+//     lamp         position m, cosine of the outer angle; direction, scale of the falloff; intensity W/sr, kind;
+//                  1 / radius^2 of a lamp that ends there, ISR (16), whose intensity is W/m2; else 0
 //     directional  0; direction, 0; irradiance W/m2, kind
 //     environment  0; 0; 0, kind
 enum class LightKind : int { triangle, lamp, directional, environment };
@@ -22,6 +23,7 @@ struct LightArgs {
     const float* cdf;             // [count + 1], multiples of 2^-24
     const float* triangle_pdf;    // [triangle]: 1/m2
     float environment_probability;
+    std::int32_t any_radius = 0;  // 1: some lamp ends at its radius
 };
 
 template <class F>
@@ -102,10 +104,15 @@ PLUMB_INLINE LightSample<F> sample_light(const LightArgs& in, const raster::Surf
     const vec3<F> axis = xyz<F>(row.b);
     vec3<F> y = xyz<F>(row.a);
     vec3<F> d = raster::minus3(y, x);
-    F inverse2 = one / max(dot3(d, d), F(1e-37f));
+    const F d2 = dot3(d, d), inverse2 = one / max(d2, F(1e-37f));
     s.direction = d * sqrt(inverse2);
     const F t = clamp((-dot3(s.direction, axis) - row.a.w) * row.b.w, zero, one);
-    const F falloff = t * t * (F(3.0f) - F(2.0f) * t) * inverse2;
+    F attenuation = inverse2;
+    if (in.any_radius) {
+        const F inverse_radius2 = N::fetch(in.rows, chosen.light * I(16) + I(12));
+        attenuation = select(inverse_radius2 > zero, max(zero, one - d2 * inverse_radius2), inverse2);
+    }
+    const F falloff = t * t * (F(3.0f) - F(2.0f) * t) * attenuation;
     s.radiance = xyz<F>(row.c) * (select(lamp, falloff, one) / chosen.probability);
     s.pdf = zero;
 

@@ -39,13 +39,16 @@ struct Builder {
     // Lights that follow belong to a new source: a lamp, an object that emits, the environment.
     void begin_source() { source_power.push_back(0); }
 
-    void add(LightKind kind, const glm::vec3& a, float aw, const glm::vec3& b, float bw, const glm::vec3& c, double p) {
+    void add(LightKind kind, const glm::vec3& a, float aw, const glm::vec3& b, float bw, const glm::vec3& c, double p,
+             float inverse_radius2 = 0) {
         if (!(p > 0)) return;
         source.push_back(source_power.size() - 1);
         source_power.back() += p;
         table.rows.insert(table.rows.end(),
-                          {a.x, a.y, a.z, aw, b.x, b.y, b.z, bw, c.x, c.y, c.z, float(int(kind)), 0, 0, 0, 0});
+                          {a.x, a.y, a.z, aw, b.x, b.y, b.z, bw, c.x, c.y, c.z, float(int(kind)),
+                           inverse_radius2, 0, 0, 0});
         power.push_back(p);
+        table.any_radius = table.any_radius || inverse_radius2 > 0;
     }
 
     void add_lamp(const Light& light, double radius) {
@@ -65,8 +68,10 @@ struct Builder {
             const double outer = host::cos(light.cone_outer_deg * (host::pi / 180));
             solid_angle = std::max(2 * host::pi * (1 - (inner + outer) / 2), 1e-6);
         }
+        // Of a lamp that ends, the most that a sphere around it receives.
+        const double reach = light.radius > 0 ? double(l.radius2) / 4 : 1;
         add(LightKind::lamp, light.position, l.cos_outer, axis, l.falloff_scale, light.intensity,
-            strength * solid_angle);
+            strength * solid_angle * reach, l.inverse_radius2);
     }
 
     void add_triangle(const Geometry& geometry, std::size_t t, const glm::dvec3& exitance) {

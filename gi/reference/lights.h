@@ -14,7 +14,7 @@ struct LightTable {
     Buffer<float> cdf;             // [lights + 1]: from 0 to 1
     Buffer<float> triangle_pdf;    // [triangle]: probability of the triangle over its area, 1/m2; 0: does not emit
     int count = 0;
-    bool any_triangle = false;
+    bool any_triangle = false, any_radius = false;
     float environment_probability = 0;
 };
 

@@ -74,7 +74,7 @@ struct Moments {
 };
 
 LightArgs light_args(const LightTable& t) {
-    LightArgs a{t.count, 0, t.rows.data(), t.cdf.data(), t.triangle_pdf.data(), t.environment_probability};
+    LightArgs a{t.count, 0, t.rows.data(), t.cdf.data(), t.triangle_pdf.data(), t.environment_probability, t.any_radius};
     while ((std::int64_t(1) << a.steps) < t.count) ++a.steps;
     return a;
 }

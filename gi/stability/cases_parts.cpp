@@ -129,7 +129,8 @@ void scale(Scene& scene, double by) {
     for (Mesh& mesh : scene.meshes) mesh.transform = m * mesh.transform;
     for (Light& l : scene.lights) {
         l.position = glm::vec3(glm::dvec3(l.position) * by);
-        if (l.type != LightType::directional) l.intensity = glm::vec3(glm::dvec3(l.intensity) * (by * by));
+        l.radius = float(l.radius * by);
+        if (l.type != LightType::directional && l.radius == 0) l.intensity = glm::vec3(glm::dvec3(l.intensity) * (by * by));
     }
     Camera& c = scene.camera;
     c.position *= by, c.look_at *= by, c.near *= by, c.far *= by;

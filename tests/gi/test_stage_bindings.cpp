@@ -76,7 +76,7 @@ std::string element_of(const std::string& type) {
     static const std::map<std::string, std::string> elements = {
         {"int", "i32 1"}, {"ivec2", "i32 2"}, {"ivec4", "i32 4"}, {"float", "f32 1"}, {"vec2", "f32 2"},
         {"vec4", "f32 4"},
-        {"LightArgs", "f32 4"},  // of three vec4
+        {"LightArgs", "f32 4"},  // of four vec4
         {"r32f", "f32 1"}, {"rgba32f", "f32 4"}};
     INFO(type);
     REQUIRE(elements.count(type) == 1);
@@ -287,7 +287,7 @@ TEST_CASE("stage bindings: numbers that kernels loop over and index by are held 
                            {paths_case(), "reach", 0, 32768}, {paths_case(), "directions", 0, 4},
                            {paths_case(), "steps", 0, 3}, {paths_case(), "slots", 2, 5}, {paths_case(), "tiled", 0, 1},
                            {paths_case(), "propagates", -1, 0},
-                           {test::direct_case(small, "direct"), "lights", 0, 3}}) {
+                           {test::direct_case(small, "direct"), "lights", 0, 4}}) {
         INFO(r.member);
         CHECK(with_uniform(r.data, r.member, r.first) == "");
         CHECK(with_uniform(r.data, r.member, r.last) == "");
@@ -327,15 +327,15 @@ TEST_CASE("stage bindings: buffers hold all that is read of them", "[bindings]")
     CHECK(with_shape(paths_case(), "edges", {4}) == "");
     CHECK_THAT(with_shape(paths_case(), "edges", {3}), Catch::Contains("slots = 5 with 3 edges"));
 
-    // Three lights of three vec4, a layer each.
+    // Four lights of four vec4, a layer each.
     const StageData direct = test::direct_case(small, "direct");
-    CHECK(with_shape(direct, "lights", {9, 4}) == "");
-    CHECK_THAT(with_shape(direct, "lights", {8, 4}), Catch::Contains("\"lights\" has 2"));
+    CHECK(with_shape(direct, "lights", {16, 4}) == "");
+    CHECK_THAT(with_shape(direct, "lights", {15, 4}), Catch::Contains("\"lights\" has 3"));
     CHECK_THAT(with_shape(direct, "lights", {35}), Catch::Contains("35 numbers: expected elements of 4"));
     CHECK_THAT(with_shape(direct, "lights", {0, 4}), Catch::Contains("0 numbers"));
+    CHECK(with_shape(direct, "visibility", {5, small.y, small.x}) == "");
     CHECK(with_shape(direct, "visibility", {4, small.y, small.x}) == "");
-    CHECK(with_shape(direct, "visibility", {3, small.y, small.x}) == "");
-    CHECK_THAT(with_shape(direct, "visibility", {2, small.y, small.x}), Catch::Contains("\"visibility\" has 2"));
+    CHECK_THAT(with_shape(direct, "visibility", {3, small.y, small.x}), Catch::Contains("\"visibility\" has 3"));
     CHECK_THAT(with_shape(direct, "visibility", {0, small.y, small.x}), Catch::Contains("is [0, 5, 9]"));
 }
 

@@ -51,6 +51,7 @@ Scene rich_scene() {
     sun.name = "sun", sun.type = LightType::directional, sun.direction = {0, -1, 0}, sun.on = false;
     Light bulb;
     bulb.name = "bulb", bulb.type = LightType::point, bulb.position = {0, 1e-3f, 0};
+    bulb.radius = 1 / 3.0f;
     Light tight = spot;
     tight.name = "tight", tight.cone_inner_deg = tight.cone_outer_deg = 12.3f;
     s.lights = {spot, sun, bulb, tight};
@@ -86,6 +87,7 @@ void check_same_lights(const std::vector<Light>& a, const std::vector<Light>& b)
             CHECK((a[i].cone_inner_deg == b[i].cone_inner_deg && a[i].cone_outer_deg == b[i].cone_outer_deg));
         CHECK(a[i].on == b[i].on);
         CHECK(a[i].rsm_size == b[i].rsm_size);
+        CHECK(a[i].radius == b[i].radius);
     }
 }
 

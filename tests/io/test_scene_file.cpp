@@ -82,6 +82,7 @@ rsm_size = 256
 type = "directional"
 [[light]]
 type = "point"
+radius = 2.5
 [environment]
 radiance = [0.1, 0, 0]
 [render]
@@ -128,6 +129,7 @@ axis = [1, 2, 3]
     CHECK(s.lights[1].type == LightType::directional);
     CHECK(s.lights[1].name == "light1");
     CHECK(s.lights[2].type == LightType::point);
+    CHECK((s.lights[0].radius == 0 && s.lights[2].radius == 2.5f));
     CHECK(s.environment.radiance == glm::vec3(0.1f, 0, 0));
     CHECK(s.method == "direct");
     CHECK(s.layout == "rgba16f");
@@ -309,6 +311,10 @@ TEST_CASE("scene: malformed files are named with line and cause", "[io][robustne
         {light + "intensity = [1, -1, 1]\n", "line 3: [[light]] intensity holds -1"},
         {light + "intensity = [1, inf, 1]\n", "line 3: [[light]] intensity holds inf"},
         {light + "rsm_size = 0\n", "line 3: [[light]] rsm_size = 0: expected 1 to 16384"},
+        {light + "radius = -1\n", "line 3: [[light]] radius = -1: expected 0 to"},
+        {light + "radius = nan\n", "line 3: [[light]] radius = nan: expected"},
+        {light + "radius = 1e-9\n", "line 3: [[light]] radius = 1e-09: expected 0, or 1e-06 m or more"},
+        {light + "type = \"directional\"\nradius = 2\n", "line 4: [[light]] radius = 2: a directional light has no distance"},
         {light + "rsm_size = 1.0\n", "line 3: [[light]] rsm_size = 1: expected an integer"},
         {light + light, "line 4: [[light]] name = \"a\": another light has that name"},
         {"[[light]]\nname = \"a.b\"\n", "line 2: [[light]] name = \"a.b\": expected 1 to 64 letters"},

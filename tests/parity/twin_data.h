@@ -99,8 +99,9 @@ inline StageData shadow_case(glm::ivec2 size, LightType type, int face, direct::
 
 inline StageData direct_case(glm::ivec2 size, const std::string& id, bool density = false,
                              direct::DirectVariant variant = direct::DirectVariant::corrected) {
-    const std::vector<Light> lights = {make_light(LightType::spot, 16), make_light(LightType::directional, 16),
-                                       make_light(LightType::point, 16)};
+    std::vector<Light> lights = {make_light(LightType::spot, 16), make_light(LightType::directional, 16),
+                                 make_light(LightType::point, 16), make_light(LightType::spot, 16)};
+    lights[3].radius = 3.5f;  // ends in the room
     Buffer<float> visibility(lights.size() * std::size_t(size.x) * std::size_t(size.y));
     for (std::size_t i = 0; i < visibility.size(); ++i) visibility[i] = noise(int(i), 0, 0, 9);
     const Points p = room(size, 5);
