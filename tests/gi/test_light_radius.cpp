@@ -74,7 +74,7 @@ double flux_of(const Light& light) {
     double sum = 0;
     for (const View& view : raster::light_views(light, low, high)) {
         raster::Rsm map;
-        raster::draw_rsm(g, raster::prepare(scene, g), light, view, Layout::fp32, {}, map);
+        raster::draw_rsm(g, raster::prepare(scene, g), light, view, raster::Layout::fp32, {}, map);
         for (const glm::vec4& flux : map.flux.texels) sum += flux.x;
     }
     return sum;
@@ -141,7 +141,7 @@ TEST_CASE("light radius: the path tracer's direct light is the direct stage's", 
             const reference::ReceiverPoints p = reference::repeated(glm::dvec3(x), {0, 1, 0}, 4096);
             reference::PathParams params;
             params.mode = reference::Mode::direct, params.samples = 256;
-            const auto e = trace_irradiance(params, *prepare(scene, reference::Rays::native), {&p.position, &p.normal}, 5,
+            const auto e = reference::trace_irradiance(params, *reference::prepare(scene, Rays::native), {&p.position, &p.normal}, 5,
                                             {});
             double mean = 0, error2 = 0;
             for (std::size_t i = 0; i < e.mean.size(); ++i)
