@@ -1,0 +1,158 @@
+#include "core/tap.h"
+#include "core/wide.h"
+#include "gi/isr/gather_rows.h"
+
+namespace plumb::isr {
+
+namespace {
+
+using F = PLUMB_ISA::Real;
+using N = number<F>;
+using I = index_t<F>;
+
+// As shade_rows() of gi/shade_rows.h, for kernels that write all four components: kernel(x, px, y, tap), x the packet's
+// first column.
+template <class Kernel>
+PLUMB_INLINE void gather_rows(int width, int first, int last, const Tiles& tiles, float* out, Kernel kernel) {
+    for (int x = 0; x < width; x += N::width) {
+        const I px = min(N::iota(x), I(width - 1));
+        for (int y = first; y < last; ++y) {
+            const std::uint8_t* row = tiles.row(y);
+            if (row && !row[x >> 4]) continue;
+            NoTap tap;
+            const vec4<F> value = kernel(x, px, y, tap);
+            N::store4(out, I(y * width) + px, value, N::iota(x) < I(width));
+        }
+    }
+}
+
+// The samples of the pixels (x + lane, y), from planes; without rotations.
+struct PlaneSamples {
+    const SourcePlanes& planes;
+    const std::int32_t* offsets;
+    int x, y, source_width;  // x, y: of the sources
+
+    PLUMB_INLINE const float* at(int k) const {
+        const ivec2<int> offset = offset_of(offsets[k]);
+        const int column = x + offset.x, row = y + offset.y;
+        const bool inside = row >= planes.first_row && row < planes.first_row + planes.rows && column > -N::width &&
+                            column < source_width;
+        return inside ? planes.at(column, row) : planes.nothing();
+    }
+    PLUMB_INLINE F load(const float* p, int plane) const { return N::load(p + std::ptrdiff_t(plane) * planes.stride); }
+    PLUMB_INLINE vec3<F> load3(const float* p, int plane) const {
+        return {load(p, plane), load(p, plane + 1), load(p, plane + 2)};
+    }
+};
+
+struct PlaneSources : PlaneSamples {
+    template <class Tap>
+    PLUMB_INLINE Source<F> at(int k, Tap&) const {
+        const float* p = PlaneSamples::at(k);
+        return {load3(p, SourcePlanes::position_x), load(p, SourcePlanes::area), load3(p, SourcePlanes::normal_x),
+                load3(p, SourcePlanes::red)};
+    }
+};
+
+struct PlaneSpheres : PlaneSamples {
+    template <class Tap>
+    PLUMB_INLINE Sphere<F> at(int k, Tap&) const {
+        const float* p = PlaneSamples::at(k);
+        return {load3(p, SourcePlanes::position_x), load(p, SourcePlanes::area)};
+    }
+};
+
+void clear_row(const SourcePlanes& planes, float* row) {
+    float* p = row - SourcePlanes::padding;
+    for (int i = 0; i < planes.count * planes.stride; ++i) p[i] = 0;
+}
+
+PLUMB_INLINE void save(const SourcePlanes& planes, int plane, int x, int y, F value, mask_t<F> on) {
+    N::save(planes.at(x, y) + std::ptrdiff_t(plane) * planes.stride, select(on, value, F(0.0f)));
+}
+PLUMB_INLINE void save3(const SourcePlanes& planes, int plane, int x, int y, const vec3<F>& value, mask_t<F> on) {
+    for (int c = 0; c < 3; ++c) save(planes, plane + c, x, y, value[c], on);
+}
+
+// Calls each(x, px, i, y, on) for the packets of all rows of sources: columns px, pixels i, of which `on` exist.
+template <class Each>
+PLUMB_INLINE void take_apart(const SampleUniforms& u, const SourcePlanes& planes, Each each) {
+    for (int y = planes.first_row; y < planes.first_row + planes.rows; ++y) {
+        clear_row(planes, planes.at(0, y));
+        for (int x = 0; x < u.source_width; x += N::width) {
+            const I px = min(N::iota(x), I(u.source_width - 1));
+            each(x, px, I(y * u.source_width) + px, y, N::iota(x) < I(u.source_width));
+        }
+    }
+    clear_row(planes, planes.nothing());
+}
+
+void take_apart(const GatherInputsView& in, const SourcePlanes& planes) {
+    const SampleUniforms& u = in.u;
+    take_apart(u, planes, [&](int x, I px, I i, int y, mask_t<F> on) {
+        const Source<F> s = source_of<F>(u, px - I(u.margin), I(y - u.margin), N::fetch4(in.source_surface, i),
+                                         xyz<F>(N::fetch4(in.source_radiosity, i)));
+        save3(planes, SourcePlanes::position_x, x, y, s.position, on);
+        save(planes, SourcePlanes::area, x, y, s.area, on);
+        save3(planes, SourcePlanes::normal_x, x, y, s.normal, on);
+        save3(planes, SourcePlanes::red, x, y, s.radiosity, on);
+    });
+}
+
+void take_apart(const SsaoInputsView& in, const SourcePlanes& planes) {
+    const SampleUniforms& u = in.u;
+    take_apart(u, planes, [&](int x, I px, I i, int y, mask_t<F> on) {
+        const Sphere<F> s = sphere_of<F>(u, px - I(u.margin), I(y - u.margin), N::fetch4(in.source_surface, i));
+        save3(planes, SourcePlanes::position_x, x, y, s.position, on);
+        save(planes, SourcePlanes::area, x, y, s.radius2, on);
+    });
+}
+
+}  // namespace
+
+template <>
+void GatherRows<Isa::PLUMB_ISA>::downsample(const DownsampleInputsView& in, int first, int last,
+                                            const Tiles& tiles) {
+    gather_rows(in.u.width, first, last, tiles, in.coarse,
+                [&](int, I px, int y, NoTap& tap) { return isr::downsample<F>(in, px, I(y), tap); });
+}
+
+template <>
+void GatherRows<Isa::PLUMB_ISA>::bounce(const BounceInputsView& in, int first, int last) {
+    gather_rows(in.u.width, first, last, {}, in.bounced,
+                [&](int, I px, int y, NoTap& tap) { return isr::bounce<F>(in, px, I(y), tap); });
+}
+
+template <>
+void GatherRows<Isa::PLUMB_ISA>::gather(const GatherInputsView& in, int reach, int first, int last, float* scratch,
+                                        const Tiles& tiles) {
+    const SampleUniforms& u = in.u;
+    if (!scratch || u.rotations > 1)
+        return gather_rows(u.width, first, last, tiles, in.gathered, [&](int, I px, int y, NoTap& tap) {
+            return isr::gather<F>(in, px, I(y), SourceImages<F>{in, px, I(y), rotation_of<F>(u, px, I(y))}, tap);
+        });
+    const SourcePlanes planes(u, SourcePlanes::of_gather, reach, first, last, scratch);
+    take_apart(in, planes);
+    gather_rows(u.width, first, last, tiles, in.gathered, [&](int x, I px, int y, NoTap& tap) {
+        const PlaneSources sources{{planes, in.offsets, x + u.margin, y + u.margin, u.source_width}};
+        return isr::gather<F>(in, px, I(y), sources, tap);
+    });
+}
+
+template <>
+void GatherRows<Isa::PLUMB_ISA>::ssao(const SsaoInputsView& in, int reach, int first, int last, float* scratch,
+                                      const Tiles& tiles) {
+    const SampleUniforms& u = in.u;
+    if (!scratch || u.rotations > 1)
+        return gather_rows(u.width, first, last, tiles, in.lit, [&](int, I px, int y, NoTap& tap) {
+            return isr::ssao<F>(in, px, I(y), SphereImage<F>{in, px, I(y), rotation_of<F>(u, px, I(y))}, tap);
+        });
+    const SourcePlanes planes(u, SourcePlanes::of_ssao, reach, first, last, scratch);
+    take_apart(in, planes);
+    gather_rows(u.width, first, last, tiles, in.lit, [&](int x, I px, int y, NoTap& tap) {
+        const PlaneSpheres spheres{{planes, in.offsets, x + u.margin, y + u.margin, u.source_width}};
+        return isr::ssao<F>(in, px, I(y), spheres, tap);
+    });
+}
+
+}  // namespace plumb::isr

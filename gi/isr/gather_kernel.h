@@ -1,0 +1,154 @@
+// One bounce of diffuse light between what the camera sees: the algorithm that gather.comp mirrors line by line.
+//
+// Every coarse pixel is a small patch (ISR fig. 4.4). A pixel p gathers from N others X:
+//
+//     E = sum_X F_pX B_X,    F_pX = cos_p cos_X A_X / (pi d^2 + A_X)                        ISR (25), (6), corrected
+//
+// with d from p to X and A_X the area that the sample stands for. Written out, the cosines are max(0, n_p.d) / |d| and
+// max(0, -n_X.d) / |d|. Where the samples' form factors sum to more than 1, the sum of the light is divided by theirs.
+//
+// differs: ISR (25) multiplies F by the receiver's scalar reflectance and by 2 pi / N, has the unlit colour for B, and
+// (6) no + A_X (variant `published`).
+#pragma once
+
+#include "core/hash.h"
+#include "gi/isr/surface_kernel.h"
+
+namespace plumb::isr {
+
+struct GatherInputsView {
+    SampleUniforms u;
+    const float* surface;           // [height][width] rgba32f
+    const float* source_surface;    // [source_height][source_width] rgba32f: xyz unit normal, w depth; all 0: none
+    const float* source_radiosity;  // xyz W/m2, w radiation mask
+    const float* before;            // [height][width] rgba32f; null: all 0
+    const std::int32_t* offsets;    // [samples][rotations]: dx in the lower 16 bits, dy in the upper 16
+    float* gathered;                // out: [height][width] rgba32f
+};
+
+// What a sample X of the gather is.
+template <class F>
+struct Source {
+    vec3<F> position;  // from the eye, m
+    F area;            // A_X, m2
+    vec3<F> normal;
+    vec3<F> radiosity;  // W/m2
+};
+
+// No light is brighter than this, W/m2: infinity times a form factor of 0 would be no number.
+inline constexpr float brightest = 1e30f;
+
+template <class F>
+PLUMB_INLINE Source<F> source_of(const SampleUniforms& u, index_t<F> x, index_t<F> y, const vec4<F>& texel,
+                                 const vec3<F>& radiosity) {
+    const Surface<F> s = surface_of<F>(u, x, y, texel);
+    const F most(brightest), zero(0.0f);
+    const vec3<F> bounded{min(radiosity.x, most), min(radiosity.y, most), min(radiosity.z, most)};
+    return {s.position, area_of(u, s), s.normal, select3<F>(is_covered(s), bounded, vec3<F>{zero, zero, zero})};
+}
+
+template <class F>
+PLUMB_INLINE index_t<F> rotation_of(const SampleUniforms& u, index_t<F> px, index_t<F> py) {
+    using I = index_t<F>;
+    return shift_right(pixel_hash(px, py, I(0), I(std::int32_t(u.seed))).x, 16) & I(u.rotations - 1);
+}
+
+// The samples of pixel (px, py), from the images. Beyond the border there is no surface.
+template <class F>
+struct SourceImages {
+    const GatherInputsView& in;
+    index_t<F> px, py, rotation;
+
+    template <class Tap>
+    PLUMB_INLINE Source<F> at(int k, Tap& tap) const {
+        using N = number<F>;
+        using I = index_t<F>;
+        const SampleUniforms& u = in.u;
+        const ivec2<I> offset = offset_of(N::fetch(in.offsets, rotation + I(k * u.rotations)));
+        const ivec2<I> texel{px + offset.x + I(u.margin), py + offset.y + I(u.margin)};
+        tap("texel", texel, "pixel of the sources");
+        const mask_t<F> inside = in_range(texel.x, I(u.source_width)) & in_range(texel.y, I(u.source_height));
+        tap("inside", inside, "1 if the sources have that pixel");
+        const I i = select(inside, texel.y * I(u.source_width) + texel.x, I(0));
+        const vec4<F> fetched = N::fetch4(in.source_surface, i);
+        const F zero(0.0f);
+        const vec4<F> surface{select(inside, fetched.x, zero), select(inside, fetched.y, zero),
+                              select(inside, fetched.z, zero), select(inside, fetched.w, zero)};
+        return source_of<F>(u, px + offset.x, py + offset.y, surface, xyz<F>(N::fetch4(in.source_radiosity, i)));
+    }
+};
+
+// F_pX. Dividing twice keeps the range of a float, where d^4 would overflow from 4e9 m and vanish below 1e-10 m.
+template <class F, bool published, class Tap>
+PLUMB_INLINE F form_factor(const vec3<F>& x_p, const vec3<F>& n_p, const Source<F>& x, Tap& tap) {
+    const vec3<F> d = x.position - x_p;
+    const F d2 = max(dot3(d, d), F(least_distance2));             tap("d2", d2, "|X - P|^2, m2");
+    const F cos_p = max(F(0.0f), dot3(n_p, d));                   tap("cos_p", cos_p, "max(0, n_p.(X - P)), m");
+    const F cos_x = max(F(0.0f), -dot3(x.normal, d));             tap("cos_x", cos_x, "max(0, n_X.(P - X)), m");
+    const F cosines = cos_p * (F(1.0f) / d2) * cos_x;
+    const F pi_d2 = F(3.14159265f) * d2;
+    const F form = cosines * (x.area / (published ? pi_d2 : pi_d2 + x.area));
+    tap("form", form, "ISR (6): cos_p cos_X A_X / (pi d^2 + A_X)");
+    return form;
+}
+
+template <class F, bool published, class Sources, class Tap>
+PLUMB_INLINE vec4<F> gather_by(const SampleUniforms& u, const Surface<F>& p, const vec4<F>& before, F mask,
+                               const Sources& sources, Tap& tap) {
+    const mask_t<F> covered = is_covered(p);
+    const F zero(0.0f), one(1.0f);
+    const vec3<F> none{zero, zero, zero};
+    const F largest = published ? one : max(one, before.w);
+    vec3<F> sum = published ? none : vec3<F>{before.x * largest, before.y * largest, before.z * largest};
+    F forms = before.w;
+    int k = 0;
+    for (int ring = 1; ring <= u.rings; ++ring) {
+        // ISR chapter 6: fewer samples for pixels far away.
+        const F reach = ring <= u.far_rings ? F(3.4e38f) : F(u.full_reach);
+        const mask_t<F> active = covered & (F(float(ring)) * p.depth <= reach);
+        if (!any(active)) break;
+        // Without a normal nothing is gathered.
+        const vec3<F> n_p = select3<F>(active, p.normal, none);
+        for (int i = 0; i < 8 * ring; ++i, ++k) {
+            tap.sample(k);
+            const Source<F> x = sources.at(k, tap);
+            tap("x", x.position, "X, from the eye, m");
+            tap("n_x", x.normal, "unit normal of X");
+            tap("area", x.area, "A_X, m2");
+            tap("radiosity", x.radiosity, "B_X, W/m2");
+            const F form = form_factor<F, published>(p.position, n_p, x, tap);
+            sum.x += form * x.radiosity.x;
+            sum.y += form * x.radiosity.y;
+            sum.z += form * x.radiosity.z;
+            forms += form;                                        tap("forms", forms, "sum so far of F_pX");
+        }
+    }
+    tap.sample(-1);
+    const F share = published ? mask * F(u.scale) : one / max(one, forms);
+    vec3<F> light = sum * share;
+    if (published) light = light + xyz<F>(before);
+    const vec3<F> irradiance = select3<F>(covered, light, none);
+    tap("irradiance", irradiance, "sum F_pX B_X / max(1, sum F_pX), W/m2; ISR (25): rho_p 2 pi / N sum F_pX B_X");
+    return vec4<F>(irradiance, select(covered, forms, zero));
+}
+
+// The pixel (px, py), by whatever reads its samples: SourceImages, or a packet's view of planes (gather_rows.h).
+template <class F, class Sources, class Tap>
+PLUMB_INLINE vec4<F> gather(const GatherInputsView& in, index_t<F> px, index_t<F> py, const Sources& sources, Tap& tap) {
+    using N = number<F>;
+    using I = index_t<F>;
+    const SampleUniforms& u = in.u;
+    const I pixel = py * I(u.width) + px;
+    const Surface<F> p = surface_of<F>(u, px, py, N::fetch4(in.surface, pixel));
+    tap("p", p.position, "P, from the eye, m");
+    tap("n_p", p.normal, "unit normal of P");
+    const F zero(0.0f);
+    const vec4<F> before = in.before ? N::fetch4(in.before, pixel) : vec4<F>{zero, zero, zero, zero};
+    if (u.published != 0) {
+        const I own = (py + I(u.margin)) * I(u.source_width) + px + I(u.margin);
+        return gather_by<F, true>(u, p, before, N::fetch4(in.source_radiosity, own).w, sources, tap);
+    }
+    return gather_by<F, false>(u, p, before, zero, sources, tap);
+}
+
+}  // namespace plumb::isr
