@@ -45,6 +45,9 @@ void add_devices(CLI::App& program, Action& action);
 void add_probe_device(CLI::App& program, Action& action);
 void add_experiment(CLI::App& program, Action& action);
 void add_make_scene(CLI::App& program, Action& action);
+void add_pov(CLI::App& program, Action& action);
+void add_cameras(CLI::App& program, Action& action);
+void add_batch(CLI::App& program, Action& action);
 
 // Parses, runs, and turns every exception into one line on standard error and an exit code.
 int run_program(int argc, char** argv);

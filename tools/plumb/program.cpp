@@ -136,6 +136,8 @@ int run_program(int argc, char** argv) {
     add_probe_device(program, action);
     add_experiment(program, action);
     add_make_scene(program, action);
+    add_pov(program, action);
+    add_cameras(program, action);
     // After the commands, which would take it for theirs.
     program.footer(
         "Examples:\n"
