@@ -9,6 +9,33 @@ namespace plumb::direct {
 
 namespace {
 
+struct LogBlurOf {
+    static constexpr int components = 4;
+    LogBlurInputsView view{};
+
+    explicit LogBlurOf(const StageData& d) {
+        const LogBlurUniforms& u = view.u = uniforms_of_frame<LogBlurUniforms>(d);
+        if (u.radius < 0 || u.radius > most_blur_radius)
+            throw InputError(fmt::format("{}: radius = {}: expected 0 to {}", d.label, u.radius, most_blur_radius));
+        const std::size_t weights = at(d.inputs, "spatial").bytes.size() / 4, needed = std::size_t(2 * u.radius + 1);
+        if (weights < needed)
+            throw InputError(fmt::format("{}: {} spatial weights: expected {}", d.label, weights, needed));
+        view.map_position = floats(d, "map_position"), view.spatial = floats(d, "spatial");
+    }
+    template <class F, class Tap>
+    std::array<F, components> pixel(int x, int y, Tap& tap) const {
+        const vec4<F> v = log_blur<F>(view, x, y, tap);
+        return {v.x, v.y, v.z, v.w};
+    }
+    template <Isa isa>
+    void rows(float* out, int first, int last) const {
+        LogBlurInputsView v = view;
+        v.blurred = out;
+        Rows<isa>::log_blur(v, first, last);
+    }
+    bool writes(glm::ivec2) const { return true; }
+};
+
 struct ShadowOf {
     static constexpr int components = 1;
     ShadowInputsView view{};
@@ -18,6 +45,8 @@ struct ShadowOf {
         check_map(d, "map_position", u.map.size);
         if (u.kernel < 1 || u.kernel > 64)
             throw InputError(fmt::format("{}: kernel = {}: expected 1 to 64", d.label, u.kernel));
+        if (u.soft < int(Soft::none) || u.soft > int(Soft::esm))
+            throw InputError(fmt::format("{}: soft = {}: expected 0 to {}", d.label, u.soft, int(Soft::esm)));
         view.position = floats(d, "position"), view.normal = floats(d, "normal");
         view.map_position = floats(d, "map_position");
     }
@@ -80,6 +109,28 @@ struct DirectOf {
 
 }  // namespace
 
+const StageBinding& log_blur_binding() {
+    using U = LogBlurUniforms;
+    static const StageBinding binding{
+        .info = log_blur_info(),
+        .twin = "gi/direct/log_blur.comp",
+        .uniforms = {{"width", "int", offsetof(U, width)},
+                     {"height", "int", offsetof(U, height)},
+                     {"radius", "int", offsetof(U, radius)},
+                     {"vertical", "int", offsetof(U, vertical)},
+                     {"c", "float", offsetof(U, c)},
+                     {"farthest", "float", offsetof(U, farthest)}},
+        .uniform_bytes = sizeof(U),
+        .inputs = {{.name = "map_position", .binding = 1, .unit = "m",
+                    .meaning = "w: linear light-space depth; 0 where nothing is"},
+                   {.name = "spatial", .kind = SlotKind::buffer, .binding = 2, .channels = 1, .frame = false,
+                    .meaning = "[2 radius + 1]: Gaussian of the distance"}},
+        .outputs = {{.name = "blurred", .kind = SlotKind::storage_image, .binding = 3, .unit = "m",
+                     .meaning = "w: blurred depth; 0 where no tap has anything"}},
+        .bind = bind_kernel<LogBlurOf, log_blur_binding>};
+    return binding;
+}
+
 const StageBinding& shadow_binding() {
     using U = ShadowUniforms;
     static const StageBinding binding{
@@ -98,7 +149,9 @@ const StageBinding& shadow_binding() {
                                                          {"published", "int", offsetof(U, published)},
                                                          {"face", "int", offsetof(U, face)},
                                                          {"width", "int", offsetof(U, width)},
-                                                         {"height", "int", offsetof(U, height)}}),
+                                                         {"height", "int", offsetof(U, height)},
+                                                         {"soft", "int", offsetof(U, soft)},
+                                                         {"c", "float", offsetof(U, c)}}),
         .uniform_bytes = sizeof(U),
         .inputs = {{.name = "position", .binding = 1, .unit = "m",
                     .meaning = "world-space position of the shading points"},
@@ -106,7 +159,7 @@ const StageBinding& shadow_binding() {
                    {.name = "map_position", .binding = 3, .frame = false, .unit = "m",
                     .meaning = "w: linear light-space depth; 0 where nothing is"}},
         .outputs = {{.name = "visibility", .kind = SlotKind::storage_image, .binding = 4, .channels = 1,
-                     .meaning = "1 lit, 0 shadowed; density: in between"}},
+                     .meaning = "1 lit, 0 shadowed; but for the hard test in between"}},
         .bind = bind_kernel<ShadowOf, shadow_binding>};
     return binding;
 }
@@ -136,6 +189,18 @@ const StageBinding& direct_binding() {
     return binding;
 }
 
+StageData log_blur_data(const ShadowParams& params, const LogBlurInputs& in) {
+    validate(params, in);
+    const Buffer<float> spatial = blur_weights(params);
+    StageData d;
+    d.stage = "shadow.blur";
+    d.size = {in.map->width, in.map->height};
+    d.uniforms = uniform_block(log_blur_uniforms(params, in));
+    add(d.inputs, "map_position", *in.map);
+    add(d.inputs, "spatial", {int(spatial.size())}, spatial.data());
+    return d;
+}
+
 StageData shadow_data(const ShadowParams& params, const ShadowInputs& in, int face) {
     StageData d;
     d.stage = "shadow";
@@ -143,7 +208,7 @@ StageData shadow_data(const ShadowParams& params, const ShadowInputs& in, int fa
     d.uniforms = uniform_block(shadow_uniforms(params, in, face));
     add(d.inputs, "position", *in.position);
     add(d.inputs, "normal", *in.normal);
-    add(d.inputs, "map_position", in.rsms[std::size_t(face)].position);
+    add(d.inputs, "map_position", map_of(in, face));
     return d;
 }
 

@@ -9,6 +9,7 @@
 #include "core/parallel.h"
 #include "gi/direct/bindings.h"
 #include "gi/direct/direct_rows.h"
+#include "gi/direct/log_blur.h"
 #include "raster/light_view.h"
 
 namespace plumb::direct {
@@ -34,6 +35,14 @@ void validate(const ShadowParams& params, const ShadowInputs& in) {
     if (in.rsms.size() != 1 && in.rsms.size() != raster::light_faces)
         throw InputError(fmt::format("shadow: {} maps are bound: expected 1, or {} of a point light", in.rsms.size(),
                                      raster::light_faces));
+    if (in.blurred.empty()) return;
+    if (in.blurred.size() != in.rsms.size())
+        throw InputError(fmt::format("shadow: {} blurred maps are bound: expected {}, as of maps", in.blurred.size(),
+                                     in.rsms.size()));
+    for (std::size_t m = 0; m < in.rsms.size(); ++m)
+        if (in.blurred[m].width != in.rsms[m].size || in.blurred[m].height != in.rsms[m].size)
+            throw InputError(fmt::format("shadow: blurred map {} is {} x {}: expected {} a side, as the map", m,
+                                         in.blurred[m].width, in.blurred[m].height, in.rsms[m].size));
 }
 
 // The kernel's view of one of the light's maps.
@@ -42,7 +51,7 @@ ShadowInputsView view_of(const ShadowParams& params, const ShadowInputs& in, int
     v.u = shadow_uniforms(params, in, face);
     v.position = &in.position->data()->x;
     v.normal = &in.normal->data()->x;
-    const Image4& map = in.rsms[std::size_t(face)].position;
+    const Image4& map = map_of(in, face);
     v.map_position = map.empty() ? nullptr : &map.data()->x;  // a face that sees nothing is not drawn
     return v;
 }
@@ -82,7 +91,7 @@ void fill_where_nothing_is(const ShadowParams& params, const ShadowInputs& in, I
     RunOptions one;
     one.isa = isa, one.threads = 1;
     float value = 1;
-    run(params, {&nothing, &nothing, in.rsms}, one, &value);
+    run(params, {&nothing, &nothing, in.rsms, nullptr, in.blurred}, one, &value);
     const int width = in.position->width;
     for (int y = 0; y < in.position->height; ++y)
         for (int x = 0; x < width; x += raster::Covered::side)
@@ -93,6 +102,10 @@ void fill_where_nothing_is(const ShadowParams& params, const ShadowInputs& in, I
 
 }  // namespace
 
+const Image4& map_of(const ShadowInputs& in, int face) {
+    return in.blurred.empty() ? in.rsms[std::size_t(face)].position : in.blurred[std::size_t(face)];
+}
+
 // A map alone serves every point; of six, each serves its face's.
 ShadowUniforms shadow_uniforms(const ShadowParams& params, const ShadowInputs& in, int face) {
     ShadowUniforms u{};
@@ -100,14 +113,17 @@ ShadowUniforms shadow_uniforms(const ShadowParams& params, const ShadowInputs& i
     u.face = in.rsms.size() == 1 ? -1 : face;
     u.map = raster::projection_args(rsm.view, rsm.size, u.face >= 0);
     for (int c = 0; c < 3; ++c) u.eye[c] = float(rsm.view.eye[c]), u.forward[c] = float(rsm.view.forward[c]);
-    u.kernel = params.mode == ShadowMode::hard ? 1 : params.kernel;
+    u.kernel = params.mode == ShadowMode::density ? params.kernel : 1;
+    u.soft = int(params.mode == ShadowMode::pcf ? Soft::pcf : params.mode == ShadowMode::esm ? Soft::esm : Soft::none);
+    u.c = params.mode == ShadowMode::esm ? c_per_metre(params, in.rsms) : 0;
     u.samples = float(u.kernel * u.kernel);
     u.published = params.variant == ShadowVariant::published ? 1 : 0;
     u.footprint_scale = rsm.view.orthographic ? 0 : float(rsm.texel_scale);
     u.footprint_base = rsm.view.orthographic ? float(rsm.texel_scale) : 0;
     u.bias = params.bias;
     // The farthest texel centre of the kernel lies kernel/2 + 1/2 texels away along a side, of one texel 1/2.
-    u.slope_bias = params.slope_bias * float(2 * (u.kernel / 2) + 1);
+    // The four texels of a soft test lie up to 1 away.
+    u.slope_bias = params.slope_bias * float(u.soft != int(Soft::none) ? 2 : 2 * (u.kernel / 2) + 1);
     u.max_slope = params.max_slope;
     u.perspective = rsm.view.orthographic ? 0 : 1;
     u.width = in.position->width;
@@ -130,9 +146,12 @@ std::vector<Field> fields(DirectParams& p) {
 
 std::vector<Field> fields(ShadowParams& p) {
     return {
-        {"mode", as_int(p.mode), "", "hard: one texel; density: the share of a kernel of texels (VRSM Algorithm 4)", 0, 1,
-         {"hard", "density"}, false},
-        {"variant", as_int(p.variant), "", "corrected, or Algorithm 4's comparison as printed, with a constant bias", 0, 1,
+        {"mode", as_int(p.mode), "",
+         "hard: one texel; density: the share of a kernel of texels (VRSM Algorithm 4); pcf: four comparisons, weighed "
+         "bilinearly; esm: four exponentials of the distance behind the map (ISR (30))", 0, 3,
+         {"hard", "density", "pcf", "esm"}, false},
+        {"variant", as_int(p.variant), "",
+         "corrected, or as printed: VRSM Algorithm 4 with a constant bias; of pcf and esm ISR Listing 8", 0, 1,
          {"corrected", "published"}, false},
         {"kernel", &p.kernel, "texels", "side of the kernel of mode = density; 4 is ours", 1, 64, {}, true},
         {"bias", &p.bias, "m", "constant part of the depth bias; ours", 0, unbounded, {}, true},
@@ -140,6 +159,11 @@ std::vector<Field> fields(ShadowParams& p) {
          {}, true},
         {"max_slope", &p.max_slope, "", "limit of that slope: 16 is a surface at 86 degrees to the light", 0, 1e6, {},
          true},
+        {"esm_c", &p.esm_c, "", "c of ISR (30), for depths over the light's range (far plane, or depth of the box); 90 is "
+         "Listing 8's", 1e-3, 1e9, {}, true},
+        {"esm_blur_radius", &p.esm_blur_radius, "texels", "of the logarithmic blur of esm's map (ISR 4.6), 0 none; 3 is "
+         "ours", 0, most_blur_radius, {}, true},
+        {"esm_blur_sigma", &p.esm_blur_sigma, "texels", "of its Gaussian; ours", 0.05, 1e6, {}, false},
     };
 }
 
@@ -183,11 +207,12 @@ StageInfo shadow_info() {
     ShadowParams defaults;
     StageInfo s;
     s.name = "shadow";
-    s.source = "VRSM Algorithm 4";
+    s.source = "VRSM Algorithm 4; ISR 4.6, Listing 8";
     s.inputs = {{"position", "image rgba32f", "m", "world-space position of the shading points"},
                 {"normal", "image rgba32f", "", "unit normal of the shading points"},
-                {"rsm.position", "image rgba32f", "m", "w: linear light-space depth; 0 where nothing is; of a point light a map a face"}};
-    s.outputs = {{"visibility", "image r32f", "", "1 lit, 0 shadowed; mode = density: in between"}};
+                {"rsm.position", "image rgba32f", "m", "w: linear light-space depth; 0 where nothing is; of a point light a map a face; "
+                  "mode = esm: blurred"}};
+    s.outputs = {{"visibility", "image r32f", "", "1 lit, 0 shadowed; but for the hard test in between"}};
     s.params = describe(fields(defaults));
     s.twin = "gi/direct/shadow.comp";
     return s;

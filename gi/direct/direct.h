@@ -24,6 +24,9 @@ struct ShadowParams {
     float bias = 0.001f;
     float slope_bias = 1;
     float max_slope = 16;
+    float esm_c = 90;
+    int esm_blur_radius = 3;
+    float esm_blur_sigma = 1.5f;
 };
 std::vector<Field> fields(ShadowParams& params);
 
@@ -32,6 +35,7 @@ struct ShadowInputs {
     const Image4* normal = nullptr;    // xyz unit; all 0 where nothing is
     std::span<const raster::Rsm> rsms; // the light's map, or the six of a point light; position.w is the depth map
     const raster::Covered* tiles = nullptr;  // the others, which must see nothing, are not shaded; null: all are
+    std::span<const Image4> blurred = {};    // of mode = esm: read instead of the maps' own depths (log_blur.h); or none
 };
 // visibility: [height][width] floats, 1 lit, 0 shadowed. What a face of size 0 would serve is lit. Where nothing is seen,
 // position and normal are 0, and so the visibility is one number all over: that of the world's origin.

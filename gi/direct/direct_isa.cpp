@@ -27,4 +27,10 @@ void Rows<Isa::PLUMB_ISA>::direct(const DirectInputsView& in, int first, int las
                [&](I px, I py, NoTap& tap) { return plumb::direct::direct<F>(in, px, py, tap); });
 }
 
+template <>
+void Rows<Isa::PLUMB_ISA>::log_blur(const LogBlurInputsView& in, int first, int last) {
+    shade_rows(in.u.width, first, last, nullptr, in.blurred, 0.0f,
+               [&](I px, I py, NoTap& tap) { return plumb::direct::log_blur<F>(in, px, py, tap); });
+}
+
 }  // namespace plumb::direct

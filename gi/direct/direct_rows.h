@@ -3,6 +3,7 @@
 
 #include "core/isa.h"
 #include "gi/direct/direct_kernel.h"
+#include "gi/direct/log_blur_kernel.h"
 #include "gi/direct/shadow_kernel.h"
 
 namespace plumb::direct {
@@ -12,6 +13,7 @@ struct Rows {
     // tiles: which columns to shade, as shade_rows() takes them (gi/shade_rows.h).
     static void shadow(const ShadowInputsView& in, int first, int last, const std::uint8_t* tiles = nullptr);
     static void direct(const DirectInputsView& in, int first, int last, const std::uint8_t* tiles = nullptr);
+    static void log_blur(const LogBlurInputsView& in, int first, int last);
 };
 
 }  // namespace plumb::direct

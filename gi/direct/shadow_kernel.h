@@ -6,19 +6,29 @@
 // A kernel of one texel is the hard test. Where the map holds nothing, and outside of it, nothing is known to stand in
 // the way: lit.
 //
+// The soft tests weigh the four texels whose centres surround the projection bilinearly:
+//
+//     pcf    1 where d_p <= d_map + bias, else 0
+//     esm    exp(-c max(0, d_p - d_map - bias))                                       ISR (30), Listing 8
+//
 // The bias follows the surface. Across one texel of footprint f (m, across the light's axis a) the depth of a plane with
 // normal n changes by f sqrt(1 - (n.a)^2) / |n.r|, where r is the ray to the point, scaled to depth 1. Half a texel in
 // both directions needs 1/sqrt(2) of that; slope_bias = 1 leaves a margin for rounding. A wider kernel reaches farther:
 // the host multiplies slope_bias by the reach.
 //
-// differs: the printed listing has a constant bias, and compares `depth - zBias >= p.depth` with negative z, which holds
-// for the samples in shadow; its text blends the count as the share that is lit (variant `published`).
+// differs: the printed listing of VRSM has a constant bias, and compares `depth - zBias >= p.depth` with negative z, which
+// holds for the samples in shadow; its text blends the count as the share that is lit (variant `published`).
+// differs: Listing 8 of ISR does not divide by w, lacks the half texel between a texel's corner and its centre, multiplies
+// d_p - d_map by the cosine at the surface, and has no bias (variant `published` of pcf and esm).
 #pragma once
 
+#include "core/detmath.h"
 #include "core/number.h"
 #include "raster/project_kernel.h"
 
 namespace plumb::direct {
+
+enum class Soft : int { none, pcf, esm };
 
 // The twin's uniform block (std140).
 struct ShadowUniforms {
@@ -33,11 +43,14 @@ struct ShadowUniforms {
     float perspective;      // 1: spot, point; 0: directional
     std::int32_t kernel;    // texels a side
     float samples;          // kernel^2
-    std::int32_t published; // 1: Algorithm 4 as printed
+    std::int32_t published; // 1: Algorithm 4, or Listing 8, as printed
     std::int32_t face;      // of a point light: this map serves the points of that face alone; -1: a map serves all
     std::int32_t width, height;
+    std::int32_t soft;      // Soft
+    float c;                // 1/m: of ISR (30)
+    std::int32_t padding[2];
 };
-static_assert(sizeof(ShadowUniforms) == 144);
+static_assert(sizeof(ShadowUniforms) == 160);
 
 struct ShadowInputsView {
     ShadowUniforms u;
@@ -54,17 +67,17 @@ PLUMB_INLINE mask_t<F> serves(const ShadowUniforms& u, const vec3<F>& x) {
     return raster::face_of<F>(from_eye) == index_t<F>(u.face);
 }
 
-template <class F, class Tap>
-PLUMB_INLINE F shadow(const ShadowInputsView& in, index_t<F> px, index_t<F> py, Tap& tap) {
-    using N = number<F>;
-    using I = index_t<F>;
-    const ShadowUniforms& u = in.u;
-    const I pixel = py * I(u.width) + px;
-    const vec3<F> x = xyz<F>(N::fetch4(in.position, pixel));       tap("x", x, "world, m");
-    const vec3<F> n = xyz<F>(N::fetch4(in.normal, pixel));         tap("n", n, "unit normal of x");
-    const ivec2<I> centre = raster::project<F>(u.map, x, tap);     tap("centre", centre, "texel of the projection");
+// A point as its light sees it.
+template <class F>
+struct Receiver {
+    vec3<F> from_eye;  // m
+    F d_p;             // linear depth, m
+    F bias;            // m
+};
 
-    // Measure the depth of x, and how much depth changes across a texel there.
+// How deep x lies, and how much depth changes across a texel there.
+template <class F, class Tap>
+PLUMB_INLINE Receiver<F> receiver(const ShadowUniforms& u, const vec3<F>& x, const vec3<F>& n, Tap& tap) {
     const vec3<F> axis{F(u.forward[0]), F(u.forward[1]), F(u.forward[2])};
     const vec3<F> from_eye{x.x - F(u.eye[0]), x.y - F(u.eye[1]), x.z - F(u.eye[2])};
     const F d_p = dot3(from_eye, axis);                            tap("d_p", d_p, "linear depth of x, m");
@@ -75,28 +88,52 @@ PLUMB_INLINE F shadow(const ShadowInputsView& in, index_t<F> px, index_t<F> py, 
     const F footprint = F(u.footprint_scale) * d_p + F(u.footprint_base);
     const F bias = F(u.bias) + F(u.slope_bias) * footprint * slope;
     tap("bias", bias, "bias + slope_bias f sqrt(1 - (n.a)^2) / |n.r|, m");
+    return {from_eye, d_p, bias};
+}
 
+template <class F>
+struct MapTexel {
+    mask_t<F> inside;  // whether the map has it
+    F depth;           // m; 0 where nothing is
+};
+
+template <class F, class Tap>
+PLUMB_INLINE MapTexel<F> texel_at(const ShadowInputsView& in, ivec2<index_t<F>> texel, Tap& tap) {
+    using N = number<F>;
+    using I = index_t<F>;
+    const I size(in.u.map.size);
+    if (in.u.face >= 0) {
+        // Beyond the border lies another face; the border's texels stand in for it.
+        const I last(in.u.map.size - 1);
+        texel = {min(max(texel.x, I(0)), last), min(max(texel.y, I(0)), last)};
+    }
+    tap("texel", texel, "of the map");
+    const mask_t<F> inside = in_range(texel.x, size) & in_range(texel.y, size);
+    tap("inside", inside, "1 if the map has that texel; if not, what follows is texel 0, and is lit");
+    const F d_map = N::fetch4(in.map_position, select(inside, texel.y * size + texel.x, I(0))).w;
+    tap("d_map", d_map, "linear depth in the map, m; 0 where nothing is");
+    return {inside, d_map};
+}
+
+// The hard test, and the shadow density.
+template <class F, class Tap>
+PLUMB_INLINE F share_lit(const ShadowInputsView& in, const vec3<F>& x, const Receiver<F>& r, Tap& tap) {
+    using I = index_t<F>;
+    const ShadowUniforms& u = in.u;
+    const ivec2<I> centre = raster::project<F>(u.map, x, tap);     tap("centre", centre, "texel of the projection");
     F count(0.0f);
     const int first = -(u.kernel / 2);
     for (int k = 0; k < u.kernel * u.kernel; ++k) {
         tap.sample(k);
-        ivec2<I> texel{centre.x + I(first + k % u.kernel), centre.y + I(first + k / u.kernel)};
-        if (u.face >= 0) {
-            // Beyond the border lies another face; the border's texels stand in for it.
-            const I last(u.map.size - 1);
-            texel = {min(max(texel.x, I(0)), last), min(max(texel.y, I(0)), last)};
-        }
-        tap("texel", texel, "VRSM Algorithm 4: centre + (i, j), from -kernel/2");
-        const mask_t<F> inside = in_range(texel.x, I(u.map.size)) & in_range(texel.y, I(u.map.size));
-        tap("inside", inside, "1 if the map has that texel; if not, what follows is texel 0, and is lit");
-        const F d_map = N::fetch4(in.map_position, select(inside, texel.y * I(u.map.size) + texel.x, I(0))).w;
-        tap("d_map", d_map, "linear depth in the map, m; 0 where nothing is");
+        // VRSM Algorithm 4: centre + (i, j), from -kernel/2.
+        const MapTexel<F> t =
+            texel_at<F>(in, {centre.x + I(first + k % u.kernel), centre.y + I(first + k / u.kernel)}, tap);
         if (u.published != 0) {
-            const mask_t<F> counted = inside & (-d_map - F(u.bias) >= -d_p);
+            const mask_t<F> counted = t.inside & (-t.depth - F(u.bias) >= -r.d_p);
             count += select(counted, F(1.0f), F(0.0f));
             tap("count", count, "Algorithm 4 as printed: z_map - zBias >= z_p, z = -depth");
         } else {
-            const mask_t<F> shadowed = inside & (d_map > F(0.0f)) & (d_p > d_map + bias);
+            const mask_t<F> shadowed = t.inside & (t.depth > F(0.0f)) & (r.d_p > t.depth + r.bias);
             count += select(shadowed, F(0.0f), F(1.0f));
             tap("count", count, "so far, of texels with d_p <= d_map + bias");
         }
@@ -105,6 +142,84 @@ PLUMB_INLINE F shadow(const ShadowInputsView& in, index_t<F> px, index_t<F> py, 
     const F visibility = count / F(u.samples);
     tap("visibility", visibility, "VRSM Algorithm 4: count / kernel^2");
     return visibility;
+}
+
+// Where x falls on the map, in texels whose centres are whole numbers. As printed, corners are, and nothing is divided by
+// w: 1/2 + clip / 2, times the size.
+template <class F, class Tap>
+PLUMB_INLINE vec2<F> place_of(const ShadowUniforms& u, const vec3<F>& x, Tap& tap) {
+    if (u.published == 0) {
+        const vec2<F> corner = raster::projected<F>(u.map, x, tap);
+        const vec2<F> place{corner.x - F(0.5f), corner.y - F(0.5f)};
+        tap("place", place, "the projection, texel centres at whole numbers");
+        return place;
+    }
+    auto row = [&](const float* m) { return F(m[0]) * x.x + F(m[1]) * x.y + F(m[2]) * x.z + F(m[3]); };
+    const F low(u.map.low), high(u.map.high);
+    // The rows are those of (clip + w) size / 2.
+    const F undivided = (F(1.0f) - row(u.map.to_texel_w)) * F(0.5f * float(u.map.size));
+    const vec2<F> place{clamp(row(u.map.to_texel_x) + undivided, low, high),
+                        clamp(row(u.map.to_texel_y) + undivided, low, high)};
+    tap("place", place, "Listing 8 as printed: (1/2 + clip / 2) size");
+    return place;
+}
+
+// What Listing 8 multiplies the difference of depths by.
+template <class F, class Tap>
+PLUMB_INLINE F printed_cosine(const ShadowUniforms& u, const vec3<F>& n, const Receiver<F>& r, Tap& tap) {
+    const vec3<F> axis{F(u.forward[0]), F(u.forward[1]), F(u.forward[2])};
+    const F inverse = F(1.0f) / sqrt(max(dot3(r.from_eye, r.from_eye), F(1e-37f)));
+    const F towards = u.perspective > 0.0f ? dot3(n, r.from_eye) * inverse : dot3(n, axis);
+    const F cosine = clamp(-towards, F(0.0f), F(1.0f));
+    tap("cosine", cosine, "Listing 8: saturate(dot(-n, normalize(p - light)))");
+    return cosine;
+}
+
+// PCF and ESM: four texels, weighed bilinearly.
+template <class F, class Tap>
+PLUMB_INLINE F soft_shadow(const ShadowInputsView& in, const vec3<F>& x, const vec3<F>& n, const Receiver<F>& r,
+                           Tap& tap) {
+    using raster::chosen;
+    using N = number<F>;
+    using I = index_t<F>;
+    const ShadowUniforms& u = in.u;
+    const vec2<F> place = place_of<F>(u, x, tap);
+    const ivec2<I> first{chosen(place.x), chosen(place.y)};
+    const vec2<F> fraction{place.x - N::from_index(first.x), place.y - N::from_index(first.y)};
+    tap("fraction", fraction, "weight of the right and the lower texels");
+    const F factor = u.published != 0 ? printed_cosine<F>(u, n, r, tap) : F(1.0f);
+    const F bias = u.published == 0 ? r.bias : F(u.soft == int(Soft::pcf) ? u.bias : 0.0f);
+
+    F lit[4];
+    for (int k = 0; k < 4; ++k) {
+        tap.sample(k);
+        const MapTexel<F> t = texel_at<F>(in, {first.x + I(k % 2), first.y + I(k / 2)}, tap);
+        const mask_t<F> known = t.inside & (t.depth > F(0.0f));
+        if (u.soft == int(Soft::pcf)) {
+            lit[k] = select(known & (r.d_p > t.depth + bias), F(0.0f), F(1.0f));
+        } else {
+            const F behind = max(F(0.0f), (r.d_p - t.depth) - bias) * factor;
+            tap("behind", behind, "max(0, d_p - d_map - bias), m; as printed times the cosine");
+            lit[k] = select(known, detmath::exp(-(F(u.c) * behind)), F(1.0f));
+        }
+        tap("lit", lit[k], "pcf: d_p <= d_map + bias; esm: exp(-c behind), ISR (30)");
+    }
+    tap.sample(-1);
+    const F upper = lit[0] + fraction.x * (lit[1] - lit[0]), lower = lit[2] + fraction.x * (lit[3] - lit[2]);
+    const F visibility = upper + fraction.y * (lower - upper);
+    tap("visibility", visibility, "Listing 8: bilinear");
+    return visibility;
+}
+
+template <class F, class Tap>
+PLUMB_INLINE F shadow(const ShadowInputsView& in, index_t<F> px, index_t<F> py, Tap& tap) {
+    using N = number<F>;
+    const index_t<F> pixel = py * index_t<F>(in.u.width) + px;
+    const vec3<F> x = xyz<F>(N::fetch4(in.position, pixel));       tap("x", x, "world, m");
+    const vec3<F> n = xyz<F>(N::fetch4(in.normal, pixel));         tap("n", n, "unit normal of x");
+    const Receiver<F> r = receiver<F>(in.u, x, n, tap);
+    if (in.u.soft == int(Soft::none)) return share_lit<F>(in, x, r, tap);
+    return soft_shadow<F>(in, x, n, r, tap);
 }
 
 }  // namespace plumb::direct
