@@ -89,8 +89,8 @@ std::string cache_folder() {
     return "";
 }
 
-ReferenceFiles::ReferenceFiles(std::string folder, std::uint64_t max_bytes)
-    : folder_(std::move(folder)), max_bytes_(max_bytes) {}
+ReferenceFiles::ReferenceFiles(std::string folder, std::uint64_t max_bytes, std::uint64_t program)
+    : folder_(std::move(folder)), max_bytes_(max_bytes), program_(program) {}
 
 std::uint64_t ReferenceFiles::own_key(std::uint64_t key) {
     if (program_ == 0) {

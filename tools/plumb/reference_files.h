@@ -18,8 +18,10 @@ std::string cache_folder();
 // believes what another has traced.
 class ReferenceFiles : public reference::Store {
   public:
-    // Of all files at most `max_bytes` are kept, those that were used last.
-    explicit ReferenceFiles(std::string folder, std::uint64_t max_bytes = std::uint64_t(4) << 30);
+    // Of all files at most `max_bytes` are kept, those that were used last. `program`: what stands for the program in
+    // the key; 0: its own bytes. Another is for who keeps estimates in a folder of his own and says for how long.
+    explicit ReferenceFiles(std::string folder, std::uint64_t max_bytes = std::uint64_t(4) << 30,
+                            std::uint64_t program = 0);
 
     std::optional<reference::Kept> find(std::uint64_t key, glm::ivec2 size) override;
     void keep(std::uint64_t key, const reference::Kept& kept) override;
