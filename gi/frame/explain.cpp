@@ -5,8 +5,9 @@
 
 #include "core/error.h"
 #include "gi/frame/filters.h"
-#include "gi/frame/isr.h"
 #include "gi/frame/frame.h"
+#include "gi/frame/isr.h"
+#include "gi/frame/run_stage.h"
 #include "gi/reference/ray_query.h"
 #include "raster/light_view.h"
 
@@ -60,6 +61,23 @@ struct Explainer {
         return values;
     }
 
+    // A texel of the blurred map, or of its six maps side by side.
+    std::vector<TapValue> explain_blur(const PlannedStage& stage, const Light& light, glm::ivec2 texel) const {
+        const int face = texel.x / light.rsm_size;
+        std::vector<TapValue> values;
+        if (raster::map_count(light) > 1)
+            values.push_back({"face", -1, {double(face)}, "of the point light: +x -x +y -y +z -z"});
+        const std::size_t m = std::size_t(face);
+        if (frame.rsms[std::size_t(stage.light)][m].size == 0) {
+            values.push_back({"depth", -1, {0.0}, "the face sees nothing"});
+            return values;
+        }
+        const std::vector<TapValue> taps = direct::explain(settings.shadow, map_blur_inputs(frame, stage, m),
+                                                           {texel.x - face * light.rsm_size, texel.y});
+        values.insert(values.end(), taps.begin(), taps.end());
+        return values;
+    }
+
     std::vector<TapValue> isr_values(const PlannedStage& stage, glm::ivec2 pixel) const {
         const isr::IsrParams& params = settings.isr;
         if (stage.name == "isr.downsample")
@@ -68,6 +86,11 @@ struct Explainer {
             const isr::Pattern pattern = isr::gather_pattern(params);
             return isr::explain(params, gather_inputs(scene, settings, frame, stage, pattern), pixel);
         }
+        if (stage.name == "isr.gather_camera") {
+            const isr::Pattern pattern = isr::gather_pattern(params);
+            return isr::explain(params, camera_gather_inputs(scene, settings, frame, stage, pattern), pixel);
+        }
+        if (stage.name == "isr.unseen") return isr::explain(params, unseen_inputs(scene, settings, frame, stage), pixel);
         if (stage.name == "isr.ssao") {
             const isr::Pattern pattern = isr::ssao_pattern(params);
             return isr::explain(params, ssao_inputs(scene, settings, frame, pattern), pixel);
@@ -89,9 +112,10 @@ struct Explainer {
         }
         if (stage.name == "rsm")
             return explain_texel(lights[l], pixel);
+        if (stage.name == "shadow.blur") return explain_blur(stage, lights[l], pixel);
         if (stage.name == "shadow")
-            return with_stored(direct::explain(settings.shadow, {&g.position, &g.normal, frame.rsms[l]}, pixel),
-                               "visibility", settings.layout.visibility, settings.layout);
+            return with_stored(direct::explain(settings.shadow, shadow_inputs(settings, frame, l, g), pixel), "visibility",
+                               settings.layout.visibility, settings.layout);
         if (stage.name == "direct")
             return direct::explain(settings.direct, {&g.position, &g.normal, &lights, &frame.visibility, nullptr,
                                                      compose::reads_density(settings.compose)},
@@ -134,7 +158,7 @@ std::vector<Explanation> explain(const Scene& scene, const Settings& settings, c
     std::string left_out;
     const Plan ran = as_it_ran(plan, frame);
     for (const PlannedStage& s : ran.stages) {
-        if (stage.empty() ? s.name == "rsm" || s.name == "reference" : s.name != stage) continue;
+        if (stage.empty() ? s.name == "rsm" || s.name == "shadow.blur" || s.name == "reference" : s.name != stage) continue;
         if (s.view > 0 && !is_isr(s.name)) continue;  // of the frame itself
         if (light >= 0 && s.light >= 0 && s.light != light) continue;
         if (!s.needed) {
@@ -142,6 +166,10 @@ std::vector<Explanation> explain(const Scene& scene, const Settings& settings, c
             continue;
         }
         chosen.push_back(&s);
+        if (stage == "shadow.blur" && s.form == "horizontal") {
+            light = s.light;  // and its other pass
+            continue;
+        }
         if (!stage.empty() && !is_filter(stage) && !is_isr(stage)) break;
     }
     if (chosen.empty())
@@ -157,7 +185,7 @@ std::vector<Explanation> explain(const Scene& scene, const Settings& settings, c
     }
     std::vector<Explanation> explanations;
     for (const PlannedStage* s : chosen) {
-        const bool map = s->name == "rsm";
+        const bool map = s->name == "rsm" || s->name == "shadow.blur";
         const glm::ivec2 size = map ? map_size(scene.lights[std::size_t(s->light)])
                                : is_isr(s->name) ? isr_size(scene, settings, *s)
                                                  : stage_size(settings, *s, scene.frame_size);

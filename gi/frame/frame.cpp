@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "gi/direct/log_blur.h"
 #include "gi/rsm/all_rays.h"
 #include "raster/hemicube.h"
 #include "raster/texture_space.h"
@@ -11,11 +12,11 @@ namespace plumb::frame {
 namespace {
 
 std::vector<StageInfo> frame_stages() {
-    return {raster::info_gbuffer(), raster::info_rsm(),    direct::shadow_info(),    rsm::info_disc(),
+    return {raster::info_gbuffer(), raster::info_rsm(),    direct::log_blur_info(),  direct::shadow_info(),    rsm::info_disc(),
             rsm::info_disc(rsm::Texels::continuous), rsm::info_paths(), rsm::info_paths(rsm::Texels::continuous),
             rsm::info_all(),       rsm::info_all_rays(),     direct::direct_info(),
-            isr::info_downsample(), isr::info_gather(), isr::info_bounce(), isr::info_ssao(), isr::info_blur(),
-            isr::info_upsample(),  isr::info_compose(),
+            isr::info_downsample(), isr::info_gather(), isr::info_bounce(), isr::info_unseen(), isr::info_gather_camera(),
+            isr::info_ssao(),      isr::info_blur(),      isr::info_upsample(),  isr::info_compose(),
             filter::info_reduce(),  filter::info_upsample(), filter::info_blur(),
             compose::compose_info(), reference::info(),    compose::tonemap_info()};
 }

@@ -34,7 +34,7 @@ struct PlannedStage {
     std::string rule;      // the rule that leaves it out (rules.h), or empty
     std::string form;      // of a stage that runs more than once: "position", "horizontal" (filters.h), "bounce 2" (isr.h)
     int view = 0;          // of method isr: index into Frame::views of what it draws or reads beside the frame; 0: itself
-    int pass = 0;          // of isr.gather and isr.bounce: index into Frame::isr's images of them
+    int pass = 0;          // of method isr's gathers, isr.bounce and isr.unseen: index into Frame::isr's images of them
     std::string layer;     // of a path traced stage: which layer it makes (truth.h)
     int samples = 0;       // of a path traced stage: paths a pixel; 0: as many as it takes
     double work = 0;       // how often its inner loop runs: pixels, triangles, samples
@@ -88,7 +88,8 @@ struct SourceView {
 // What method isr makes (gi/isr), of a quarter of the pixels; empty where its stages do not run.
 struct IsrBuffers {
     Image4 surface, radiosity, reflectance;
-    std::vector<Image4> gathered;     // of each pass of isr.gather, in their order
+    std::vector<Image4> unseen;       // of each pass of isr.unseen, in their order
+    std::vector<Image4> gathered;     // of each pass of isr.gather and isr.gather_camera
     std::vector<Image4> radiosities;  // of each pass of isr.bounce
     Image4 lit;                       // ISR_4: xyz irradiance, w accessibility
     Image4 blurred_across, blurred;
@@ -98,6 +99,8 @@ struct Frame {
     raster::GBuffer gbuffer;
     // [lights][1, or 6 faces of a point light]; size 0 where none was needed, or nothing can be seen.
     std::vector<std::vector<raster::Rsm>> rsms;
+    // Of shadow.blur: w linear depth, m; [lights][maps], empty images where nothing was drawn. Across: of its first pass.
+    std::vector<std::vector<Image4>> maps_blurred_across, maps_blurred;
     Buffer<float> visibility;  // [lights][height][width]
     Image4 direct, indirect;   // irradiance, W/m2; of method isr indirect's w: accessibility
     // Of filters of the indirect light alone (filters.h); empty where they do not run.

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/error.h"
@@ -19,6 +20,23 @@ double guarded_fov_deg(double fov_y_deg, int height, int guard) {
     return 2 * host::atan(host::tan(half) * (height + 2.0 * guard) / height) / to_radians;
 }
 
+// A camera turned about the point that it looks at: to the right, to the left, upwards, downwards.
+Camera turned(const Camera& camera, int which, double angle_deg) {
+    const CameraAxes a = axes(camera);
+    const glm::dvec3 axis = which < 2 ? a.up : a.right;
+    const double angle = (which % 2 == 0 ? 1 : -1) * (which < 2 ? 1 : -1) * angle_deg * (host::pi / 180);
+    const double cosine = host::cos(angle), sine = host::sin(angle);
+    auto rotate = [&](const glm::dvec3& v) {
+        const double along = axis.x * v.x + axis.y * v.y + axis.z * v.z;
+        const glm::dvec3 across(axis.y * v.z - axis.z * v.y, axis.z * v.x - axis.x * v.z, axis.x * v.y - axis.y * v.x);
+        return v * cosine + across * sine + axis * (along * (1 - cosine));
+    };
+    Camera other = camera;
+    other.position = camera.look_at + rotate(camera.position - camera.look_at);
+    other.up = rotate(a.up);
+    return other;
+}
+
 // Views whose surfaces send light, in the order in which they are gathered: the wider view takes the frame's place.
 std::vector<int> sources_of(const std::vector<IsrView>& views) {
     std::vector<int> sources;
@@ -31,12 +49,16 @@ const Image4& surface_of(const Frame& frame, int view) {
     return view == 0 ? frame.isr.surface : frame.views[std::size_t(view)].surface;
 }
 
+std::string place_of_view(const IsrView& view) { return view.kind == ViewKind::own ? "frame" : view.name; }
+
 std::string bounce_form(int bounce) { return bounce == 1 ? "" : fmt::format("bounce {}", bounce); }
 int bounce_of(const PlannedStage& stage) {
     return stage.form.empty() ? 1 : std::stoi(stage.form.substr(stage.form.find(' ') + 1));
 }
 
 }  // namespace
+
+bool is_isr_gather(const std::string& stage) { return stage == "isr.gather" || stage == "isr.gather_camera"; }
 
 bool is_isr(const std::string& stage) { return stage.rfind("isr.", 0) == 0; }
 
@@ -64,6 +86,10 @@ std::vector<IsrView> isr_views(const Scene& scene, const Settings& settings) {
         wide.camera.fov_y_deg = guarded_fov_deg(scene.camera.fov_y_deg, scene.frame_size.y, guard);
         views.push_back(wide);
     }
+    // Half the frame's resolution: what they add is seen at grazing angles, or not at all (ISR chapter 6).
+    for (int i = 0; i < settings.isr.cameras; ++i)
+        views.push_back({ViewKind::camera, fmt::format("camera {}", i + 1),
+                         turned(scene.camera, i, double(settings.isr.camera_angle)), (scene.frame_size + 1) / 2});
     return views;
 }
 
@@ -77,11 +103,20 @@ std::vector<IsrStage> isr_stages(const Scene& scene, const Settings& settings) {
         stages.push_back({"isr.downsample", "surface", v});
         if (v > 0 || sources.front() == 0) stages.push_back({"isr.downsample", "radiosity", v});
     }
+    // Of a camera's surfaces those remain that no view before it sees.
+    int unseen = 0;
+    for (int v = 0; v < int(views.size()); ++v)
+        for (const int other : sources)
+            if (views[std::size_t(v)].kind == ViewKind::camera && other < v)
+                stages.push_back({"isr.unseen", place_of_view(views[std::size_t(other)]), v, unseen++, other});
     if (p.bounces > 1) stages.push_back({"isr.downsample", "reflectance"});
     int pass = 0;
     for (int bounce = 1; bounce <= p.bounces; ++bounce) {
         if (bounce > 1) stages.push_back({"isr.bounce", bounce_form(bounce), sources.front(), bounce - 2});
-        for (const int view : sources) stages.push_back({"isr.gather", bounce_form(bounce), view, pass++});
+        for (const int view : sources) {
+            const bool camera = views[std::size_t(view)].kind == ViewKind::camera;
+            stages.push_back({camera ? "isr.gather_camera" : "isr.gather", bounce_form(bounce), view, pass++});
+        }
     }
     stages.push_back({"isr.ssao", ""});
     if (p.blur != isr::Blur::none) {
@@ -94,7 +129,8 @@ std::vector<IsrStage> isr_stages(const Scene& scene, const Settings& settings) {
 
 glm::ivec2 isr_size(const Scene& scene, const Settings& settings, const PlannedStage& stage) {
     if (stage.name == "isr.upsample" || stage.name == "isr.compose") return scene.frame_size;
-    const bool of_source = stage.name == "isr.downsample" || stage.name == "isr.bounce";
+    const bool of_source =
+        stage.name == "isr.downsample" || stage.name == "isr.bounce" || stage.name == "isr.unseen";
     if (!of_source) return isr::coarse_size(scene.frame_size);
     return isr::coarse_size(isr_views(scene, settings)[std::size_t(stage.view)].size);
 }
@@ -102,7 +138,7 @@ glm::ivec2 isr_size(const Scene& scene, const Settings& settings, const PlannedS
 std::string isr_place(const PlannedStage& stage) {
     if (stage.name == "isr.upsample") return "indirect";
     if (stage.name == "isr.compose") return "radiance";
-    if (stage.name == "isr.gather" || stage.name == "isr.bounce") return fmt::format("{} {}", stage.name, stage.pass);
+    if (is_isr_gather(stage.name) || stage.name == "isr.bounce" || stage.name == "isr.unseen") return fmt::format("{} {}", stage.name, stage.pass);
     return fmt::format("{} {} {}", stage.name, stage.form, stage.view);
 }
 
@@ -112,8 +148,10 @@ Image4& isr_result(Frame& frame, const PlannedStage& stage) {
     if (stage.name == "isr.compose") return frame.radiance;
     if (stage.name == "isr.ssao") return b.lit;
     if (stage.name == "isr.blur") return stage.form == "horizontal" ? b.blurred_across : b.blurred;
-    if (stage.name == "isr.gather" || stage.name == "isr.bounce") {
-        std::vector<Image4>& passes = stage.name == "isr.gather" ? b.gathered : b.radiosities;
+    if (is_isr_gather(stage.name) || stage.name == "isr.bounce" || stage.name == "isr.unseen") {
+        std::vector<Image4>& passes = is_isr_gather(stage.name)     ? b.gathered
+                                      : stage.name == "isr.bounce" ? b.radiosities
+                                                                   : b.unseen;
         if (passes.size() <= std::size_t(stage.pass)) passes.resize(std::size_t(stage.pass) + 1);
         return passes[std::size_t(stage.pass)];
     }
@@ -155,6 +193,44 @@ isr::GatherInputs gather_inputs(const Scene& scene, const Settings& settings, co
     if (!first) in.before = &frame.isr.gathered[std::size_t(stage.pass - 1)];
     in.camera = isr::coarse_camera(scene.camera, scene.frame_size);
     in.margin = views[std::size_t(stage.view)].margin;
+    in.pattern = &pattern;
+    in.seed = settings.seed;
+    return in;
+}
+
+isr::UnseenInputs unseen_inputs(const Scene& scene, const Settings& settings, const Frame& frame,
+                                const PlannedStage& stage) {
+    const std::vector<IsrView> views = isr_views(scene, settings);
+    const auto stages = isr_stages(scene, settings);
+    const auto same = [&](const IsrStage& s) { return s.name == stage.name && s.pass == stage.pass; };
+    const int other = std::find_if(stages.begin(), stages.end(), same)->other;
+    const IsrView& camera = views[std::size_t(stage.view)];
+    const IsrView& view = views[std::size_t(other)];
+    // The first pass of a camera reads its surface, the next what is left of it.
+    const bool first = stage.pass == 0 || other == sources_of(views).front();
+    isr::UnseenInputs in;
+    in.surface = first ? &surface_of(frame, stage.view) : &frame.isr.unseen[std::size_t(stage.pass - 1)];
+    in.camera = isr::coarse_camera(camera.camera, camera.size);
+    in.view_surface = &surface_of(frame, other);
+    in.view = view.kind == ViewKind::camera ? isr::coarse_camera(view.camera, view.size)
+                                            : isr::coarse_camera(scene.camera, scene.frame_size);
+    in.margin = view.margin;
+    return in;
+}
+
+isr::CameraGatherInputs camera_gather_inputs(const Scene& scene, const Settings& settings, const Frame& frame,
+                                             const PlannedStage& stage, const isr::Pattern& pattern) {
+    const IsrView camera = isr_views(scene, settings)[std::size_t(stage.view)];
+    int unseen = -1;  // the last pass of isr.unseen for this camera
+    for (const IsrStage& s : isr_stages(scene, settings))
+        if (s.name == "isr.unseen" && s.view == stage.view) unseen = s.pass;
+    isr::CameraGatherInputs in;
+    in.surface = &frame.isr.surface;
+    in.camera = isr::coarse_camera(scene.camera, scene.frame_size);
+    in.source_surface = &frame.isr.unseen[std::size_t(unseen)];
+    in.source_radiosity = &frame.views[std::size_t(stage.view)].radiosity;
+    in.source_camera = isr::coarse_camera(camera.camera, camera.size);
+    in.before = &frame.isr.gathered[std::size_t(stage.pass - 1)];
     in.pattern = &pattern;
     in.seed = settings.seed;
     return in;
@@ -208,12 +284,13 @@ isr::ComposeInputs compose_inputs(const Scene& scene, const Frame& frame) {
 }
 
 void begin_views(const Scene& scene, const Settings& settings, Frame& frame) {
-    std::size_t gathers = 0, bounces = 0;
+    std::size_t gathers = 0, bounces = 0, unseen = 0;
     for (const IsrStage& stage : isr_stages(scene, settings)) {
-        if (stage.name == "isr.gather") ++gathers;
+        if (is_isr_gather(stage.name)) ++gathers;
         if (stage.name == "isr.bounce") ++bounces;
+        if (stage.name == "isr.unseen") ++unseen;
     }
-    frame.isr.gathered.resize(gathers), frame.isr.radiosities.resize(bounces);
+    frame.isr.gathered.resize(gathers), frame.isr.radiosities.resize(bounces), frame.isr.unseen.resize(unseen);
     const std::vector<IsrView> views = isr_views(scene, settings);
     if (views.size() < 2) {
         frame.views.clear();
@@ -242,6 +319,10 @@ void check_isr(const Scene& scene, const Settings& settings) {
                                      "infinite: expected a finite one", scene.name,
                                      settings.isr.variant == isr::Variant::published ? "variant = published"
                                                                                      : "position = inverse_matrix"));
+    const bool beside = settings.isr.layers > 1 || settings.isr.cameras > 0;
+    if (settings.isr.variant == isr::Variant::published && beside)
+        throw InputError(fmt::format("{}: [isr] variant = published with layers = {}, cameras = {}: ISR prints no equation "
+                                     "for them: expected 1 and 0", scene.name, settings.isr.layers, settings.isr.cameras));
     for (const IsrView& view : isr_views(scene, settings))
         if (view.size.x > 32767 || view.size.y > 32767)
             throw InputError(fmt::format("{}: [isr] guard = {}: {} x {} pixels with it: expected at most 32767 a side",

@@ -26,6 +26,7 @@ struct IsrView {
 std::vector<IsrView> isr_views(const Scene& scene, const Settings& settings);
 
 bool is_isr(const std::string& stage);        // "isr.gather" and its like
+bool is_isr_gather(const std::string& stage); // isr.gather, isr.gather_camera
 std::string isr_work(const PlannedStage& stage);  // as rules name it: "isr", "isr.ssao" or "isr.lit"; isr.compose: "compose"
 bool gathers_isr(const Settings& settings);   // method isr in a mode that shows indirect light
 bool casts_shadows(const Settings& settings); // not in ISR's modes F3 and F5
@@ -34,7 +35,8 @@ bool casts_shadows(const Settings& settings); // not in ISR's modes F3 and F5
 struct IsrStage {
     std::string name, form;
     int view = 0;
-    int pass = 0;  // of isr.gather and isr.bounce: index into Frame::isr's images
+    int pass = 0;   // of gathers, isr.bounce and isr.unseen: index into Frame::isr's images
+    int other = 0;  // of isr.unseen: the view that may see the same
 };
 std::vector<IsrStage> isr_stages(const Scene& scene, const Settings& settings);
 
@@ -51,6 +53,10 @@ isr::Coarse coarse_of(const std::string& form);
 isr::DownsampleInputs downsample_inputs(const Scene& scene, const Frame& frame, const PlannedStage& stage);
 isr::GatherInputs gather_inputs(const Scene& scene, const Settings& settings, const Frame& frame,
                                 const PlannedStage& stage, const isr::Pattern& pattern);
+isr::UnseenInputs unseen_inputs(const Scene& scene, const Settings& settings, const Frame& frame,
+                                const PlannedStage& stage);
+isr::CameraGatherInputs camera_gather_inputs(const Scene& scene, const Settings& settings, const Frame& frame,
+                                             const PlannedStage& stage, const isr::Pattern& pattern);
 isr::SsaoInputs ssao_inputs(const Scene& scene, const Settings& settings, const Frame& frame,
                             const isr::Pattern& pattern);
 isr::BounceInputs bounce_inputs(const Scene& scene, const Settings& settings, const Frame& frame,

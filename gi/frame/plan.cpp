@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/error.h"
+#include "gi/direct/log_blur.h"
 #include "gi/frame/filters.h"
 #include "gi/frame/frame.h"
 #include "gi/frame/isr.h"
@@ -18,7 +19,7 @@ namespace {
 // on a 2.x GHz server core. They order stages by cost; they promise nothing.
 constexpr double ms_pixels = 60, ms_shadow = 8, ms_direct = 6, ms_disc = 4.2, ms_path_samples = 4.8, ms_all = 0.55,
                  ms_exact_rays = 100, ms_native_rays = 25, ms_compose = 5, ms_tonemap = 25, ms_reduce = 1, ms_upsample = 8, ms_blur = 0.2,
-                 ms_paths = 1000, ms_isr_samples = 1, ms_isr_pixels = 4, ms_isr_blur = 1;
+                 ms_paths = 1000, ms_isr_samples = 1, ms_isr_pixels = 4, ms_isr_blur = 1, ms_map_blur = 3;
 // What a part of a stage takes of that, for a million pixels: the light of a map, by `tools/bench pruning` (the Cornell
 // box with direct light alone); the two colours of a G-buffer with their textures and one of them alone, estimated.
 constexpr double ms_light = 45, ms_colours = 12, ms_colour = 4;
@@ -121,8 +122,8 @@ struct Planner {
             const glm::ivec2 size = isr_size(scene, settings, of);
             const double pixels = double(size.x) * size.y;
             PlannedStage* s = nullptr;
-            if (i.name == "isr.gather")
-                s = &add("isr.gather", "isr", -1, pixels * isr::sample_count(p.rings), "samples", ms_isr_samples,
+            if (is_isr_gather(i.name))
+                s = &add(i.name.c_str(), "isr", -1, pixels * isr::sample_count(p.rings), "samples", ms_isr_samples,
                          "indirect light");
             else if (i.name == "isr.ssao")
                 s = &add("isr.ssao", "isr.ssao", -1, pixels * isr::sample_count(p.ssao_rings), "samples", ms_isr_samples,
@@ -163,6 +164,17 @@ struct Planner {
         if (by) note(stage, *by, fmt::format("{} left out: each {}", left_out, by->reason), left_out * ms);
     }
 
+    // What leaves out a light's shadow leaves out the blur of its maps.
+    void add_map_blur(int light, double texels) {
+        if (!direct::blurs_maps(settings.shadow)) return;
+        for (const char* form : {"horizontal", "vertical"}) {
+            PlannedStage& s = add("shadow.blur", "shadow", light, texels * (2 * settings.shadow.esm_blur_radius + 1),
+                                  "samples", ms_map_blur, "shadow reads it");
+            s.form = form;
+            s.label.insert(s.label.size() - 1, std::string(", ") + form);
+        }
+    }
+
     // The stages rsm and shadow of a light, and its gather. Adds the texels of its maps to those of the lights before.
     void add_light(int l, double triangles, double pixels, double& total_texels) {
         const Light& light = scene.lights[std::size_t(l)];
@@ -175,6 +187,7 @@ struct Planner {
         PlannedMaps& planned = plan.maps[std::size_t(l)];
         planned.wants.light = !leave_out(s, {"rsm", "light", l}, texels * 1e-6 * ms_light);
         leave_out_faces(s, planned, (triangles + side * side) * 1e-6 * ms_pixels);
+        add_map_blur(l, texels);
         add("shadow", "shadow", l, pixels, "pixels", ms_shadow, "direct light reads it");
         add_view_shadows(l);
         if (settings.method != Method::rsm) return;

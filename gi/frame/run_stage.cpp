@@ -93,6 +93,7 @@ void draw_maps(Context& c, const PlannedStage& stage, StageRun& run) {
         const PlannedMaps& planned = c.plan.maps[std::size_t(stage.light)];
         if (!(planned.faces >> m & 1)) {
             maps[m] = {};
+            maps[m].view = views[m];
             continue;
         }
         RunOptions part = c.options;
@@ -109,13 +110,33 @@ void draw_no_map(Context& c, const PlannedStage& stage, StageRun&) {
     c.frame.rsms[l].assign(std::size_t(raster::map_count(c.scene.lights[l])), {});
 }
 
+// One pass over all maps of a light (ISR 4.6).
+void blur_maps(Context& c, const PlannedStage& stage, StageRun& run) {
+    const std::size_t l = std::size_t(stage.light);
+    const std::vector<raster::Rsm>& maps = c.frame.rsms[l];
+    std::vector<Image4>& blurred = map_blur_result(c.frame, stage)[l];
+    blurred.resize(maps.size());
+    for (std::size_t m = 0; m < maps.size(); ++m) {
+        if (maps[m].size == 0)
+            blurred[m] = {};
+        else
+            direct::run(c.settings.shadow, map_blur_inputs(c.frame, stage, m), c.options, blurred[m]);
+        run.bytes += bytes_of(blurred[m]);
+    }
+}
+
+void blur_no_map(Context& c, const PlannedStage& stage, StageRun&) {
+    map_blur_result(c.frame, stage)[std::size_t(stage.light)].clear();
+}
+
 void cast_shadows(Context& c, const PlannedStage& stage, StageRun& run) {
     const raster::GBuffer& g = gbuffer_of(c, stage);
     const glm::ivec2 size = view_size(c, stage);
     const raster::Covered tiles = tiles_to_shade(c.plan, c.frame, stage, run, &g.covered);
     float* visibility = visibility_of(c, stage);
-    direct::run(c.settings.shadow, {&g.position, &g.normal, c.frame.rsms[std::size_t(stage.light)], or_all(tiles)},
-                c.options, visibility);
+    direct::ShadowInputs in = shadow_inputs(c.settings, c.frame, stage.light, g);
+    in.tiles = or_all(tiles);
+    direct::run(c.settings.shadow, in, c.options, visibility);
     raster::quantise(c.settings.layout.visibility, visibility, size, c.options.threads);
     run.bytes = std::size_t(size.x) * std::size_t(size.y) * sizeof(float);
 }
@@ -240,6 +261,8 @@ void run_isr(Context& c, const PlannedStage& stage, StageRun& run) {
         isr::run_downsample(params, coarse_of(stage.form), downsample_inputs(c.scene, c.frame, stage), c.options, result);
     } else if (stage.name == "isr.bounce") {
         isr::run(params, bounce_inputs(c.scene, c.settings, c.frame, stage), c.options, result);
+    } else if (stage.name == "isr.unseen") {
+        isr::run(params, unseen_inputs(c.scene, c.settings, c.frame, stage), c.options, result);
     } else if (stage.name == "isr.compose") {
         isr::run(params, compose_inputs(c.scene, c.frame), c.options, result);
     } else {
@@ -247,6 +270,12 @@ void run_isr(Context& c, const PlannedStage& stage, StageRun& run) {
         if (stage.name == "isr.gather") {
             const isr::Pattern pattern = isr::gather_pattern(params);
             isr::GatherInputs in = gather_inputs(c.scene, c.settings, c.frame, stage, pattern);
+            in.tiles = or_all(tiles);
+            isr::run(params, in, c.options, result);
+            note_excess(c, result, run);
+        } else if (stage.name == "isr.gather_camera") {
+            const isr::Pattern pattern = isr::gather_pattern(params);
+            isr::CameraGatherInputs in = camera_gather_inputs(c.scene, c.settings, c.frame, stage, pattern);
             in.tiles = or_all(tiles);
             isr::run(params, in, c.options, result);
             note_excess(c, result, run);
@@ -315,6 +344,7 @@ void add_gather(Context& c, const Image4& irradiance, const Image4& error) {
 Kind kind_of(const PlannedStage& stage) {
     if (stage.name == "gbuffer") return {draw_gbuffer, see_nothing};
     if (stage.name == "rsm") return {draw_maps, draw_no_map};
+    if (stage.name == "shadow.blur") return {blur_maps, blur_no_map};
     if (stage.name == "shadow") return {cast_shadows, cast_no_shadow};
     if (stage.name == "direct") return {light_directly, light_nothing};
     if (is_gather(stage.name)) return {gather, nothing};
@@ -323,6 +353,25 @@ Kind kind_of(const PlannedStage& stage) {
     if (stage.name == "compose") return {compose_radiance, nothing};
     if (stage.name == "reference") return {trace_paths, trace_nothing};
     return {map_tones, nothing};
+}
+
+std::vector<std::vector<Image4>>& map_blur_result(Frame& frame, const PlannedStage& stage) {
+    return stage.form == "horizontal" ? frame.maps_blurred_across : frame.maps_blurred;
+}
+
+direct::LogBlurInputs map_blur_inputs(const Frame& frame, const PlannedStage& stage, std::size_t map) {
+    const std::size_t l = std::size_t(stage.light);
+    const bool first = stage.form == "horizontal";
+    return {first ? &frame.rsms[l][map].position : &frame.maps_blurred_across[l][map],
+            first ? direct::Direction::horizontal : direct::Direction::vertical, direct::depth_range(frame.rsms[l])};
+}
+
+direct::ShadowInputs shadow_inputs(const Settings& settings, const Frame& frame, int light,
+                                   const raster::GBuffer& gbuffer) {
+    const std::size_t l = std::size_t(light);
+    direct::ShadowInputs in{&gbuffer.position, &gbuffer.normal, frame.rsms[l]};
+    if (direct::blurs_maps(settings.shadow)) in.blurred = frame.maps_blurred[l];
+    return in;
 }
 
 rsm::GatherInputs gather_inputs(const Scene& scene, const Settings& settings, const raster::GBuffer& gbuffer, int light,

@@ -160,6 +160,32 @@ struct BounceInputs {
 };
 void run(const IsrParams& params, const BounceInputs& inputs, const RunOptions& options, Image4& radiosity);
 
+// ---- Additional cameras -----------------------------------------------------------------------------------------------
+
+// Leaves out of an additional camera's surface what another view sees itself: its light is counted there.
+struct UnseenInputs {
+    const Image4* surface = nullptr;       // of the additional camera, or what is left of it
+    CoarseCamera camera;
+    const Image4* view_surface = nullptr;  // of the other view, with its margin
+    CoarseCamera view;
+    int margin = 0;
+};
+void run(const IsrParams& params, const UnseenInputs& inputs, const RunOptions& options, Image4& unseen);
+
+// isr.gather from an additional camera's image: samples lie around the projections of the receivers.
+struct CameraGatherInputs {
+    const Image4* surface = nullptr;           // of the receivers
+    CoarseCamera camera;
+    const Image4* source_surface = nullptr;    // isr.unseen's
+    const Image4* source_radiosity = nullptr;
+    CoarseCamera source_camera;
+    const Image4* before = nullptr;            // as GatherInputs has it
+    const Pattern* pattern = nullptr;
+    std::uint32_t seed = 1;
+    const raster::Covered* tiles = nullptr;
+};
+void run(const IsrParams& params, const CameraGatherInputs& inputs, const RunOptions& options, Image4& gathered);
+
 // ---- To every pixel ----------------------------------------------------------------------------------------------------
 
 enum class Direction : int { horizontal, vertical };
@@ -200,6 +226,8 @@ std::vector<TapValue> explain_downsample(const IsrParams& params, Coarse what, c
 std::vector<TapValue> explain(const IsrParams& params, const GatherInputs& inputs, glm::ivec2 pixel);
 std::vector<TapValue> explain(const IsrParams& params, const SsaoInputs& inputs, glm::ivec2 pixel);
 std::vector<TapValue> explain(const IsrParams& params, const BounceInputs& inputs, glm::ivec2 pixel);
+std::vector<TapValue> explain(const IsrParams& params, const UnseenInputs& inputs, glm::ivec2 pixel);
+std::vector<TapValue> explain(const IsrParams& params, const CameraGatherInputs& inputs, glm::ivec2 pixel);
 std::vector<TapValue> explain(const IsrParams& params, const BlurInputs& inputs, glm::ivec2 pixel);
 std::vector<TapValue> explain(const IsrParams& params, const UpsampleInputs& inputs, glm::ivec2 pixel);
 std::vector<TapValue> explain(const IsrParams& params, const ComposeInputs& inputs, glm::ivec2 pixel);
@@ -208,6 +236,8 @@ StageInfo info_downsample();
 StageInfo info_gather();
 StageInfo info_ssao();
 StageInfo info_bounce();
+StageInfo info_unseen();
+StageInfo info_gather_camera();
 StageInfo info_blur();
 StageInfo info_upsample();
 StageInfo info_compose();

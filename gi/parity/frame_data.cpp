@@ -38,6 +38,7 @@ struct Builder {
     Image4 position, normal, albedo, emission, direct, indirect, radiance;
     frame::Frame filtered{};                        // what filters read, where they run: zeros for what is missing
     Buffer<float> visibility;
+    std::vector<std::vector<Image4>> blurred{};     // [light][map]
     std::vector<StageData> out{};
 
     Builder(const Scene& s, const frame::Settings& t, const frame::Frame& f)
@@ -127,9 +128,32 @@ struct Builder {
             else if (views.size() == 1 || raster::may_see(views[m], low, high))
                 of_light.push_back(raster::unseen_rsm(lights[l], views[m]));
             else
-                of_light.push_back(raster::Rsm());
+                of_light.emplace_back().view = views[m];
         }
         return of_light;
+    }
+
+    // As the stage shadow.blur makes them, whatever the frame holds; none where maps are not blurred.
+    const std::vector<Image4>& blurred_of(int light) {
+        blurred.resize(lights.size());
+        std::vector<Image4>& of_light = blurred[std::size_t(light)];
+        if (direct::blurs_maps(settings.shadow) && of_light.empty())
+            direct::blur_maps(settings.shadow, maps_of(light), {}, of_light);
+        return of_light;
+    }
+
+    void append_map_blur(const frame::PlannedStage& stage) {
+        const double range = direct::depth_range(maps_of(stage.light));
+        each_map(stage.light, [&](const raster::Rsm& map, int face) {
+            direct::LogBlurInputs in{&map.position, direct::Direction::horizontal, range};
+            Image4 across;
+            if (stage.form == "vertical") {
+                direct::run(settings.shadow, in, {}, across);
+                in = {&across, direct::Direction::vertical, range};
+            }
+            keep(direct::log_blur_data(settings.shadow, in), stage.label, stage.light, face);
+            out.back().id += "." + stage.form;
+        });
     }
 
     void keep(StageData data, const std::string& label, int light = -1, int map = -1) {
@@ -157,6 +181,12 @@ struct Builder {
         } else if (stage.name == "isr.gather") {
             const isr::Pattern pattern = isr::gather_pattern(params);
             data = isr::gather_data(params, frame::gather_inputs(scene, settings, filtered, stage, pattern));
+        } else if (stage.name == "isr.gather_camera") {
+            const isr::Pattern pattern = isr::gather_pattern(params);
+            data = isr::gather_camera_data(params,
+                                           frame::camera_gather_inputs(scene, settings, filtered, stage, pattern));
+        } else if (stage.name == "isr.unseen") {
+            data = isr::unseen_data(params, frame::unseen_inputs(scene, settings, filtered, stage));
         } else if (stage.name == "isr.ssao") {
             const isr::Pattern pattern = isr::ssao_pattern(params);
             data = isr::ssao_data(params, frame::ssao_inputs(scene, settings, filtered, pattern));
@@ -203,8 +233,10 @@ struct Builder {
             each_map(l, [&](const raster::Rsm& map, int face) {
                 keep(raster::rsm_data(geometry, surfaces, lights[std::size_t(l)], map.view), stage.label, l, face);
             });
+        } else if (stage.name == "shadow.blur") {
+            append_map_blur(stage);
         } else if (stage.name == "shadow") {
-            const direct::ShadowInputs in{&position_of(stage), &normal_of(stage), maps_of(l)};
+            const direct::ShadowInputs in{&position_of(stage), &normal_of(stage), maps_of(l), nullptr, blurred_of(l)};
             each_map(l, [&](const raster::Rsm&, int face) {
                 keep(direct::shadow_data(settings.shadow, in, std::max(face, 0)), stage.label, l, face);
             });

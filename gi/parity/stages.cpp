@@ -15,10 +15,11 @@ namespace plumb::parity {
 const std::vector<StageBinding>& bindings() {
     static const std::vector<StageBinding> all = {
         raster::gbuffer_binding(), raster::rsm_binding(),
-        direct::shadow_binding(),  rsm::disc_binding(),        rsm::paths_binding(),       rsm::all_binding(),
+        direct::log_blur_binding(), direct::shadow_binding(),  rsm::disc_binding(),        rsm::paths_binding(),       rsm::all_binding(),
         rsm::disc_continuous_binding(), rsm::paths_continuous_binding(),
         filter::reduce_binding(), filter::upsample_binding(), filter::blur_binding(),
-        isr::downsample_binding(), isr::gather_binding(), isr::bounce_binding(), isr::ssao_binding(),
+        isr::downsample_binding(), isr::gather_binding(), isr::bounce_binding(), isr::unseen_binding(),
+        isr::gather_camera_binding(), isr::ssao_binding(),
         isr::blur_binding(), isr::upsample_binding(), isr::compose_binding(),
         direct::direct_binding(), compose::compose_binding(), compose::tonemap_binding(),
     };

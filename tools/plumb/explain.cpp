@@ -85,6 +85,7 @@ struct Checker {
     static const char* isr_result_name(const frame::PlannedStage& s) {
         if (s.name == "isr.downsample") return s.form == "surface" ? "normal" : s.form == "radiosity" ? "radiosity" : "reflectance";
         if (s.name == "isr.bounce") return "radiosity";
+        if (s.name == "isr.unseen") return "unseen";
         return s.name == "isr.compose" ? "radiance" : "irradiance";
     }
 
