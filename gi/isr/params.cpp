@@ -73,6 +73,9 @@ void validate(const IsrParams& params) {
     if (reach(params.ssao_rings, params.ssao_spacing) > 32000)
         throw InputError(fmt::format("isr: ssao_rings = {} with ssao_spacing = {}: samples would lie more than 32,000 coarse "
                                      "pixels away", params.ssao_rings, params.ssao_spacing));
+    if (params.blur == Blur::edge_aware && params.position == Position::inverse_matrix)
+        throw InputError("isr: blur = edge_aware with position = inverse_matrix: expected position = linear, since edges are "
+                         "found in linear depth");
     if (params.far_rings > 0 && params.full_depth <= 0)
         throw InputError(fmt::format("isr: far_rings = {}: expected a full_depth above 0", params.far_rings));
     if (params.far_rings > params.rings)

@@ -172,6 +172,25 @@ inline Scene random_scene(std::uint32_t seed) {
     return s;
 }
 
+inline void add_isr(Dice& dice, isr::IsrParams& p) {
+    p.rings = 1 + dice.below(3), p.spacing = float(1 + dice.below(3));
+    p.ssao_rings = 1 + dice.below(2), p.ssao_spacing = float(1 + dice.below(2));
+    p.rotations = 1 << dice.below(3);
+    p.mode = dice.one_in(4) ? isr::Mode(dice.below(4)) : isr::Mode::f2;
+    if (dice.one_in(3)) p.bounces = 2;
+    if (dice.one_in(4)) p.far_rings = 1, p.full_depth = dice.between(0.5f, 4);
+    if (dice.one_in(4)) p.guard = 2 * (1 + dice.below(6));
+    if (dice.one_in(4)) p.layers = 2;
+    if (dice.one_in(4)) p.cameras = 1 + dice.below(2), p.camera_angle = dice.between(5, 90);
+    if (dice.one_in(5)) p.variant = isr::Variant::published, p.layers = 1, p.cameras = 0;
+    p.blur = isr::Blur(dice.below(3)), p.blur_radius = 1 + dice.below(3);
+    p.upsample = isr::Upsample(dice.below(2));
+    if (dice.one_in(4) && p.blur != isr::Blur::edge_aware) p.position = isr::Position::inverse_matrix;
+    p.k_isr = dice.one_in(2) ? 0 : dice.unit();
+    p.k_ssao = dice.one_in(2) ? 0 : dice.unit();
+    if (dice.one_in(3)) p.ambient = isr::Ambient::none;
+}
+
 inline frame::Settings random_settings(std::uint32_t seed) {
     Dice dice(seed ^ 0x9e3779b9u);
     frame::Settings t;
@@ -197,6 +216,8 @@ inline frame::Settings random_settings(std::uint32_t seed) {
     }
     if (dice.one_in(3)) t.compose.shadow_color = dice.in_box(glm::vec3(0), glm::vec3(1));
     if (dice.one_in(5)) t.direct.variant = direct::DirectVariant::published;
+    if (t.method == frame::Method::rsm && dice.one_in(3)) t.method = frame::Method::isr;
+    if (t.method == frame::Method::isr) add_isr(dice, t.isr);
     if (t.rsm.gather == rsm::Gather::all_rays) return t;  // a truth is not filtered
     if (dice.one_in(3)) t.indirect.resolution = filter::Resolution::half;
     if (dice.one_in(3)) t.indirect.blur = filter::Blur(1 + dice.below(2));

@@ -1,0 +1,258 @@
+// Method isr in a frame: its modes, its guard band, layers and cameras, and what may not change the picture.
+#include <catch2/catch.hpp>
+#include <cstring>
+
+#include "core/error.h"
+#include "gi/frame/isr.h"
+#include "gi/frame/kept.h"
+#include "tests/gi/moving_scene.h"
+
+using namespace plumb;
+
+namespace {
+
+// An open box of 2 m, its left wall red and its right one green, with a panel that stands in it, under a spot.
+Scene cornell(glm::ivec2 size = {64, 64}) {
+    Scene s;
+    s.name = "box";
+    s.materials.resize(3);
+    s.materials[0].reflectance = glm::vec3(0.7f);
+    s.materials[1].reflectance = {0.6f, 0.05f, 0.05f};
+    s.materials[2].reflectance = {0.1f, 0.5f, 0.1f};
+    Mesh& m = s.meshes.emplace_back();
+    m.name = "box";
+    moving::add_quad(m, {-1, 0, 1}, {2, 0, 0}, {0, 0, -2}, 0);   // floor
+    moving::add_quad(m, {-1, 2, -1}, {2, 0, 0}, {0, 0, 2}, 0);   // ceiling
+    moving::add_quad(m, {-1, 0, -1}, {2, 0, 0}, {0, 2, 0}, 0);   // back
+    moving::add_quad(m, {-1, 0, 1}, {0, 0, -2}, {0, 2, 0}, 1);   // left
+    moving::add_quad(m, {1, 0, -1}, {0, 0, 2}, {0, 2, 0}, 2);    // right
+    moving::add_quad(m, {-0.6f, 0, 0.1f}, {0.5f, 0, -0.3f}, {0, 0.9f, 0}, 0);
+    s.lights.push_back(moving::spot("key", {0.1f, 1.95f, 0.1f}, {0, -1, 0}, 6));
+    s.lights.back().cone_inner_deg = 50, s.lights.back().cone_outer_deg = 70, s.lights.back().rsm_size = 128;
+    s.camera.position = {0, 1, 3.6}, s.camera.look_at = {0, 1, 0}, s.camera.up = {0, 1, 0};
+    s.camera.fov_y_deg = 42, s.camera.near = 0.1, s.camera.far = 20;
+    s.frame_size = size;
+    return s;
+}
+
+frame::Settings isr_settings() {
+    frame::Settings settings;
+    settings.method = frame::Method::isr;
+    settings.isr.rings = 4, settings.isr.spacing = 2;
+    return settings;
+}
+
+frame::Frame render(const Scene& scene, const frame::Settings& settings) {
+    return frame::execute(scene, settings, frame::plan(scene, settings), {});
+}
+
+bool same(const Image4& a, const Image4& b) {
+    return a.width == b.width && a.height == b.height && !a.empty() &&
+           std::memcmp(a.data(), b.data(), a.size() * sizeof(glm::vec4)) == 0;
+}
+
+std::vector<std::string> names_of(const frame::Plan& plan) {
+    std::vector<std::string> names;
+    for (const frame::PlannedStage& s : plan.stages) names.push_back(s.label);
+    return names;
+}
+
+double mean(const Image4& image) {
+    double sum = 0;
+    for (const glm::vec4& v : image.texels) sum += double(v.x) + double(v.y) + double(v.z);
+    return sum / double(3 * image.size());
+}
+
+}  // namespace
+
+TEST_CASE("isr: the modes of ISR's appendix D show what they say", "[frame][isr]") {
+    const Scene scene = cornell();
+    frame::Settings settings = isr_settings();
+    auto in_mode = [&](isr::Mode mode) {
+        settings.isr.mode = mode;
+        return render(scene, settings);
+    };
+    const frame::Frame f2 = in_mode(isr::Mode::f2), f3 = in_mode(isr::Mode::f3), f4 = in_mode(isr::Mode::f4),
+                       f5 = in_mode(isr::Mode::f5);
+
+    // F4 is the method direct, bit for bit; F5 the same without shadows.
+    frame::Settings direct = settings;
+    direct.method = frame::Method::direct;
+    CHECK(same(f4.radiance, render(scene, direct).radiance));
+    Scene unshadowed = scene;
+    CHECK(mean(f5.direct) > mean(f4.direct));
+    for (std::size_t i = 0; i < f5.visibility.size(); ++i) REQUIRE(f5.visibility[i] == 1.0f);
+
+    // Indirect light is added to F4 and F5: nowhere less, in most places more.
+    for (const auto& [with, without] : {std::pair{&f2, &f4}, std::pair{&f3, &f5}}) {
+        int more = 0;
+        for (std::size_t i = 0; i < with->radiance.size(); ++i) {
+            REQUIRE(with->radiance.texels[i].x >= without->radiance.texels[i].x);
+            more += with->radiance.texels[i].x > without->radiance.texels[i].x;
+        }
+        CHECK(more > int(with->radiance.size()) / 2);
+    }
+    CHECK(same(f2.direct, f4.direct));
+    CHECK(same(f3.direct, f5.direct));
+}
+
+TEST_CASE("isr: every convention sees the same picture, Direct3D 9's half pixel included", "[frame][isr]") {
+    const frame::Settings settings = isr_settings();
+    Scene scene = cornell({61, 47});
+    const frame::Frame canonical = render(scene, settings);
+    REQUIRE(mean(canonical.indirect) > 0);
+    for (const Convention c : {Convention::d3d11, Convention::d3d9, Convention::left_handed}) {
+        CAPTURE(rules(c).name);
+        scene.convention = c;
+        const frame::Frame other = render(scene, settings);
+        CHECK(same(canonical.radiance, other.radiance));
+        CHECK(same(canonical.indirect, other.indirect));
+    }
+    // OpenGL's depth -1..1 costs half a unit in the last place of w (core/convention.h).
+    scene.convention = Convention::opengl;
+    const frame::Frame other = render(scene, settings);
+    double worst = 0;
+    for (std::size_t i = 0; i < other.radiance.size(); ++i)
+        worst = std::max(worst, std::abs(double(other.radiance.texels[i].x) - canonical.radiance.texels[i].x));
+    CHECK(worst <= 1e-4 * mean(canonical.radiance));
+}
+
+TEST_CASE("isr: the layout of ISR fig. 4.1 gives the picture of fp32 within its normals' eight bits", "[frame][isr]") {
+    const Scene scene = cornell();
+    frame::Settings settings = isr_settings();
+    const frame::Frame exact = render(scene, settings);
+    settings.layout = raster::Layout::isr;
+    const frame::Frame stored = render(scene, settings);
+    double difference = 0, sum = 0;
+    for (std::size_t i = 0; i < exact.indirect.size(); ++i) {
+        difference += std::abs(double(stored.indirect.texels[i].x) - exact.indirect.texels[i].x);
+        sum += exact.indirect.texels[i].x;
+    }
+    REQUIRE(sum > 0);
+    CHECK(difference > 0);
+    CHECK(difference < 0.02 * sum);  // 1/255 of a component turns a normal by 0.2 to 0.4 degrees
+}
+
+TEST_CASE("isr: how positions are rebuilt changes no more than roundings", "[frame][isr]") {
+    const Scene scene = cornell();
+    frame::Settings settings = isr_settings();
+    const frame::Frame linear = render(scene, settings);
+    settings.isr.position = isr::Position::inverse_matrix;
+    const frame::Frame inverse = render(scene, settings);
+    double difference = 0, sum = 0;
+    for (std::size_t i = 0; i < linear.indirect.size(); ++i) {
+        difference += std::abs(double(inverse.indirect.texels[i].x) - linear.indirect.texels[i].x);
+        sum += linear.indirect.texels[i].x;
+    }
+    REQUIRE(sum > 0);
+    CHECK(difference > 0);
+    CHECK(difference < 1e-3 * sum);
+}
+
+TEST_CASE("isr: a guard band sends light to the border, and leaves what is out of its reach alone", "[frame][isr]") {
+    // A camera near the floor, so that the frame's border cuts through lit surfaces.
+    Scene scene = cornell({96, 96});
+    scene.camera.fov_y_deg = 25;
+    frame::Settings settings = isr_settings();
+    settings.isr.blur = isr::Blur::none;
+    const frame::Frame without = render(scene, settings);
+    settings.isr.guard = 32;
+    const frame::Frame with = render(scene, settings);
+    const Image4 &a = without.isr.gathered.back(), &b = with.isr.gathered.back();
+    REQUIRE(a.width == b.width);
+    const int reach = isr::gather_pattern(settings.isr).reach;
+    double border_gain = 0, middle_change = 0, middle = 0;
+    for (int y = 0; y < a.height; ++y)
+        for (int x = 0; x < a.width; ++x) {
+            const bool inside = x >= reach && y >= reach && x < a.width - reach && y < a.height - reach;
+            const double change = double(b(x, y).x) - a(x, y).x;
+            if (inside)
+                middle_change += std::abs(change), middle += a(x, y).x;
+            else
+                border_gain += change;
+        }
+    CHECK(border_gain > 0);
+    REQUIRE(middle > 0);
+    // The wider view's pixels are the frame's up to roundings of its projection.
+    CHECK(middle_change < 1e-3 * middle);
+}
+
+TEST_CASE("isr: layers and cameras add light that the frame does not see, and never take any", "[frame][isr]") {
+    const Scene scene = cornell();
+    for (const bool camera : {false, true}) {
+        CAPTURE(camera);
+        frame::Settings settings = isr_settings();
+        settings.isr.blur = isr::Blur::none;
+        const frame::Frame alone = render(scene, settings);
+        if (camera)
+            settings.isr.cameras = 2;
+        else
+            settings.isr.layers = 2;
+        const frame::Frame more = render(scene, settings);
+        double gain = 0;
+        for (std::size_t i = 0; i < alone.isr.lit.size(); ++i) {
+            // The sum of form factors grows; where it stays at most 1 no light is lost.
+            const float before = alone.isr.gathered.back().texels[i].w, after = more.isr.gathered.back().texels[i].w;
+            CHECK(after >= before * (1 - 1e-6f));
+            if (after <= 1) CHECK(more.isr.lit.texels[i].x >= alone.isr.lit.texels[i].x * (1 - 1e-5f));
+            gain += double(more.isr.lit.texels[i].x) - alone.isr.lit.texels[i].x;
+        }
+        CHECK(gain > 0);
+    }
+}
+
+TEST_CASE("isr: a camera that sees what the frame sees adds nothing", "[frame][isr]") {
+    // Turned by a hair: nearly every surface of it is seen.
+    const Scene scene = cornell();
+    frame::Settings settings = isr_settings();
+    settings.isr.blur = isr::Blur::none;
+    const frame::Frame alone = render(scene, settings);
+    settings.isr.cameras = 1, settings.isr.camera_angle = 1;
+    const frame::Frame more = render(scene, settings);
+    CHECK(mean(more.isr.lit) < 1.02 * mean(alone.isr.lit));
+    CHECK(mean(more.isr.lit) >= mean(alone.isr.lit));
+}
+
+TEST_CASE("isr: bounces grow to a limit that keeps energy", "[frame][isr]") {
+    const Scene scene = cornell();
+    frame::Settings settings = isr_settings();
+    double last = 0, first_step = 0;
+    for (const int bounces : {1, 2, 3, 8, 16}) {
+        settings.isr.bounces = bounces;
+        const double now = mean(render(scene, settings).indirect);
+        CAPTURE(bounces, now, last);
+        CHECK(now >= last);
+        if (bounces == 2) first_step = now - last;
+        if (bounces == 16) CHECK(now - last < 0.1 * first_step);
+        last = now;
+    }
+}
+
+TEST_CASE("isr: what one setting alone cannot say is refused in one line", "[frame][isr][error]") {
+    using Catch::Contains;
+    Scene scene = cornell();
+    frame::Settings settings = isr_settings();
+    auto refusal = [&] {
+        try {
+            frame::plan(scene, settings);
+        } catch (const InputError& error) {
+            return std::string(error.what());
+        }
+        return std::string();
+    };
+    CHECK(refusal() == "");
+    settings.isr.guard = 3;
+    CHECK_THAT(refusal(), Contains("guard = 3: expected an even number"));
+    settings.isr.guard = 0, settings.isr.rotations = 3;
+    CHECK_THAT(refusal(), Contains("rotations = 3: expected a power of two"));
+    settings.isr.rotations = 1, settings.isr.far_rings = 1;
+    CHECK_THAT(refusal(), Contains("far_rings = 1: expected a full_depth above 0"));
+    settings.isr.full_depth = 1, settings.isr.far_rings = 9;
+    CHECK_THAT(refusal(), Contains("far_rings = 9: expected at most rings = 4"));
+    settings.isr.far_rings = 0, settings.isr.variant = isr::Variant::published, settings.isr.cameras = 1;
+    CHECK_THAT(refusal(), Contains("ISR prints no equation"));
+    settings.isr.cameras = 0;
+    CHECK(refusal() == "");
+    scene.camera.far = std::numeric_limits<double>::infinity();
+    CHECK_THAT(refusal(), Contains("far is infinite"));
+}
