@@ -28,8 +28,10 @@ struct GBufferPass {
     static constexpr int components = 16;
     GBufferArgs args{};
 
-    GBufferPass(const StageData& data, const BoundScene& scene) {
-        const auto u = uniforms_of<GBufferUniforms>(data);
+    GBufferPass(const StageData& data, const BoundScene& scene)
+        : GBufferPass(uniforms_of<GBufferUniforms>(data), data, scene) {}
+    template <class Uniforms>
+    GBufferPass(const Uniforms& u, const StageData& data, const BoundScene& scene) {
         args.surfaces = surface_args(scene, u.viewer, u.forward, u.pixel_area);
         for (int c = 0; c < 3; ++c) args.eye[c] = u.eye[c], args.forward[c] = u.forward[c];
         args.width = data.size.x, args.height = data.size.y;
@@ -55,6 +57,12 @@ struct GBufferPass {
         put(out.data() + 8, p.albedo), put(out.data() + 12, p.emission);
         return out;
     }
+};
+
+// What lies behind the input "behind" is BoundPass' to say.
+struct GBufferLayerPass : GBufferPass {
+    GBufferLayerPass(const StageData& data, const BoundScene& scene)
+        : GBufferPass(uniforms_of<GBufferLayerUniforms>(data), data, scene) {}
 };
 
 struct RsmPass {
@@ -89,6 +97,14 @@ struct RsmPass {
 std::unique_ptr<BoundStage> bind_gbuffer(const StageData& data) {
     check_slots(gbuffer_binding(), data);
     return std::make_unique<BoundPass<GBufferPass>>(gbuffer_binding(), data);
+}
+std::unique_ptr<BoundStage> bind_gbuffer_layer(const StageData& data) {
+    check_slots(gbuffer_layer_binding(), data);
+    const float farther = uniforms_of<GBufferLayerUniforms>(data).farther, expected = data.reversed_z ? -1 : 1;
+    if (farther != expected)
+        throw InputError(fmt::format("{}: uniform farther = {:g}: expected {:g}, as the depth test is",
+                                     data.label.empty() ? data.stage : data.label, farther, expected));
+    return std::make_unique<BoundPass<GBufferLayerPass>>(gbuffer_layer_binding(), data);
 }
 std::unique_ptr<BoundStage> bind_rsm(const StageData& data) {
     check_slots(rsm_binding(), data);
@@ -151,6 +167,23 @@ StageBinding make_gbuffer() {
         depth_slot(),
     };
     b.bind = bind_gbuffer;
+    return b;
+}
+
+StageBinding make_gbuffer_layer() {
+    using U = GBufferLayerUniforms;
+    StageBinding b = make_gbuffer();
+    b.info = info_gbuffer_layer();
+    b.twin = "raster/gbuffer_layer";
+    b.uniforms = {{"viewer", "vec4", offsetof(U, viewer), 8},
+                  {"eye", "vec3", offsetof(U, eye)},
+                  {"farther", "float", offsetof(U, farther), 1},
+                  {"forward", "vec3", offsetof(U, forward)},
+                  {"pixel_area", "float", offsetof(U, pixel_area)}};
+    b.uniform_bytes = sizeof(U);
+    b.inputs.push_back({"behind", SlotKind::image, 11, DType::f32, 1, true, "",
+                        "z of the depth buffer of the layer before; what lies farther is drawn", 1});
+    b.bind = bind_gbuffer_layer;
     return b;
 }
 
@@ -226,6 +259,10 @@ const StageBinding& gbuffer_binding() {
     static const StageBinding binding = make_gbuffer();
     return binding;
 }
+const StageBinding& gbuffer_layer_binding() {
+    static const StageBinding binding = make_gbuffer_layer();
+    return binding;
+}
 const StageBinding& rsm_binding() {
     static const StageBinding binding = make_rsm();
     return binding;
@@ -238,6 +275,18 @@ StageData gbuffer_data(const Geometry& geometry, const Surfaces& surfaces, const
     d.uniforms = uniform_block(viewer_uniforms<GBufferUniforms>(gbuffer_args(geometry, surfaces, view, size)));
     add_scene(d, geometry, surfaces, view);
     add_rows(d.inputs, "objects", geometry.object.size(), 1, geometry.object.data());
+    return d;
+}
+
+StageData gbuffer_layer_data(const Geometry& geometry, const Surfaces& surfaces, const View& view, glm::ivec2 size,
+                             const Image1& behind) {
+    check_behind(&behind, size);
+    StageData d = gbuffer_data(geometry, surfaces, view, size);
+    d.stage = "gbuffer.layer";
+    auto u = viewer_uniforms<GBufferLayerUniforms>(gbuffer_args(geometry, surfaces, view, size));
+    u.farther = view.reversed_z ? -1.0f : 1.0f;
+    d.uniforms = uniform_block(u);
+    add(d.inputs, "behind", behind);
     return d;
 }
 

@@ -1,4 +1,4 @@
-// The stages gbuffer and rsm bound by name (core/binding.h).
+// The stages gbuffer, gbuffer.layer and rsm bound by name (core/binding.h).
 #pragma once
 
 #include "core/binding.h"
@@ -16,6 +16,13 @@ struct GBufferUniforms {
     float forward[3];
     float pixel_area;  // 0 where no texture has levels
 };
+struct GBufferLayerUniforms {
+    float viewer[4];
+    float eye[3];
+    float farther;     // 1; reversed z: -1
+    float forward[3];
+    float pixel_area;
+};
 struct RsmUniforms {
     float viewer[4];
     float eye[3], padding;
@@ -26,11 +33,15 @@ struct RsmUniforms {
 };
 
 const StageBinding& gbuffer_binding();
+const StageBinding& gbuffer_layer_binding();
 const StageBinding& rsm_binding();
 
 // One draw, with copies of all it reads; label and id are the caller's. What is empty has one element of zeros, for no
 // device binds an empty buffer: a triangle of zeros draws nothing.
 StageData gbuffer_data(const Geometry& geometry, const Surfaces& surfaces, const View& view, glm::ivec2 size);
+// `behind`: peeled_depth() of the layer before.
+StageData gbuffer_layer_data(const Geometry& geometry, const Surfaces& surfaces, const View& view, glm::ivec2 size,
+                             const Image1& behind);
 StageData rsm_data(const Geometry& geometry, const Surfaces& surfaces, const Light& light, const View& light_view);
 
 }  // namespace plumb::raster

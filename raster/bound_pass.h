@@ -9,7 +9,7 @@
 //     void resolve<isa>(const TilePixels& seen) const              the kernel over a tile, in packets
 //     std::array<F, components> pixel<F>(glm::ivec2 pixel, std::int32_t triangle, vec2<F> l, Tap& tap) const
 //
-// The depth buffer is the last output.
+// The depth buffer is the last output. A pass with an input named "behind" draws what lies behind it (visibility.h).
 #pragma once
 
 #include <algorithm>
@@ -35,7 +35,8 @@ template <class Pass>
 class BoundPass final : public BoundStage {
   public:
     BoundPass(const StageBinding& binding, const StageData& data)
-        : binding_(binding), data_(data), scene_(bound_scene(data)), pass_(data, scene_) {}
+        : binding_(binding), data_(data), scene_(bound_scene(data)), peeled_(peeled_of(binding, data)),
+          pass_(data, scene_) {}
 
     void run(const RunOptions& options, const DeviceProfile& profile, Bundle& outputs) const override {
         outputs = make_outputs(binding_, data_);
@@ -46,7 +47,7 @@ class BoundPass final : public BoundStage {
             dispatch(options.isa, [&](auto isa) {
                 draw_visible_tiles(scene_.geometry, &scene_.surfaces, scene_.clip_positions, data_.reversed_z,
                                    data_.size, options, depth, nullptr,
-                                   [&](const TilePixels& seen) { pass.template resolve<isa()>(seen); });
+                                   [&](const TilePixels& seen) { pass.template resolve<isa()>(seen); }, behind());
             });
         } else {
             VisibilityBuffer seen = device_visibility(profile, options);
@@ -119,12 +120,24 @@ class BoundPass final : public BoundStage {
     }
 
   private:
+    // The depth buffer of the layer before, of a pass that has one.
+    static Image1 peeled_of(const StageBinding& binding, const StageData& data) {
+        Image1 peeled;
+        for (const Slot& slot : binding.inputs) {
+            if (slot.name != "behind") continue;
+            peeled = Image1(data.size.x, data.size.y);
+            std::memcpy(peeled.data(), floats(data, slot.name), peeled.size() * sizeof(float));
+        }
+        return peeled;
+    }
+    const Image1* behind() const { return peeled_.empty() ? nullptr : &peeled_; }
+
     const VisibilityBuffer& ideal_visibility() const {
         std::call_once(ideal_drawn_, [&] {
             RunOptions one;
             one.threads = 1;
             ideal_ = reference_visibility(scene_.geometry, &scene_.surfaces, scene_.clip_positions, data_.reversed_z,
-                                          data_.size, 0, data_.size.y, one);
+                                          data_.size, 0, data_.size.y, one, behind());
         });
         return ideal_;
     }
@@ -132,13 +145,13 @@ class BoundPass final : public BoundStage {
         RunOptions one;
         one.threads = 1;
         return reference_visibility(scene_.geometry, &scene_.surfaces, scene_.clip_positions, data_.reversed_z,
-                                    data_.size, y, y + 1, one);
+                                    data_.size, y, y + 1, one, behind());
     }
 
     VisibilityBuffer device_visibility(const DeviceProfile& profile, const RunOptions& options) const {
         VisibilityBuffer seen;
         draw_device_visibility(scene_.geometry, &scene_.surfaces, scene_.clip_positions, data_.reversed_z, data_.size,
-                               profile, options, seen);
+                               profile, options, seen, behind());
         return seen;
     }
 
@@ -172,7 +185,7 @@ class BoundPass final : public BoundStage {
         d->profile = profile;
         d->seen = device_visibility(profile, {});
         if (profile.interpolation == Interpolation::ideal)
-            d->legal = std::make_unique<LegalPixels>(scene_, data_.reversed_z, data_.size, profile);
+            d->legal = std::make_unique<LegalPixels>(scene_, data_.reversed_z, data_.size, profile, behind());
         drawn_.push_back(std::move(d));
         return *drawn_.back();
     }
@@ -264,6 +277,7 @@ class BoundPass final : public BoundStage {
     const StageBinding& binding_;
     const StageData& data_;
     const BoundScene scene_;
+    const Image1 peeled_;
     const Pass pass_;
     mutable std::mutex mutex_;
     mutable std::vector<std::unique_ptr<Drawn>> drawn_;

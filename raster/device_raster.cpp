@@ -59,6 +59,7 @@ struct Drawing {
     bool reversed_z;
     const std::int32_t* masked = nullptr;  // [material]; null: no material has an alpha mask
     SurfaceArgs masks{};
+    const Image1* behind = nullptr;  // only what lies strictly farther is drawn; null: everything
 
     bool is_masked(std::int32_t triangle) const {
         return masked && masked[geometry.material[std::size_t(triangle)]] != 0;
@@ -89,6 +90,7 @@ void draw_shape(const Drawing& in, const Shape& s, int first, int last, Visibili
             const float depth = depth_at(s, x, y, fma);
             float& nearest = out.depth(x, y);
             if (!(in.reversed_z ? depth > nearest : depth < nearest)) continue;
+            if (in.behind && !(in.reversed_z ? depth < (*in.behind)(x, y) : depth > (*in.behind)(x, y))) continue;
             if (masked && !passes_alpha<float>(in.masks, s.triangle, barycentrics_at(s, x, y, fma))) continue;
             nearest = depth;
             winner[std::size_t(y - first) * std::size_t(in.size.x) + std::size_t(x)] = &s;
@@ -144,16 +146,19 @@ void check_finite(const Buffer<glm::vec4>& positions) {
 
 void draw_device_visibility(const Geometry& geometry, const Surfaces* surfaces,
                             const Buffer<glm::vec4>& clip_positions, bool reversed_z, glm::ivec2 size,
-                            const DeviceProfile& profile, const RunOptions& options, VisibilityBuffer& out) {
+                            const DeviceProfile& profile, const RunOptions& options, VisibilityBuffer& out,
+                            const Image1* behind) {
     if (profile.interpolation == Interpolation::ideal) {
-        draw_visibility(geometry, surfaces, clip_positions, reversed_z, size, options, out);
+        draw_visibility(geometry, surfaces, clip_positions, reversed_z, size, options, out, nullptr, behind);
         return;
     }
     check_frame_size(size);
+    check_behind(behind, size);
     check_finite(clip_positions);
     if (out.triangle.width != size.x || out.triangle.height != size.y)
         out = {Image<std::int32_t>(size.x, size.y), Image1(size.x, size.y), Image<glm::vec2>(size.x, size.y)};
     Drawing drawing{geometry, clip_positions, profile, size, reversed_z};
+    drawing.behind = behind;
     if (surfaces && surfaces->any_masked) {
         drawing.masked = surfaces->masked.data();
         drawing.masks = surface_args(geometry, *surfaces, View());

@@ -47,11 +47,10 @@ void fit(Image<T>& image, glm::ivec2 size, bool wanted) {
         image = Image<T>(size.x, size.y);
 }
 
-// Rounds pixels [first, end) of the depth buffer to its format.
-void quantise_depth_buffer(Format format, Image1& depth, glm::ivec2 first, glm::ivec2 end) {
-    if (format != Format::d24s8) return;
+// Rounds pixels [first, end) of a depth buffer to 24 bits.
+void round_depth(const Image1& exact, Image1& depth, glm::ivec2 first, glm::ivec2 end) {
     for (int y = first.y; y < end.y; ++y)
-        for (int x = first.x; x < end.x; ++x) depth(x, y) = decode_depth24(encode_d24s8(depth(x, y), 0));
+        for (int x = first.x; x < end.x; ++x) depth(x, y) = decode_depth24(encode_d24s8(exact(x, y), 0));
 }
 
 }  // namespace
@@ -67,14 +66,19 @@ GBufferArgs gbuffer_args(const Geometry& geometry, const Surfaces& surfaces, con
 
 void draw_gbuffer(const Geometry& geometry, const Surfaces& surfaces, const View& view, glm::ivec2 size,
                   const Layout& layout, const RunOptions& options, GBuffer& out, const GBufferWants& wants,
-                  Workspace* workspace) {
+                  Workspace* workspace, const Image1* behind) {
     check_gbuffer(layout, geometry, surfaces.brightest, view, wants.emission, options.threads);
     check_frame_size(size);
+    check_behind(behind, size);
     fit(out.position, size, wants.position);
     fit(out.normal, size, wants.normal);
     fit(out.albedo, size, wants.albedo);
     fit(out.emission, size, wants.emission);
     fit(out.id, size, wants.id);
+    const bool rounds = layout.depth_buffer == Format::d24s8;
+    fit(out.depth, size, true);
+    fit(out.exact_depth, size, rounds);
+    Image1& depth = rounds ? out.exact_depth : out.depth;
     GBufferArgs args = gbuffer_args(geometry, surfaces, view, size);
     args.store = store_of(layout, view);
     if (wants.position) args.position = &out.position.data()->x;
@@ -86,20 +90,22 @@ void draw_gbuffer(const Geometry& geometry, const Surfaces& surfaces, const View
     args.covered = out.covered.any.data();
     args.covered_columns = out.covered.tiles.x;
     dispatch(options.isa, [&](auto isa) {
-        draw_visible_tiles(geometry, &surfaces, view, size, options, out.depth, workspace, [&](const TilePixels& seen) {
+        auto resolve = [&](const TilePixels& seen) {
             ResolveTile<isa()>::gbuffer(args, seen);
             quantise_rest(layout.albedo, out.albedo, seen.origin, seen.end);
             quantise_rest(layout.emission, out.emission, seen.origin, seen.end);
-            quantise_depth_buffer(layout.depth_buffer, out.depth, seen.origin, seen.end);
-        });
+            if (rounds) round_depth(depth, out.depth, seen.origin, seen.end);
+        };
+        draw_visible_tiles(geometry, &surfaces, view, size, options, depth, workspace, resolve, behind);
     });
 }
 
 std::vector<TapValue> explain_gbuffer(const Geometry& geometry, const Surfaces& surfaces, const View& view,
-                                      glm::ivec2 size, glm::ivec2 pixel, const Layout& layout) {
+                                      glm::ivec2 size, glm::ivec2 pixel, const Layout& layout, const Image1* behind) {
     RunOptions one;
     one.threads = 1;
-    const VisibilityBuffer visible = draw_visibility_rows(geometry, &surfaces, view, size, pixel.y, pixel.y + 1, one);
+    const VisibilityBuffer visible =
+        draw_visibility_rows(geometry, &surfaces, view, size, pixel.y, pixel.y + 1, one, behind);
     const std::int32_t triangle = visible.triangle(pixel.x, pixel.y);
     FpEnvironment environment;
     Recorder recorder;
@@ -143,6 +149,15 @@ StageInfo info_gbuffer() {
         {"id", "image rg32i", "", "object, triangle; -1 where nothing is seen"},
     };
     s.twin = "raster/gbuffer.frag";
+    return s;
+}
+
+StageInfo info_gbuffer_layer() {
+    StageInfo s = info_gbuffer();
+    s.name = "gbuffer.layer";
+    s.source = "ISR ch. 6, Everitt 2001";
+    s.inputs.push_back({"behind", "image r32f", "", "z of the depth buffer of the layer before"});
+    s.twin = "raster/gbuffer_layer.frag";
     return s;
 }
 

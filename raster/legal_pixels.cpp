@@ -57,12 +57,14 @@ bool values_at(const glm::dvec3 corner[3], const glm::dvec4 clip[3], double out[
 
 }  // namespace
 
-LegalPixels::LegalPixels(const BoundScene& scene, bool reversed_z, glm::ivec2 size, const DeviceProfile& profile)
+LegalPixels::LegalPixels(const BoundScene& scene, bool reversed_z, glm::ivec2 size, const DeviceProfile& profile,
+                         const Image1* behind)
     : scene_(scene),
       reversed_z_(reversed_z),
       size_(size),
       volume_(clip_volume(size)),
       snapping_(std::ldexp(profile.snap_uncertainty, -profile.subpixel_bits)),
+      behind_(behind),
       masks_(surface_args(scene.geometry, scene.surfaces, View())),
       bins_((size + (1 << bin_shift) - 1) >> bin_shift) {
     sort_into_bins();
@@ -313,21 +315,35 @@ bool LegalPixels::passes_mask(LegalTriangle& t) const {
     return may;
 }
 
+// Ends of the depths that the triangle may have at the pixel; reversed depths are negated.
+double LegalPixels::near_end(const LegalTriangle& t) const {
+    return !t.bounded ? -infinity : reversed_z_ ? -t.z.high : t.z.low;
+}
+double LegalPixels::far_end(const LegalTriangle& t) const {
+    return !t.bounded ? infinity : reversed_z_ ? -t.z.low : t.z.high;
+}
+
+// Whether the triangle may lie behind the layer before; `sure` is taken back where it may not.
+bool LegalPixels::lies_behind(LegalTriangle& t, glm::ivec2 pixel) const {
+    if (!behind_) return true;
+    const double peeled = (reversed_z_ ? -1.0 : 1.0) * (*behind_)(pixel.x, pixel.y);
+    if (!(near_end(t) > peeled)) t.sure = false, t.open = many;
+    return far_end(t) > peeled;
+}
+
 void LegalPixels::at(glm::ivec2 pixel, std::vector<LegalTriangle>& out, bool& nothing) const {
     out.clear();
     nothing = true;
     const glm::dvec2 centre = glm::dvec2(pixel) + 0.5;
     const auto bin = std::size_t((pixel.y >> bin_shift) * bins_.x + (pixel.x >> bin_shift));
     // No triangle that lies behind one that surely covers the centre wins.
-    auto near_end = [&](const LegalTriangle& t) { return !t.bounded ? -infinity : reversed_z_ ? -t.z.high : t.z.low; };
-    auto far_end = [&](const LegalTriangle& t) { return !t.bounded ? infinity : reversed_z_ ? -t.z.low : t.z.high; };
     double wall = infinity;
     for (std::size_t k = start_[bin]; k < start_[bin + 1]; ++k) {
         const Entry& e = entries_[k];
         if (e.nearest > wall) break;
         if (centre.x < e.low[0] || centre.x > e.high[0] || centre.y < e.low[1] || centre.y > e.high[1]) continue;
         LegalTriangle t;
-        if (!judge(e, centre, t)) continue;
+        if (!judge(e, centre, t) || !lies_behind(t, pixel)) continue;
         out.push_back(t);
         if (t.sure) nothing = false, wall = std::min(wall, far_end(t));
     }

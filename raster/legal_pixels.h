@@ -40,8 +40,9 @@ struct LegalTriangle {
 
 class LegalPixels {
   public:
-    // The scene must outlive it.
-    LegalPixels(const BoundScene& scene, bool reversed_z, glm::ivec2 size, const DeviceProfile& profile);
+    // The scene must outlive it, and so must `behind`: see visibility.h.
+    LegalPixels(const BoundScene& scene, bool reversed_z, glm::ivec2 size, const DeviceProfile& profile,
+                const Image1* behind = nullptr);
 
     // Every triangle that may win the depth test at the pixel, in no order that matters. `nothing`: whether it may also
     // stay empty.
@@ -69,6 +70,9 @@ class LegalPixels {
     void sort_into_bins();
     bool judge(const Entry& entry, glm::dvec2 centre, LegalTriangle& out) const;
     bool passes_mask(LegalTriangle& t) const;
+    bool lies_behind(LegalTriangle& t, glm::ivec2 pixel) const;
+    double near_end(const LegalTriangle& t) const;
+    double far_end(const LegalTriangle& t) const;
     double slack_at(const Polygon& p, glm::dvec2 centre) const;
     void bound_values(const Polygon& p, glm::dvec2 centre, LegalTriangle& out) const;
 
@@ -77,6 +81,7 @@ class LegalPixels {
     const glm::ivec2 size_;
     const ClipVolume volume_;
     const double snapping_;  // pixels
+    const Image1* const behind_;
     SurfaceArgs masks_;
     glm::ivec2 bins_;
     std::vector<std::size_t> start_;

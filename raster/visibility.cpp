@@ -182,7 +182,7 @@ void set_up_triangles(const Source& source, const Tiles& tiles, glm::ivec2 size,
 // Draws every tile, and calls resolve(isa, pixels) for it while it is in the caches.
 template <class Resolve>
 void draw_tiles(const Source& source, const Tiles& tiles, glm::ivec2 size, const RunOptions& options,
-                Workspace& memory, float* depth, const Resolve& resolve) {
+                Workspace& memory, float* depth, const float* behind, const Resolve& resolve) {
     std::vector<ChunkView> views;
     const std::size_t chunks = (source.geometry.triangles.size() + chunk_triangles - 1) / chunk_triangles;
     for (std::size_t i = 0; i < chunks; ++i) {
@@ -198,16 +198,17 @@ void draw_tiles(const Source& source, const Tiles& tiles, glm::ivec2 size, const
     const SurfaceArgs surfaces =
         source.surfaces ? surface_args(source.geometry, *source.surfaces, View()) : SurfaceArgs();
     const TileArgs args{views.data(), order.data(), int(views.size()), size, tiles.side(), source.reversed_z, &surfaces,
-                        depth};
+                        depth, behind};
     dispatch(options.isa, [&](auto isa) {
         parallel_bands(tiles.total(), 1, options, [&](int tile, int) {
             const std::size_t pixels = std::size_t(tiles.side()) * std::size_t(tiles.side());
-            Scratch<float> nearest, l1, l2;
+            Scratch<float> nearest, l1, l2, peeled;
             Scratch<std::int32_t> triangle;
             const glm::ivec2 origin{tile % tiles.count.x * tiles.side(), tile / tiles.count.x * tiles.side()};
             const TilePixels seen{origin, glm::min(size, origin + tiles.side()), tiles.side(), triangle.reserve(pixels),
                                   l1.reserve(pixels), l2.reserve(pixels)};
-            VisibilityKernels<isa()>::draw_tile(args, tile, seen, nearest.reserve(pixels));
+            VisibilityKernels<isa()>::draw_tile(args, tile, seen, nearest.reserve(pixels),
+                                                behind ? peeled.reserve(pixels) : nullptr);
             resolve(isa, seen);
         });
     });
@@ -215,23 +216,24 @@ void draw_tiles(const Source& source, const Tiles& tiles, glm::ivec2 size, const
 
 template <class Resolve>
 void draw(const Source& source, glm::ivec2 size, const RunOptions& options, Workspace* workspace, Image1& depth,
-          const Resolve& resolve) {
+          const Image1* behind, const Resolve& resolve) {
     check_frame_size(size);
+    check_behind(behind, size);
     if (depth.width != size.x || depth.height != size.y) depth = Image1(size.x, size.y);
     Workspace fresh;
     Workspace& memory = workspace ? *workspace : fresh;
     const Tiles tiles(size);
     transform_vertices(source, size, options, memory);
     set_up_triangles(source, tiles, size, options, memory);
-    draw_tiles(source, tiles, size, options, memory, depth.data(), resolve);
+    draw_tiles(source, tiles, size, options, memory, depth.data(), behind ? behind->data() : nullptr, resolve);
 }
 
 void draw(const Source& source, glm::ivec2 size, const RunOptions& options, VisibilityBuffer& out,
-          Workspace* workspace) {
+          Workspace* workspace, const Image1* behind) {
     check_frame_size(size);
     if (out.triangle.width != size.x || out.triangle.height != size.y)
         out = {Image<std::int32_t>(size.x, size.y), Image1(size.x, size.y), Image<glm::vec2>(size.x, size.y)};
-    draw(source, size, options, workspace, out.depth, [&](auto isa, const TilePixels& seen) {
+    draw(source, size, options, workspace, out.depth, behind, [&](auto isa, const TilePixels& seen) {
         VisibilityKernels<isa()>::write_rows(seen, size.x, out.triangle.data(), &out.barycentrics.data()->x);
     });
 }
@@ -244,28 +246,35 @@ void check_frame_size(glm::ivec2 size) {
                                      max_frame_side));
 }
 
+void check_behind(const Image1* behind, glm::ivec2 size) {
+    if (behind && (behind->width != size.x || behind->height != size.y))
+        throw InputError(fmt::format("raster: behind = {} x {}: expected {} x {} pixels, the frame's", behind->width,
+                                     behind->height, size.x, size.y));
+}
+
 void draw_visibility(const Geometry& geometry, const Surfaces* surfaces, const View& view, glm::ivec2 size,
-                     const RunOptions& options, VisibilityBuffer& out, Workspace* workspace) {
-    draw({geometry, surfaces, view.world_to_clip(), nullptr, view.reversed_z}, size, options, out, workspace);
+                     const RunOptions& options, VisibilityBuffer& out, Workspace* workspace, const Image1* behind) {
+    draw({geometry, surfaces, view.world_to_clip(), nullptr, view.reversed_z}, size, options, out, workspace, behind);
 }
 
 void draw_visibility(const Geometry& geometry, const Surfaces* surfaces, const Buffer<glm::vec4>& clip_positions,
                      bool reversed_z, glm::ivec2 size, const RunOptions& options, VisibilityBuffer& out,
-                     Workspace* workspace) {
-    draw({geometry, surfaces, glm::dmat4(1), &clip_positions, reversed_z}, size, options, out, workspace);
+                     Workspace* workspace, const Image1* behind) {
+    draw({geometry, surfaces, glm::dmat4(1), &clip_positions, reversed_z}, size, options, out, workspace, behind);
 }
 
 void draw_visible_tiles(const Geometry& geometry, const Surfaces* surfaces, const View& view, glm::ivec2 size,
                         const RunOptions& options, Image1& depth, Workspace* workspace,
-                        const std::function<void(const TilePixels&)>& resolve) {
-    draw({geometry, surfaces, view.world_to_clip(), nullptr, view.reversed_z}, size, options, workspace, depth,
+                        const std::function<void(const TilePixels&)>& resolve, const Image1* behind) {
+    draw({geometry, surfaces, view.world_to_clip(), nullptr, view.reversed_z}, size, options, workspace, depth, behind,
          [&](auto, const TilePixels& seen) { resolve(seen); });
 }
 
 void draw_visible_tiles(const Geometry& geometry, const Surfaces* surfaces, const Buffer<glm::vec4>& clip_positions,
                         bool reversed_z, glm::ivec2 size, const RunOptions& options, Image1& depth,
-                        Workspace* workspace, const std::function<void(const TilePixels&)>& resolve) {
-    draw({geometry, surfaces, glm::dmat4(1), &clip_positions, reversed_z}, size, options, workspace, depth,
+                        Workspace* workspace, const std::function<void(const TilePixels&)>& resolve,
+                        const Image1* behind) {
+    draw({geometry, surfaces, glm::dmat4(1), &clip_positions, reversed_z}, size, options, workspace, depth, behind,
          [&](auto, const TilePixels& seen) { resolve(seen); });
 }
 
@@ -282,8 +291,9 @@ VisibilityBuffer draw_visibility_rows(const Geometry& geometry, const View& view
 }
 
 VisibilityBuffer draw_visibility_rows(const Geometry& geometry, const Surfaces* surfaces, const View& view,
-                                      glm::ivec2 size, int first, int last, const RunOptions& options) {
-    return reference_visibility(geometry, surfaces, view, size, first, last, options);
+                                      glm::ivec2 size, int first, int last, const RunOptions& options,
+                                      const Image1* behind) {
+    return reference_visibility(geometry, surfaces, view, size, first, last, options, behind);
 }
 
 }  // namespace plumb::raster

@@ -95,6 +95,7 @@ struct Tile {
     float* nearest;
     std::int32_t* winner;
     float sign;
+    const float* behind;  // what lies farther is drawn; read where draw_triangle() peels
 
     // Where the block lies whose first pixel is (x, y) of the frame.
     PLUMB_INLINE std::ptrdiff_t block(int x, int y) const {
@@ -129,8 +130,9 @@ struct Scalar<I> {
 };
 
 // Draws a triangle into a tile. Of equal depths the earlier triangle's stays, in whatever order they come.
-// `alpha_test(e, wins)` may take lanes away from those that pass the depth test.
-template <class E, class AlphaTest>
+// `alpha_test(e, wins)` may take lanes away from those that pass the depth test. peels: only what lies strictly behind
+// tile.behind passes; the same triangle has the same depth there, to the bit, and is not drawn again.
+template <bool peels, class E, class AlphaTest>
 PLUMB_INLINE void draw_triangle(const ScreenTriangle& t, std::int32_t id, const Box& box, const Tile& tile,
                                 const AlphaTest& alpha_test) {
     using S = typename Scalar<E>::Type;
@@ -164,7 +166,8 @@ PLUMB_INLINE void draw_triangle(const ScreenTriangle& t, std::int32_t id, const 
                 const D sum = widen(e[0]) * z[0] + widen(e[1]) * z[1] + widen(e[2]) * z[2];
                 const F depth = max(min(narrow(sum), F(1.0f)), F(-1.0f)), nearest = load_lanes(tile.nearest + at);
                 const I winner = load_lanes(tile.winner + at);
-                const M passes = M((depth < nearest) | M((depth == nearest) & (I(id) < winner)));
+                M passes = M((depth < nearest) | M((depth == nearest) & (I(id) < winner)));
+                if constexpr (peels) passes = M(passes & (depth > load_lanes(tile.behind + at)));
                 const M wins = alpha_test(e, M(inside & passes));
                 // To ask first whether any lane wins would cost more, in branches that no processor foresees.
                 store_lanes(tile.nearest + at, select(wins, depth, nearest));
@@ -218,11 +221,12 @@ PLUMB_INLINE Quotients quotients(const ScreenTriangle& t, const PieceCorners* co
 }
 PLUMB_INLINE vec2<F> barycentrics_of(const Quotients& q) { return {narrow(q.l1 / q.sum), narrow(q.l2 / q.sum)}; }
 
-template <class E>
+template <bool peels, class E>
 PLUMB_INLINE void draw_opaque(const ScreenTriangle& t, std::int32_t id, const Box& box, const Tile& tile) {
-    draw_triangle<E>(t, id, box, tile, [](const E*, M wins) { return wins; });
+    draw_triangle<peels, E>(t, id, box, tile, [](const E*, M wins) { return wins; });
 }
 
+template <bool peels>
 void draw_entry(const TileArgs& in, const ChunkView& chunk, int entry, std::int32_t first_id, const Tile& tile) {
     const int k = entry & (masked - 1);
     const ScreenTriangle& t = chunk.triangles[k];
@@ -232,15 +236,15 @@ void draw_entry(const TileArgs& in, const ChunkView& chunk, int entry, std::int3
     if (!box.small && misses(t, box)) return;
     if (entry & masked) {
         // Masks are rare: one form of edge functions serves all sizes.
-        draw_triangle<D>(t, first_id + k, box, tile, [&](const D* e, M wins) {
+        draw_triangle<peels, D>(t, first_id + k, box, tile, [&](const D* e, M wins) {
             return any(wins) ? M(wins & passes_alpha<F>(*in.surfaces, I(t.triangle),
                                                         barycentrics_of(quotients(t, chunk.corners, e))))
                              : wins;
         });
     } else if (box.small) {
-        draw_opaque<I>(t, first_id + k, box, tile);
+        draw_opaque<peels, I>(t, first_id + k, box, tile);
     } else {
-        draw_opaque<D>(t, first_id + k, box, tile);
+        draw_opaque<peels, D>(t, first_id + k, box, tile);
     }
 }
 
@@ -252,6 +256,7 @@ F farthest_in(const Tile& tile, int blocks) {
 }
 
 // Merges what touches this tile and what touches many, both in drawing order. Returns the number of entries.
+template <bool peels>
 PLUMB_INLINE int draw_chunk(const TileArgs& in, const ChunkView& chunk, int index, int tile_index, const Tile& tile) {
     const std::uint16_t* const a_first = chunk.entries + chunk.start[tile_index];
     const std::uint16_t* a = a_first;
@@ -265,9 +270,33 @@ PLUMB_INLINE int draw_chunk(const TileArgs& in, const ChunkView& chunk, int inde
             const char* ahead = reinterpret_cast<const char*>(chunk.triangles + order(a[4]));
             __builtin_prefetch(ahead), __builtin_prefetch(ahead + 64);
         }
-        draw_entry(in, chunk, take_a ? *a++ : *b++, index << chunk_bits, tile);
+        draw_entry<peels>(in, chunk, take_a ? *a++ : *b++, index << chunk_bits, tile);
     }
     return int(a_end - a_first) + chunk.large_count;
+}
+
+// Near chunks hide far ones: those behind all that is drawn need not be looked at.
+template <bool peels>
+void draw_chunks(const TileArgs& in, int tile_index, const Tile& tile) {
+    const int blocks = in.side * in.side / width;
+    F farthest(1.0f);
+    for (int i = 0, drawn = 0; i < in.chunk_count; ++i) {
+        const ChunkView& chunk = in.chunks[in.order[i]];
+        if (drawn >= blocks) farthest = farthest_in(tile, blocks), drawn = 0;
+        if (!any(M(farthest >= F(chunk.nearest)))) break;
+        drawn += draw_chunk<peels>(in, chunk, in.order[i], tile_index, tile);
+    }
+}
+
+// Copies the tile's part of in.behind into blocks, as depths are kept there. Nothing is drawn outside of the frame.
+void get_behind(const TileArgs& in, const Tile& tile, float* behind) {
+    for (int i = 0; i < in.side * in.side; i += width) store_lanes(behind + i, F(1.0f));
+    for (int y = tile.origin.y; y < tile.end.y; ++y)
+        for (int x = tile.origin.x; x < tile.end.x; ++x) {
+            const int column = (x - tile.origin.x) % block_width, row = (y - tile.origin.y) % block_height;
+            behind[tile.block(x - column, y - row) + row * block_width + column] =
+                tile.sign * in.behind[std::ptrdiff_t(y) * in.size.x + x];
+        }
 }
 
 // ---- resolving ------------------------------------------------------------------------------------------------------
@@ -374,21 +403,19 @@ int VisibilityKernels<Isa::PLUMB_ISA>::cull(const CullArgs& in, int first, int l
 
 template <>
 void VisibilityKernels<Isa::PLUMB_ISA>::draw_tile(const TileArgs& in, int tile_index, const TilePixels& out,
-                                                  float* nearest) {
+                                                  float* nearest, float* behind) {
     // Winners become triangles in place, block by block.
-    Tile tile{out.origin, out.end, out.side, nearest, out.triangle, in.reversed_z ? -1.0f : 1.0f};
+    Tile tile{out.origin, out.end, out.side, nearest, out.triangle, in.reversed_z ? -1.0f : 1.0f, nullptr};
     for (int i = 0; i < in.side * in.side; i += width) {
         store_lanes(nearest + i, F(in.reversed_z ? -0.0f : 1.0f));
         store_lanes(tile.winner + i, I(-1));
     }
-    // Near chunks hide far ones: those behind all that is drawn need not be looked at.
-    const int blocks = in.side * in.side / width;
-    F farthest(1.0f);
-    for (int i = 0, drawn = 0; i < in.chunk_count; ++i) {
-        const ChunkView& chunk = in.chunks[in.order[i]];
-        if (drawn >= blocks) farthest = farthest_in(tile, blocks), drawn = 0;
-        if (!any(M(farthest >= F(chunk.nearest)))) break;
-        drawn += draw_chunk(in, chunk, in.order[i], tile_index, tile);
+    if (in.behind) {
+        get_behind(in, tile, behind);
+        tile.behind = behind;
+        draw_chunks<true>(in, tile_index, tile);
+    } else {
+        draw_chunks<false>(in, tile_index, tile);
     }
     for (int y = out.origin.y; y < out.end.y; y += block_height)
         for (int x = out.origin.x; x < out.end.x; x += block_width) {

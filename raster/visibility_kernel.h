@@ -64,6 +64,7 @@ struct TileArgs {
     bool reversed_z;
     const SurfaceArgs* surfaces;  // read for masked triangles alone
     float* depth;                 // of the frame, out
+    const float* behind;          // of the frame: only what lies farther is drawn; null: everything is
 };
 
 template <Isa isa>
@@ -75,9 +76,9 @@ struct VisibilityKernels {
     // is left out covers no pixel centre. Returns their number.
     static int cull(const CullArgs& in, int first, int last, std::int32_t* kept);
 
-    // Draws all chunks into a tile, fills `out` and writes the tile's part of the depth buffer. `nearest` is scratch
-    // memory, side x side.
-    static void draw_tile(const TileArgs& in, int tile, const TilePixels& out, float* nearest);
+    // Draws all chunks into a tile, fills `out` and writes the tile's part of the depth buffer. `nearest` and, where
+    // in.behind is there, `behind` are scratch memory, side x side.
+    static void draw_tile(const TileArgs& in, int tile, const TilePixels& out, float* nearest, float* behind);
 
     // Writes a tile's part of a VisibilityBuffer of the width.
     static void write_rows(const TilePixels& in, int width, std::int32_t* triangle, float* barycentrics);

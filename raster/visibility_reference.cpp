@@ -63,7 +63,15 @@ struct Drawing {
     const std::int32_t* masked;         // [material]
     const std::int32_t* material;       // [triangle]
     bool reversed_z;
+    const Image1* behind;               // null: nothing is peeled off
 };
+
+// Whether a depth lies strictly farther than what is peeled off. NaN never does.
+bool lies_behind(const Drawing& in, float depth, int x, int y) {
+    if (!in.behind) return true;
+    const float peeled = (*in.behind)(x, y);
+    return in.reversed_z ? depth < peeled : depth > peeled;
+}
 
 // Whether there is a surface at the pixel, or its material's alpha is below the cutoff.
 bool passes_alpha_test(const Drawing& in, const ScreenTriangle& t, int x, int y) {
@@ -93,6 +101,7 @@ void draw_triangle(const Drawing& in, std::int32_t index, int first, int last, V
             for (int i = 0; i < 3; ++i) depth += double(edges[i].value + edges[i].step * x) * z[i];
             const float d = std::min(float(depth), 1.0f);
             float& nearest = out.depth(int(x), y);
+            if (!lies_behind(in, d, int(x), y)) continue;
             if ((in.reversed_z ? d > nearest : d < nearest) && passes_alpha_test(in, t, int(x), y)) {
                 nearest = d;
                 winner(int(x), y - winner_row) = index;
@@ -119,14 +128,15 @@ void resolve_winners(const ScreenTriangles& screen, const Image<std::int32_t>& w
 
 VisibilityBuffer reference_visibility(const Geometry& geometry, const Surfaces* surfaces,
                                       const Buffer<glm::vec4>& clip_positions, bool reversed_z, glm::ivec2 size,
-                                      int first, int last, const RunOptions& options) {
+                                      int first, int last, const RunOptions& options, const Image1* behind) {
     check_frame_size(size);
+    check_behind(behind, size);
     VisibilityBuffer out{Image<std::int32_t>(size.x, size.y, -1), Image1(size.x, size.y, reversed_z ? 0.0f : 1.0f),
                          Image<glm::vec2>(size.x, size.y, glm::vec2(0))};
     const ScreenTriangles screen = screen_triangles(geometry, clip_positions, size, options.threads);
     const Bins bins = sort_into_bands(screen.triangles, first, last);
     SurfaceArgs masks{};
-    Drawing drawing{screen, nullptr, nullptr, geometry.material.data(), reversed_z};
+    Drawing drawing{screen, nullptr, nullptr, geometry.material.data(), reversed_z, behind};
     if (surfaces && surfaces->any_masked) {
         masks = surface_args(geometry, *surfaces, View());
         drawing.masks = &masks;
@@ -143,10 +153,11 @@ VisibilityBuffer reference_visibility(const Geometry& geometry, const Surfaces* 
 }
 
 VisibilityBuffer reference_visibility(const Geometry& geometry, const Surfaces* surfaces, const View& view,
-                                      glm::ivec2 size, int first, int last, const RunOptions& options) {
+                                      glm::ivec2 size, int first, int last, const RunOptions& options,
+                                      const Image1* behind) {
     check_frame_size(size);
     return reference_visibility(geometry, surfaces, clip_positions(geometry, view, options.threads), view.reversed_z,
-                                size, first, last, options);
+                                size, first, last, options, behind);
 }
 
 }  // namespace plumb::raster

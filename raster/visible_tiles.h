@@ -30,9 +30,10 @@ struct TilePixels {
 // to be those of options.isa.
 void draw_visible_tiles(const Geometry& geometry, const Surfaces* surfaces, const View& view, glm::ivec2 size,
                         const RunOptions& options, Image1& depth, Workspace* workspace,
-                        const std::function<void(const TilePixels&)>& resolve);
+                        const std::function<void(const TilePixels&)>& resolve, const Image1* behind = nullptr);
 void draw_visible_tiles(const Geometry& geometry, const Surfaces* surfaces, const Buffer<glm::vec4>& clip_positions,
                         bool reversed_z, glm::ivec2 size, const RunOptions& options, Image1& depth,
-                        Workspace* workspace, const std::function<void(const TilePixels&)>& resolve);
+                        Workspace* workspace, const std::function<void(const TilePixels&)>& resolve,
+                        const Image1* behind = nullptr);
 
 }  // namespace plumb::raster

@@ -51,7 +51,7 @@ const TappedTwin tapped_twins[] = {
     {"raster/project_kernel.h", {"raster/project.glsl"}},
     {"raster/texture_kernel.h", {"raster/texture.glsl"}},
     {"raster/surface_kernel.h", {"raster/surface.glsl"}},
-    {"raster/gbuffer_kernel.h", {"raster/gbuffer.frag"}, {"object", "z"}},
+    {"raster/gbuffer_kernel.h", {"raster/gbuffer.glsl"}, {"object", "z"}},
     {"raster/rsm_kernel.h", {"raster/rsm.frag"}, {"z"}},  // the objects are not bound
     {"gi/rsm/gather_kernel.h", {"gi/rsm/gather_form.glsl", "gi/rsm/gather_disc.glsl", "gi/rsm/gather_all.comp"}},
     {"gi/rsm/texels_kernel.h", {"gi/rsm/whole_texels.glsl", "gi/rsm/continuous_texels.glsl"}},
