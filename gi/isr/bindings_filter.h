@@ -15,6 +15,10 @@ struct NamedImage {
 };
 void check_images(const char* stage, std::initializer_list<NamedImage> images, glm::ivec2 size, const char* why);
 
+// `image` at that size, written over where it has it already: memory that is new to a process costs more than these
+// stages. What it held stays where `fill` is false.
+void resize(Image4& image, glm::ivec2 size, bool fill, glm::vec4 value);
+
 // g of blur_kernel.h, [2 radius + 1]; blur = none: one weight, 1.
 Buffer<float> blur_weights(const IsrParams& params);
 

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "core/error.h"
 #include "core/fp_environment.h"
 #include "core/host_math.h"
@@ -37,6 +39,13 @@ void check_images(const char* stage, std::initializer_list<NamedImage> images, g
     }
 }
 
+void resize(Image4& image, glm::ivec2 size, bool fill, glm::vec4 value) {
+    if (image.width != size.x || image.height != size.y)
+        image = Image4(size.x, size.y, value);
+    else if (fill)
+        std::fill(image.texels.begin(), image.texels.end(), value);
+}
+
 Buffer<float> blur_weights(const IsrParams& params) {
     const int radius = radius_of(params);
     const double sigma = params.blur_sigma;
@@ -55,9 +64,6 @@ BlurUniforms uniforms(const IsrParams& params, const BlurInputs& in) {
 void validate(const IsrParams& params, const BlurInputs& in) {
     const char* stage = "isr.blur";
     validate(params);
-    if (params.blur == Blur::edge_aware && params.position == Position::inverse_matrix)
-        throw InputError(fmt::format("{}: blur = edge_aware with position = inverse_matrix: expected position = linear, "
-                                     "since it compares linear depths", stage));
     if (!in.lit) throw InputError(fmt::format("{}: lit must be bound", stage));
     const glm::ivec2 size{in.lit->width, in.lit->height};
     check_images(stage, {{"lit", in.lit}, {"surface", in.surface}}, size, "as lit");
@@ -68,10 +74,13 @@ void run(const IsrParams& params, const BlurInputs& in, const RunOptions& option
     validate(params, in);
     const Buffer<float> spatial = blur_weights(params);
     // What has no surface is not computed where tiles say so: nothing, and open. As printed it is blurred like the rest.
-    Image4 result(in.lit->width, in.lit->height, glm::vec4(0, 0, 0, 1));
+    const bool skips = in.tiles && kind_of(params) != BlurKind::published;
+    const bool in_place = &blurred == in.lit || &blurred == in.surface;
+    Image4 other;
+    Image4& result = in_place ? other : blurred;
+    resize(result, {in.lit->width, in.lit->height}, skips, {0, 0, 0, 1});
     BlurInputsView view = view_of(params, in, spatial);
     view.blurred = &result.data()->x;
-    const bool skips = in.tiles && kind_of(params) != BlurKind::published;
     const Tiles tiles = skips ? Tiles{in.tiles->any.data(), in.tiles->tiles.x} : Tiles{};
     dispatch(options.isa, [&](auto isa) {
         parallel_bands(result.height, band, options, [&](int first, int last) {
@@ -79,7 +88,7 @@ void run(const IsrParams& params, const BlurInputs& in, const RunOptions& option
             BlurRows<isa()>::blur(view, first, last, planes.data(), tiles);
         });
     });
-    blurred = std::move(result);
+    if (in_place) blurred = std::move(other);
 }
 
 std::vector<TapValue> explain(const IsrParams& params, const BlurInputs& in, glm::ivec2 pixel) {

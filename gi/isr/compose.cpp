@@ -46,14 +46,14 @@ void validate(const IsrParams& params, const ComposeInputs& in) {
 
 void run(const IsrParams& params, const ComposeInputs& in, const RunOptions& options, Image4& radiance) {
     validate(params, in);
-    Image4 result(in.normal->width, in.normal->height);
+    // A pixel is read before it is written: an input may be composed over.
+    resize(radiance, {in.normal->width, in.normal->height}, false, glm::vec4(0));
     ComposeInputsView view = view_of(params, in);
-    view.radiance = &result.data()->x;
+    view.radiance = &radiance.data()->x;
     dispatch(options.isa, [&](auto isa) {
-        parallel_bands(result.height, band, options,
+        parallel_bands(radiance.height, band, options,
                        [&](int first, int last) { ComposeRows<isa()>::compose(view, first, last); });
     });
-    radiance = std::move(result);
 }
 
 std::vector<TapValue> explain(const IsrParams& params, const ComposeInputs& in, glm::ivec2 pixel) {

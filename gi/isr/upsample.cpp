@@ -56,7 +56,10 @@ void validate(const IsrParams& params, const UpsampleInputs& in) {
 
 void run(const IsrParams& params, const UpsampleInputs& in, const RunOptions& options, Image4& upsampled) {
     validate(params, in);
-    Image4 result(in.position->width, in.position->height, glm::vec4(0, 0, 0, 1));
+    const bool in_place = &upsampled == in.lit || &upsampled == in.surface;
+    Image4 other;
+    Image4& result = in_place ? other : upsampled;
+    resize(result, {in.position->width, in.position->height}, in.tiles != nullptr, {0, 0, 0, 1});
     UpsampleInputsView view = view_of(params, in);
     view.upsampled = &result.data()->x;
     const Tiles tiles = in.tiles ? Tiles{in.tiles->any.data(), in.tiles->tiles.x} : Tiles{};
@@ -66,7 +69,7 @@ void run(const IsrParams& params, const UpsampleInputs& in, const RunOptions& op
             UpsampleRows<isa()>::upsample(view, first, last, planes.data(), tiles);
         });
     });
-    upsampled = std::move(result);
+    if (in_place) upsampled = std::move(other);
 }
 
 std::vector<TapValue> explain(const IsrParams& params, const UpsampleInputs& in, glm::ivec2 pixel) {
