@@ -1,0 +1,206 @@
+// Image-space radiosity against closed forms: form factors and occlusion of surfaces that a pinhole camera sees, from
+// images made in double precision.
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "gi/isr/isr.h"
+#include "gi/reference/closed_form_scenes.h"
+
+using namespace plumb;
+using namespace plumb::isr;
+
+namespace {
+
+// What a camera sees, at a coarse pixel each.
+struct Seen {
+    CoarseCamera camera;
+    Image4 surface, radiosity;
+
+    // surface_at(ray, normal): eye depth along a ray of depth 1 m, and the normal there; 0 where nothing is.
+    template <class SurfaceAt>
+    Seen(const CoarseCamera& c, SurfaceAt surface_at)
+        : camera(c), surface(c.size.x, c.size.y), radiosity(c.size.x, c.size.y) {
+        for (int y = 0; y < c.size.y; ++y)
+            for (int x = 0; x < c.size.x; ++x) {
+                glm::dvec3 normal(0);
+                double sent = 0;
+                const double z = surface_at(ray(x, y), normal, sent);
+                if (!(z > 0)) continue;
+                surface(x, y) = glm::vec4(glm::vec3(normal), float(z));
+                radiosity(x, y) = glm::vec4(glm::vec3(float(sent)), 0.5f);
+            }
+    }
+    glm::dvec3 ray(double x, double y) const { return camera.f_o + x * camera.f_u + y * camera.f_v; }
+};
+
+// Rings 1 pixel apart that cover an image of up to 127 pixels a side from any of its pixels.
+IsrParams every_pixel(int size) {
+    IsrParams params;
+    params.rings = params.ssao_rings = std::min(size, 127);
+    params.spacing = params.ssao_spacing = 1;
+    return params;
+}
+
+// One receiver at pixel p of what is seen: depth z, normal n.
+Image4 receiver(const Seen& seen, glm::ivec2 p, double z, const glm::dvec3& n) {
+    Image4 image(seen.surface.width, seen.surface.height);
+    image(p.x, p.y) = glm::vec4(glm::vec3(n), float(z));
+    return image;
+}
+
+glm::vec4 gathered_at(const Seen& seen, const Image4& receivers, glm::ivec2 p, float least_cosine = 1e-3f) {
+    IsrParams params = every_pixel(seen.surface.width);
+    params.least_cosine = least_cosine;
+    const Pattern pattern = gather_pattern(params);
+    GatherInputs in;
+    in.surface = &receivers, in.source_surface = &seen.surface, in.source_radiosity = &seen.radiosity;
+    in.camera = seen.camera, in.pattern = &pattern;
+    Image4 out;
+    run(params, in, {}, out);
+    return out(p.x, p.y);
+}
+
+double occlusion_at(const Seen& seen, const Image4& receivers, glm::ivec2 p) {
+    const IsrParams params = every_pixel(seen.surface.width);
+    const Pattern pattern = ssao_pattern(params);
+    SsaoInputs in;
+    in.surface = &receivers, in.source_surface = &seen.surface, in.camera = seen.camera, in.pattern = &pattern;
+    Image4 out;
+    run(params, in, {}, out);
+    return 1 - double(out(p.x, p.y).w);
+}
+
+// A floor, 1 m x 1 m, in front of a wall of the same size, seen from above: the floor is lit.
+Camera above_the_corner() {
+    Camera camera;
+    camera.position = {0.5, 1.7, 2.2}, camera.look_at = {0, 0.35, 0.45};
+    camera.fov_y_deg = 40, camera.near = 0.1, camera.far = 10;
+    return camera;
+}
+
+Seen floor_and_wall(const CoarseCamera& c) {
+    return Seen(c, [&](const glm::dvec3& ray, glm::dvec3& normal, double& sent) {
+        const double to_floor = -c.eye.y / ray.y, to_wall = -c.eye.z / ray.z;
+        const glm::dvec3 on_floor = c.eye + ray * to_floor, on_wall = c.eye + ray * to_wall;
+        if (to_floor > 0 && std::abs(on_floor.x) <= 0.5 && on_floor.z >= 0 && on_floor.z <= 1)
+            return normal = {0, 1, 0}, sent = 1, to_floor;
+        if (to_wall > 0 && std::abs(on_wall.x) <= 0.5 && on_wall.y >= 0 && on_wall.y <= 1)
+            return normal = {0, 0, 1}, to_wall;
+        return 0.0;
+    });
+}
+
+// The form factor from the wall, `height` above the floor's edge, to the floor; image of n x n coarse pixels. The camera
+// is moved so that a pixel lies there exactly.
+double wall_to_floor(int n, double height) {
+    Camera camera = above_the_corner();
+    const glm::ivec2 size(2 * n);
+    const glm::dvec3 target(0, height, 0);
+    CoarseCamera c = coarse_camera(camera, size);
+    const double z = linear_depth(camera, target);
+    const glm::dvec3 d = (target - c.eye) / z - c.f_o;
+    const double footprint2 = c.footprint * c.footprint;
+    const glm::ivec2 p(int(std::lround(glm::dot(d, c.f_u) / footprint2)), int(std::lround(glm::dot(d, c.f_v) / footprint2)));
+    const glm::dvec3 moved = target - (c.f_o + double(p.x) * c.f_u + double(p.y) * c.f_v) * z - c.eye;
+    camera.position += moved, camera.look_at += moved;
+    const Seen seen = floor_and_wall(coarse_camera(camera, size));
+    return double(gathered_at(seen, seen.surface, p).x);
+}
+
+// The camera is 100 m away and sees a disc of radius 0.5 m, or a unit square on the xy plane, head-on.
+template <class Inside>
+Seen head_on(int n, Inside inside) {
+    Camera camera;
+    camera.position = {0, 0, 100}, camera.look_at = {0, 0, 0}, camera.near = 1, camera.far = 200;
+    camera.fov_y_deg = 0.7;
+    const CoarseCamera c = coarse_camera(camera, glm::ivec2(2 * n));
+    return Seen(c, [&](const glm::dvec3& ray, glm::dvec3& normal, double& sent) {
+        if (!inside(c.eye + ray * 100.0)) return 0.0;
+        return normal = {0, 0, 1}, sent = 1, 100.0;
+    });
+}
+
+}  // namespace
+
+TEST_CASE("isr.gather: a wall next to a lit floor, form factors against the closed form as resolution grows",
+          "[isr][ISR 4.4][analytic]") {
+    // dA to a perpendicular rectangle that it stands in the middle of, from its height.
+    const double expected_half = 2 * reference::to_perpendicular_rectangle(0.5, 1, 0.5);
+    const double expected_near = 2 * reference::to_perpendicular_rectangle(0.5, 1, 0.02);
+    CHECK(expected_half == Approx(0.190135882384807).epsilon(1e-12));
+    CHECK(expected_near == Approx(0.484323815518066).epsilon(1e-12));
+    // 0.5 m away the floor's border, which falls between pixels, errs most: half a pixel of 1.5 m / n on three edges that
+    // hold a tenth of the form factor each. 0.02 m away a pixel is as large as the distance until n = 64.
+    const double allowed_half[] = {0.01, 0.005, 0.0025, 0.00125}, allowed_near[] = {0.9, 0.7, 0.3, 0.2};
+    int i = 0;
+    for (int n : {16, 32, 64, 127}) {
+        const double half = wall_to_floor(n, 0.5), near = wall_to_floor(n, 0.02);
+        INFO(n << " pixels: " << half << " off " << half / expected_half - 1 << ", " << near << " off "
+                        << near / expected_near - 1);
+        CHECK(std::abs(half / expected_half - 1) <= allowed_half[i]);
+        CHECK(std::abs(near / expected_near - 1) <= allowed_near[i]);
+        ++i;
+    }
+}
+
+TEST_CASE("isr.gather: a disc seen head-on has the form factor a^2 / (a^2 + d^2)", "[isr][ISR 4.4][analytic]") {
+    // The image cuts the disc along pixels: its area is off by the pixels on its rim, of which half fall either way.
+    const Seen seen = head_on(127, [](const glm::dvec3& x) { return x.x * x.x + x.y * x.y <= 0.25; });
+    for (double distance : {0.25, 0.5, 1.0, 2.0}) {
+        CAPTURE(distance);
+        const double expected = 0.25 / (0.25 + distance * distance);
+        const Image4 receivers = receiver(seen, {63, 63}, 100 - distance, {0, 0, -1});
+        CHECK(double(gathered_at(seen, receivers, {63, 63}).x) == Approx(expected).epsilon(0.005));
+    }
+}
+
+TEST_CASE("isr.ssao: spheres on a disc and on a wall occlude what their integral says", "[isr][ISR (26)][analytic]") {
+    // Each pixel is a sphere of r^2 = A / pi that covers r^2 cos / d^2 of the receiver's hemisphere: over a disc seen from
+    // its axis, integral of cos_p / (pi d^2) dA = 2 (1 - d / sqrt(d^2 + a^2)).
+    const Seen disc = head_on(127, [](const glm::dvec3& x) { return x.x * x.x + x.y * x.y <= 0.25; });
+    for (double distance : {0.5, 1.0, 2.0}) {
+        CAPTURE(distance);
+        const double expected = 2 * (1 - distance / std::sqrt(distance * distance + 0.25));
+        const Image4 receivers = receiver(disc, {63, 63}, 100 - distance, {0, 0, -1});
+        CHECK(occlusion_at(disc, receivers, {63, 63}) == Approx(expected).epsilon(0.005));
+    }
+    // A wall of 1 m x 1 m, a point before the middle of its foot: 2 / pi (asinh(1 / 2 a) - asinh(1 / (2 sqrt(1 + a^2)))).
+    // The receiver is the pixel whose ray passes by the foot's middle, within half a pixel: 0.5 % of a metre.
+    const Seen wall = head_on(127, [](const glm::dvec3& x) { return std::abs(x.x) <= 0.5 && std::abs(x.y) <= 0.5; });
+    for (double a : {0.25, 0.5, 1.0}) {
+        CAPTURE(a);
+        const glm::ivec2 foot(63, int(std::lround(63 + 0.5 / (100 * wall.camera.footprint))));
+        const Image4 receivers = receiver(wall, foot, 100 - a, {0, 1, 0});
+        const double y = (wall.camera.eye + wall.ray(foot.x, foot.y) * (100 - a)).y;
+        REQUIRE(std::abs(y + 0.5) < 0.011);
+        // From there up to the upper edge, and what is below the receiver's horizon does not occlude.
+        auto of_height = [&](double h) { return std::asinh(0.5 / std::sqrt(a * a + h * h)); };
+        const double low = std::max(0.0, -0.5 - y);
+        const double expected = 2 / M_PI * (of_height(low) - of_height(0.5 - y));
+        // Three edges, each within half a pixel: half a percent of the wall.
+        CHECK(occlusion_at(wall, receivers, foot) == Approx(expected).epsilon(0.015));
+    }
+}
+
+TEST_CASE("isr.ssao: published, an enclosure that blocks everything counts pi over its share", "[isr][ISR (26)][analytic]") {
+    // (26) on a distant small sphere is (2 pi / N) (r^2 / 2 d^2) d cos_p in the limit, d in metres: what it should be,
+    // r^2 / d^2 cos_p, times pi d / N. So it depends on the scene's unit, and on N.
+    const Seen one = head_on(33, [](const glm::dvec3& x) { return x.x * x.x + x.y * x.y <= 1e-4; });
+    IsrParams params = every_pixel(33);
+    params.variant = Variant::published;
+    const Pattern pattern = ssao_pattern(params);
+    const Image4 receivers = receiver(one, {16, 20}, 98, {0, 0, -1});
+    SsaoInputs in;
+    in.surface = &receivers, in.source_surface = &one.surface, in.camera = one.camera, in.pattern = &pattern;
+    Image4 published, corrected;
+    run(params, in, {}, published);
+    params.variant = Variant::corrected;
+    run(params, in, {}, corrected);
+    const glm::dvec3 d = one.ray(16, 16) * 100.0 - one.ray(16, 20) * 98.0;
+    const double distance = std::sqrt(glm::dot(d, d)), cosine = -d.z / distance;
+    const double side = one.camera.footprint * 100, ratio = side * side / M_PI / (distance * distance);
+    // Accessibilities near 1 are rounded to 2^-24.
+    CHECK(1 - double(corrected(16, 20).w) == Approx(ratio * cosine).margin(1e-7).epsilon(1e-3));
+    CHECK(1 - double(published(16, 20).w) ==
+          Approx(2 * M_PI / pattern.samples * (1 - std::sqrt(1 - ratio)) * cosine * distance).margin(1e-7));
+}
