@@ -86,7 +86,8 @@ Replaced replace(Scene& scene) {
     }
     scene.textures.clear();
     r.map = !scene.environment.map.empty();
-    if (r.map) scene.environment.radiance = glm::vec3(glm::dvec3(scene.environment.radiance) * mean_of(scene.environment.map));
+    glm::vec3& radiance = scene.environment.radiance;
+    if (r.map) radiance = glm::vec3(glm::dvec3(radiance) * mean_of(scene.environment.map));
     scene.environment.map = {};
     return r;
 }
@@ -158,7 +159,7 @@ class Writer {
         if (options_.preset == PovPreset::physical)
             out_ += fmt::format("  radiosity {{\n    brightness 1\n    pretrace_start 0.08\n    pretrace_end 0.004\n"
                                 "    count {}\n    error_bound 0.1\n    low_error_factor 0.5\n    nearest_count 10\n"
-                                "    minimum_reuse 0.004\n    recursion_limit {}\n    adc_bailout 0\n"
+                                "    minimum_reuse 0.004\n    recursion_limit {}\n    adc_bailout 1e-9\n"
                                 "    gray_threshold 0\n    normal off\n    media off\n  }}\n",
                                 options_.samples, options_.bounces);
         out_ += "}\n#default { finish { ambient 0 diffuse 1 emission 0 specular 0 phong 0 reflection 0 } }\n";
@@ -290,16 +291,27 @@ std::vector<std::string> notes_of(const Replaced& r, const Scene& scene, const P
     return notes;
 }
 
+bool is_plain(const std::string& word) {
+    return !word.empty() && std::all_of(word.begin(), word.end(), [](char c) {
+        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+               std::string_view("+-_./,:@%").find(c) != std::string_view::npos;
+    });
+}
+
 // In single quotes where a shell would read more than letters in it.
 std::string shell_word(const std::string& word) {
-    const auto plain = [](char c) {
-        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
-               std::string_view("+-_./,=:@%").find(c) != std::string_view::npos;
-    };
-    if (!word.empty() && std::all_of(word.begin(), word.end(), plain)) return word;
+    if (is_plain(word)) return word;
     std::string out = "'";
     for (const char c : word) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
     return out + "'";
+}
+
+// POV-Ray takes its arguments apart once more: a space ends one, quotes of either kind hold one together.
+std::string option(const std::string& letter, const std::string& path) {
+    if (is_plain(path)) return letter + path;
+    for (const char quote : {'"', '\''})
+        if (path.find(quote) == path.npos) return letter + quote + path + quote;
+    throw InputError("pov: " + shown(path) + ": POV-Ray takes no path with both kinds of quotes");
 }
 
 }  // namespace
@@ -328,13 +340,14 @@ void write_pov(const std::string& path, const Scene& scene, const PovOptions& op
 }
 
 std::vector<std::string> povray_command(const std::string& script, const std::string& picture, glm::ivec2 size) {
-    return {"povray", "+I" + script, "+O" + picture, "+FE", fmt::format("+W{}", size.x), fmt::format("+H{}", size.y),
-            "-A", "-D", "+WT1"};
+    return {"povray", option("+I", script), option("+O", picture), "+FE", fmt::format("+W{}", size.x),
+            fmt::format("+H{}", size.y), "-A", "-D", "+WT1"};
 }
 
 std::string povray_command_line(const std::string& script, const std::string& picture, glm::ivec2 size) {
     std::string line;
-    for (const std::string& word : povray_command(script, picture, size)) line += (line.empty() ? "" : " ") + shell_word(word);
+    for (const std::string& word : povray_command(script, picture, size))
+        line += (line.empty() ? "" : " ") + shell_word(word);
     return line;
 }
 

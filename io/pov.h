@@ -32,7 +32,7 @@ std::vector<std::string> pov_notes(const Scene& scene, const PovOptions& options
 void write_pov(const std::string& path, const Scene& scene, const PovOptions& options = {});
 
 // The program and its arguments that render the script to an EXR of radiance: one work thread, because several are not
-// repeatable; no antialiasing.
+// repeatable; no antialiasing. Throws InputError for a path that holds both kinds of quotes.
 std::vector<std::string> povray_command(const std::string& script, const std::string& picture, glm::ivec2 size);
 // The same for a POSIX shell, quoted.
 std::string povray_command_line(const std::string& script, const std::string& picture, glm::ivec2 size);
