@@ -159,10 +159,11 @@ std::vector<Field> fields(ShadowParams& p) {
          {}, true},
         {"max_slope", &p.max_slope, "", "limit of that slope: 16 is a surface at 86 degrees to the light", 0, 1e6, {},
          true},
-        {"esm_c", &p.esm_c, "", "c of ISR (30), for depths over the light's range (far plane, or depth of the box); 90 is "
-         "Listing 8's", 1e-3, 1e9, {}, true},
-        {"esm_blur_radius", &p.esm_blur_radius, "texels", "of the logarithmic blur of esm's map (ISR 4.6), 0 none; 3 is "
-         "ours", 0, most_blur_radius, {}, true},
+        {"esm_c", &p.esm_c, "",
+         "c of ISR (30), for depths over the light's range (far plane, or depth of the box); 90 is Listing 8's", 1e-3, 1e9,
+         {}, true},
+        {"esm_blur_radius", &p.esm_blur_radius, "texels",
+         "of the logarithmic blur of esm's map (ISR 4.6), 0 none; 3 is ours", 0, most_blur_radius, {}, true},
         {"esm_blur_sigma", &p.esm_blur_sigma, "texels", "of its Gaussian; ours", 0.05, 1e6, {}, false},
     };
 }
@@ -210,8 +211,8 @@ StageInfo shadow_info() {
     s.source = "VRSM Algorithm 4; ISR 4.6, Listing 8";
     s.inputs = {{"position", "image rgba32f", "m", "world-space position of the shading points"},
                 {"normal", "image rgba32f", "", "unit normal of the shading points"},
-                {"rsm.position", "image rgba32f", "m", "w: linear light-space depth; 0 where nothing is; of a point light a map a face; "
-                  "mode = esm: blurred"}};
+                {"rsm.position", "image rgba32f", "m",
+                 "w: linear light-space depth; 0 where nothing is; of a point light a map a face; mode = esm: blurred"}};
     s.outputs = {{"visibility", "image r32f", "", "1 lit, 0 shadowed; but for the hard test in between"}};
     s.params = describe(fields(defaults));
     s.twin = "gi/direct/shadow.comp";

@@ -35,7 +35,7 @@ struct ShadowInputs {
     const Image4* normal = nullptr;    // xyz unit; all 0 where nothing is
     std::span<const raster::Rsm> rsms; // the light's map, or the six of a point light; position.w is the depth map
     const raster::Covered* tiles = nullptr;  // the others, which must see nothing, are not shaded; null: all are
-    std::span<const Image4> blurred = {};    // of mode = esm: read instead of the maps' own depths (log_blur.h); or none
+    std::span<const Image4> blurred = {};    // of mode = esm: read instead of the maps' own depths (log_blur.h)
 };
 // visibility: [height][width] floats, 1 lit, 0 shadowed. What a face of size 0 would serve is lit. Where nothing is seen,
 // position and normal are 0, and so the visibility is one number all over: that of the world's origin.

@@ -89,7 +89,8 @@ PLUMB_INLINE vec4<F> log_blur(const LogBlurInputsView& in, index_t<F> px, index_
     }
     tap.sample(-1);
     const F mean = sum / total;                                 tap("mean", mean, "sum / sum of w_i");
-    const F mean_less = less / total;                           tap("mean_less", mean_less, "mean - 1, to the last place");
+    const F mean_less = less / total;
+    tap("mean_less", mean_less, "mean - 1, to the last place");
     const F logarithm = select(mean_less >= F(-0.25f), log_near_one<F>(mean_less), detmath::log(mean));
     // Rounding leads to no depth that is not between those of the taps.
     const F d = max(nearest, d_ref + logarithm / F(u.c));

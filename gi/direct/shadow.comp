@@ -98,8 +98,8 @@ float share_lit(vec3 x, Receiver r) {
     return visibility;
 }
 
-// Where x falls on the map, in texels whose centres are whole numbers. As printed, corners are, and nothing is divided by
-// w: 1/2 + clip / 2, times the size.
+// Where x falls on the map, in texels whose centres are whole numbers. As printed, corners are, and nothing is divided
+// by w: 1/2 + clip / 2, times the size.
 vec2 place_of(vec3 x) {
     if (u.published == 0) {
         vec2 corner = projected(u.map, x);

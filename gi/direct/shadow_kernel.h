@@ -16,10 +16,10 @@
 // both directions needs 1/sqrt(2) of that; slope_bias = 1 leaves a margin for rounding. A wider kernel reaches farther:
 // the host multiplies slope_bias by the reach.
 //
-// differs: the printed listing of VRSM has a constant bias, and compares `depth - zBias >= p.depth` with negative z, which
-// holds for the samples in shadow; its text blends the count as the share that is lit (variant `published`).
-// differs: Listing 8 of ISR does not divide by w, lacks the half texel between a texel's corner and its centre, multiplies
-// d_p - d_map by the cosine at the surface, and has no bias (variant `published` of pcf and esm).
+// differs: the printed listing of VRSM has a constant bias, and compares `depth - zBias >= p.depth` with negative z,
+// which holds for the samples in shadow; its text blends the count as the share that is lit (variant `published`).
+// differs: Listing 8 of ISR does not divide by w, lacks the half texel between a texel's corner and its centre,
+// multiplies d_p - d_map by the cosine at the surface, and has no bias (variant `published` of pcf and esm).
 #pragma once
 
 #include "core/detmath.h"
@@ -144,8 +144,8 @@ PLUMB_INLINE F share_lit(const ShadowInputsView& in, const vec3<F>& x, const Rec
     return visibility;
 }
 
-// Where x falls on the map, in texels whose centres are whole numbers. As printed, corners are, and nothing is divided by
-// w: 1/2 + clip / 2, times the size.
+// Where x falls on the map, in texels whose centres are whole numbers. As printed, corners are, and nothing is divided
+// by w: 1/2 + clip / 2, times the size.
 template <class F, class Tap>
 PLUMB_INLINE vec2<F> place_of(const ShadowUniforms& u, const vec3<F>& x, Tap& tap) {
     if (u.published == 0) {

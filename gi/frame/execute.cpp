@@ -5,6 +5,7 @@
 
 #include "core/content_hasher.h"
 #include "core/fp_environment.h"
+#include "gi/direct/log_blur.h"
 #include "gi/frame/at_run.h"
 #include "gi/frame/filters.h"
 #include "gi/frame/isr.h"
@@ -20,6 +21,7 @@ std::string place_of(const Settings& settings, const PlannedStage& stage) {
     if (is_gather(stage.name)) return fmt::format("gather {}", stage.light);
     if (is_filter(stage.name)) return filter_place(settings, stage);
     if (is_isr(stage.name)) return isr_place(stage);
+    if (stage.name == "shadow.blur") return fmt::format("shadow.blur {} {}", stage.light, stage.form);
     if (stage.name == "compose") return "radiance";
     if (stage.name == "reference") return stage.layer;
     if (stage.view > 0) return fmt::format("{} {} of view {}", stage.name, stage.light, stage.view);
@@ -57,7 +59,7 @@ class Execution {
 
     void make_room() {
         const std::size_t lights = c_.lights.size();
-        f_.rsms.resize(lights);
+        f_.rsms.resize(lights), f_.maps_blurred_across.resize(lights), f_.maps_blurred.resize(lights);
         begin_views(c_.scene, c_.settings, f_);
         c_.memory.irradiance.resize(lights), c_.memory.irradiance_error.resize(lights);
         if (f_.visibility.size() == lights * c_.pixels) return;
@@ -153,6 +155,8 @@ class Execution {
         if (!made().contains("truth_display")) f_.truth_display = {};
         const std::vector<FilterStage> before = filters_before_gathers(c_.settings), after = filters_after_gathers(c_.settings);
         if (!gathers_isr(c_.settings)) f_.isr = {};
+        if (!direct::blurs_maps(c_.settings.shadow))
+            for (std::size_t l = 0; l < c_.lights.size(); ++l) f_.maps_blurred_across[l] = f_.maps_blurred[l] = {};
         if (before.empty()) f_.half_position = f_.half_normal = {};
         if (after.empty()) f_.gathered = {};
         if (before.empty() || after.size() < 2) f_.upsampled = {};

@@ -107,6 +107,9 @@ class Keys {
             h.add(wants.light, faces);
             add_drawn(h);
             add_light(shining(light(stage)), h);
+        } else if (stage.name == "shadow.blur") {
+            add_fields(direct::fields(shadow), h);
+            h.add(map(stage));
         } else if (stage.name == "shadow") {
             add_fields(direct::fields(shadow), h);
             h.add(gbuffer_, map(stage));

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "gi/direct/log_blur.h"
 #include "gi/frame/kept_memory.h"
 
 namespace plumb::frame {
@@ -32,6 +33,13 @@ struct Kind {
     Run run, leave_out;
 };
 Kind kind_of(const PlannedStage& stage);
+
+// Where a pass of shadow.blur leaves what it makes, [light][map], and what it reads; of a map that was drawn.
+std::vector<std::vector<Image4>>& map_blur_result(Frame& frame, const PlannedStage& stage);
+direct::LogBlurInputs map_blur_inputs(const Frame& frame, const PlannedStage& stage, std::size_t map);
+// What the shadow test of a light reads for the points of a G-buffer.
+direct::ShadowInputs shadow_inputs(const Settings& settings, const Frame& frame, int light,
+                                   const raster::GBuffer& gbuffer);
 
 // Adds to the frame's indirect light, the sum of all gathers in their order, what one of them made.
 void add_gather(Context& c, const Image4& irradiance, const Image4& error);

@@ -152,7 +152,8 @@ struct Builder {
                 in = {&across, direct::Direction::vertical, range};
             }
             keep(direct::log_blur_data(settings.shadow, in), stage.label, stage.light, face);
-            out.back().id += "." + stage.form;
+            // A face's name stays last.
+            out.back().id.insert(stage.name.size(), "." + stage.form);
         });
     }
 

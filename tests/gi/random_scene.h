@@ -205,6 +205,12 @@ inline frame::Settings random_settings(std::uint32_t seed) {
     t.rsm.variant = rsm::Variant(dice.below(2));
     if (dice.one_in(3)) t.shadow.mode = direct::ShadowMode::density, t.shadow.kernel = 1 + dice.below(4);
     if (dice.one_in(4)) t.shadow.variant = direct::ShadowVariant::published, t.shadow.bias = dice.between(0, 2);
+    // Of its own dice: what the others say stays as it was.
+    Dice soft(seed ^ 0x51ed270bu);
+    if (soft.one_in(3)) {
+        t.shadow.mode = soft.one_in(3) ? direct::ShadowMode::pcf : direct::ShadowMode::esm;
+        t.shadow.esm_blur_radius = soft.below(4);
+    }
     t.reference.samples = 2;
     t.seed = dice.word() & 0xffff;
     if (t.rsm.gather == rsm::Gather::disc && dice.one_in(2)) {

@@ -281,7 +281,9 @@ TEST_CASE("stage bindings: numbers that kernels loop over and index by are held 
         double first, last;  // that are bound
     };
     const StageData tonemap = test::tonemap_case(small, compose::Operator::clamp, "tonemap");
-    for (const Range& r : {Range{shadow_case(), "kernel", 1, 64}, {disc_case(), "reach", 0, 32768},
+    const StageData map_blur = test::log_blur_case(small, 32, 8, direct::Direction::vertical, "shadow.blur");
+    for (const Range& r : {Range{shadow_case(), "kernel", 1, 64}, {shadow_case(), "soft", 0, 2},
+                           {map_blur, "radius", 0, 32}, {disc_case(), "reach", 0, 32768},
                            {continuous_case(), "reach", 0, 32769},
                            {continuous_case(), "samples", 0, uniform(continuous_case(), "samples")},
                            {disc_case(), "samples", 0, uniform(disc_case(), "samples")}, {tonemap, "op", 0, 3},

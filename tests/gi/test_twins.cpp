@@ -56,6 +56,7 @@ const TappedTwin tapped_twins[] = {
     {"gi/rsm/gather_kernel.h", {"gi/rsm/gather_form.glsl", "gi/rsm/gather_disc.glsl", "gi/rsm/gather_all.comp"}},
     {"gi/rsm/texels_kernel.h", {"gi/rsm/whole_texels.glsl", "gi/rsm/continuous_texels.glsl"}},
     {"gi/rsm/paths_kernel.h", {"gi/rsm/gather_paths.glsl"}},
+    {"gi/direct/log_blur_kernel.h", {"gi/direct/log_blur.comp"}},
     {"gi/direct/shadow_kernel.h", {"gi/direct/shadow.comp"}},
     {"gi/direct/direct_kernel.h", {"gi/direct/direct.comp"}},
     {"gi/filter/weights_kernel.h", {"gi/filter/weights.glsl"}},

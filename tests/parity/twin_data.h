@@ -97,6 +97,21 @@ inline StageData shadow_case(glm::ivec2 size, LightType type, int face, direct::
     return named(direct::shadow_data(params, {&p.position, &p.normal, maps}, face), id);
 }
 
+// A map of two layers, near each other in places, with holes.
+inline StageData log_blur_case(glm::ivec2 size, int radius, float sigma, direct::Direction direction,
+                               const std::string& id) {
+    Image4 map(size.x, size.y);
+    for (int y = 0; y < size.y; ++y)
+        for (int x = 0; x < size.x; ++x) {
+            const float gap = x < size.x / 2 ? 0.01f : 3.0f;
+            if ((y * size.x + x) % 11 != 0) map(x, y).w = 1 + gap * noise(x, y, 0, 6) + (y % 5 == 0 ? gap : 0.0f);
+        }
+    direct::ShadowParams params;
+    params.mode = direct::ShadowMode::esm;
+    params.esm_blur_radius = radius, params.esm_blur_sigma = sigma;
+    return named(direct::log_blur_data(params, {&map, direction, 10}), id);
+}
+
 inline StageData direct_case(glm::ivec2 size, const std::string& id, bool density = false,
                              direct::DirectVariant variant = direct::DirectVariant::corrected) {
     std::vector<Light> lights = {make_light(LightType::spot, 16), make_light(LightType::directional, 16),
@@ -220,6 +235,14 @@ inline std::vector<StageData> compute_cases(glm::ivec2 size) {
         shadow_case(size, LightType::directional, 0, ShadowMode::density, ShadowVariant::corrected, "shadow.density"),
         shadow_case(size, LightType::spot, 0, ShadowMode::density, ShadowVariant::published, "shadow.published"),
         shadow_case(size, LightType::point, 3, ShadowMode::hard, ShadowVariant::corrected, "shadow.ny"),
+        shadow_case(size, LightType::spot, 0, ShadowMode::pcf, ShadowVariant::corrected, "shadow.pcf"),
+        shadow_case(size, LightType::point, 3, ShadowMode::pcf, ShadowVariant::corrected, "shadow.pcf.ny"),
+        shadow_case(size, LightType::directional, 0, ShadowMode::esm, ShadowVariant::corrected, "shadow.esm"),
+        shadow_case(size, LightType::point, 3, ShadowMode::esm, ShadowVariant::corrected, "shadow.esm.ny"),
+        shadow_case(size, LightType::directional, 0, ShadowMode::pcf, ShadowVariant::published, "shadow.pcf.published"),
+        shadow_case(size, LightType::spot, 0, ShadowMode::esm, ShadowVariant::published, "shadow.esm.published"),
+        log_blur_case(size, 3, 1.5f, direct::Direction::horizontal, "shadow.blur.rows"),
+        log_blur_case(size, 8, 4, direct::Direction::vertical, "shadow.blur.columns"),
         direct_case(size, "direct"),
         direct_case(size, "direct.density", true),
         direct_case(size, "direct.published", false, DirectVariant::published),

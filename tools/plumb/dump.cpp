@@ -6,6 +6,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "gi/direct/log_blur.h"
 #include "gi/frame/filters.h"
 #include "gi/frame/isr.h"
 #include "gi/parity/stages.h"
@@ -118,6 +119,18 @@ struct Dump {
             for (auto& [port, files_of_port] : ports.items()) files_of_port.push_back(map.value(port, Json(nullptr)));
         }
         return ports;
+    }
+
+    // What a pass of shadow.blur makes, listed as rsm_outputs() lists.
+    Json blurred_maps(int l, const std::string& form) {
+        const std::vector<Image4>& maps = (form == "horizontal" ? frame.maps_blurred_across : frame.maps_blurred)[l];
+        Json all = Json::array();
+        for (int m = 0; m < int(maps.size()); ++m) {
+            const std::string face = maps.size() > 1 ? std::string(".") + raster::face_names[m] : "";
+            all.push_back(maps[m].empty() ? Json(nullptr)
+                                          : Json(files.picture("shadow.blur." + form + "." + lights[l] + face, maps[m])));
+        }
+        return all.size() == 1 ? all[0] : all;
     }
 
     std::string visibility(int l) {
@@ -280,9 +293,14 @@ struct Dump {
         } else if (s.name == "rsm") {
             inputs = surface_inputs();
             outputs = rsm_outputs(s.light);
+        } else if (s.name == "shadow.blur") {
+            const bool first = s.form == "horizontal";
+            inputs["map_position"] = first ? rsm_outputs(s.light)["position"] : blurred_maps(s.light, "horizontal");
+            outputs["blurred"] = blurred_maps(s.light, s.form);
         } else if (s.name == "shadow") {
             inputs = surface_points();
-            inputs["rsm.position"] = rsm_outputs(s.light)["position"];
+            inputs["rsm.position"] = direct::blurs_maps(settings.shadow) ? blurred_maps(s.light, "vertical")
+                                                                         : rsm_outputs(s.light)["position"];
             outputs["visibility"] = visibility(s.light);
         } else if (s.name == "direct") {
             direct(inputs, outputs);

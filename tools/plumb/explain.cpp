@@ -112,6 +112,13 @@ struct Checker {
             of_map.push_back({"flux", at(r.flux, texel), last_value(e, "stored_flux")});
             return of_map;
         }
+        if (s.name == "shadow.blur") {
+            const int side = scene.lights[s.light].rsm_size;
+            const auto& maps = s.form == "horizontal" ? frame.maps_blurred_across : frame.maps_blurred;
+            const Image4& map = maps[s.light][pixel.x / side];
+            if (map.empty()) return {};
+            return {{"depth", {map(pixel.x % side, pixel.y).w}, last_value(e, "depth")}};
+        }
         if (s.name == "shadow") {
             const std::size_t pixels = g.position.size();
             const std::size_t i = s.light * pixels + std::size_t(pixel.y) * g.position.width + pixel.x;
@@ -147,7 +154,7 @@ std::string check_text(const Check& check) {
 
 // The stages that `stage` stands on; the others need not run.
 frame::Plan up_to(frame::Plan plan, const std::string& stage) {
-    for (const char* early : {"gbuffer", "rsm", "shadow", "direct"}) {
+    for (const char* early : {"gbuffer", "rsm", "shadow.blur", "shadow", "direct"}) {
         if (stage != early) continue;
         std::erase_if(plan.stages, [](const frame::PlannedStage& s) {
             return s.name == "compose" || s.name == "tonemap" || s.name == "reference" ||
@@ -157,6 +164,9 @@ frame::Plan up_to(frame::Plan plan, const std::string& stage) {
     }
     return plan;
 }
+
+// Stages of a light's maps: their pixels are texels.
+bool of_maps(const std::string& stage) { return stage == "rsm" || stage == "shadow.blur"; }
 
 // What cannot be explained is refused before the frame is rendered.
 void require_explainable(const ExplainOptions& given, glm::ivec2 pixel, const Scene& scene) {
@@ -169,7 +179,7 @@ void require_explainable(const ExplainOptions& given, glm::ivec2 pixel, const Sc
         throw InputError(fmt::format("--stage {}: the stage is not part of a frame: no method runs it", given.stage));
     if (given.stage == "reference")
         throw InputError("--stage reference: it is a mean over paths; it has no values to list");
-    if (given.stage != "rsm" && (pixel.x >= scene.frame_size.x || pixel.y >= scene.frame_size.y))
+    if (!of_maps(given.stage) && (pixel.x >= scene.frame_size.x || pixel.y >= scene.frame_size.y))
         throw InputError(fmt::format("--pixel {}: outside of the picture, which is {} x {}", given.pixel,
                                      scene.frame_size.x, scene.frame_size.y));
 }
@@ -182,8 +192,8 @@ class Report {
         : given_(given), options_(options), scene_(scene), settings_(settings), plan_(plan), frame_(frame) {
         if (given.html.empty()) return;
         page_.emplace(fmt::format("plumb explain {}, {} {},{}", io::shown(scene.name),
-                                  given.stage == "rsm" ? "texel" : "pixel", pixel.x, pixel.y));
-        if (given.stage != "rsm" && !frame.display.empty()) page_->picture(frame.display, pixel);
+                                  of_maps(given.stage) ? "texel" : "pixel", pixel.x, pixel.y));
+        if (!of_maps(given.stage) && !frame.display.empty()) page_->picture(frame.display, pixel);
     }
 
     void add(const frame::PlannedStage& stage, const frame::Explanation& e, const std::vector<Check>& checks) {

@@ -34,7 +34,8 @@ const StageBinding* binding_of(const std::string& stage) {
 
 // A light's maps lie side by side for people; each is a draw of its own. The pixel of this one, if it is there.
 std::optional<glm::ivec2> pixel_of(const StageData& data, const BoundStage& bound, glm::ivec2 pixel) {
-    if (data.stage != "rsm") return bound.writes(pixel) ? std::optional(pixel) : std::nullopt;
+    const bool of_maps = data.stage == "rsm" || data.stage == "shadow.blur";
+    if (!of_maps) return bound.writes(pixel) ? std::optional(pixel) : std::nullopt;
     const std::string face = face_of(data);
     const auto* const first = std::begin(raster::face_names);
     const auto index = face.empty() ? 0 : std::find(first, std::end(raster::face_names), face) - first;

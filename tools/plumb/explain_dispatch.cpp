@@ -59,7 +59,7 @@ std::vector<ExplainedDispatch> explained_dispatches(const Scene& scene, const fr
         if (!face.empty()) one.label += " " + face;
         for (StageData& data : all)
             if (face_of(data) == face) one.binding = binding_of(data.stage), one.data = std::move(data);
-        if (stage.name == "rsm" && one.data.size.x > 0) one.pixel.x %= one.data.size.x;
+        if ((stage.name == "rsm" || stage.name == "shadow.blur") && one.data.size.x > 0) one.pixel.x %= one.data.size.x;
         out.push_back(std::move(one));
     }
     return out;
