@@ -31,7 +31,8 @@ struct BlurOf {
         check_choice(d, "kind", u.kind, int(BlurKind::published));
         check_choice(d, "vertical", u.vertical, 1);
         check_choice(d, "radius", u.radius, BlurPlanes::padding);
-        const std::size_t weights = at(d.inputs, "spatial").bytes.size() / 4, needed = std::size_t(2 * u.radius + 1);
+        const std::size_t weights = at(d.inputs, "spatial").bytes.size() / 4;
+        const std::size_t needed = std::size_t(2 * u.radius + 1);
         if (weights < needed)
             throw InputError(fmt::format("{}: {} spatial weights: expected {}", d.label, weights, needed));
         view.lit = floats(d, "lit"), view.surface = floats(d, "surface"), view.spatial = floats(d, "spatial");
@@ -64,8 +65,8 @@ struct UpsampleOf {
         for (const char* name : {"lit", "surface"}) {
             const Shape& shape = at(d.inputs, name).shape;
             if (shape[0] != coarse.y || shape[1] != coarse.x)
-                throw InputError(fmt::format("{}: input \"{}\" is {}: expected {} x {}, half of the outputs, rounded up",
-                                             d.label, name, shape_text(shape), coarse.y, coarse.x));
+                throw InputError(fmt::format("{}: input \"{}\" is {}: expected {} x {}, half of the outputs", d.label,
+                                             name, shape_text(shape), coarse.y, coarse.x));
         }
         view.lit = floats(d, "lit"), view.surface = floats(d, "surface");
         view.position = floats(d, "position"), view.normal = floats(d, "normal");
@@ -176,7 +177,8 @@ const StageBinding& compose_binding() {
                    {.name = "albedo", .binding = 2, .meaning = "diffuse reflectance rho"},
                    {.name = "emission", .binding = 3, .unit = "W/m2", .meaning = "radiant exitance M"},
                    {.name = "direct", .binding = 4, .unit = "W/m2", .meaning = "direct irradiance"},
-                   {.name = "indirect", .binding = 5, .unit = "W/m2", .meaning = "indirect irradiance; w: accessibility"}},
+                   {.name = "indirect", .binding = 5, .unit = "W/m2",
+                    .meaning = "indirect irradiance; w: accessibility"}},
         .outputs = {{.name = "radiance", .kind = SlotKind::storage_image, .binding = 6, .unit = "W/(m2 sr)",
                      .meaning = "outgoing radiance towards the viewer"}},
         .bind = bind_kernel<ComposeOf, compose_binding>};

@@ -58,7 +58,8 @@ Buffer<float> blur_weights(const IsrParams& params) {
 }
 
 BlurUniforms uniforms(const IsrParams& params, const BlurInputs& in) {
-    return {in.lit->width, in.lit->height, radius_of(params), in.direction == Direction::vertical, int(kind_of(params)), {}};
+    const bool vertical = in.direction == Direction::vertical;
+    return {in.lit->width, in.lit->height, radius_of(params), vertical, int(kind_of(params)), {}};
 }
 
 void validate(const IsrParams& params, const BlurInputs& in) {
@@ -73,7 +74,7 @@ void validate(const IsrParams& params, const BlurInputs& in) {
 void run(const IsrParams& params, const BlurInputs& in, const RunOptions& options, Image4& blurred) {
     validate(params, in);
     const Buffer<float> spatial = blur_weights(params);
-    // What has no surface is not computed where tiles say so: nothing, and open. As printed it is blurred like the rest.
+    // Where tiles say so, what has no surface is not computed: nothing, and open. As printed it is blurred too.
     const bool skips = in.tiles && kind_of(params) != BlurKind::published;
     const bool in_place = &blurred == in.lit || &blurred == in.surface;
     Image4 other;

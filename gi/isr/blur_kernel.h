@@ -1,16 +1,16 @@
-// The blur of the coarse result along rows or columns (ISR 4.2, Listing 3): the algorithm that blur.comp mirrors line by
-// line.
+// The blur of the coarse result along rows or columns (ISR 4.2, Listing 3): the algorithm that blur.comp mirrors line
+// by line.
 //
 //     E = sum_i w_i E_i / sum_i w_i,    i = -radius .. radius along a row or a column
 //
 //     gaussian    w_i = g_i where i has a surface, else 0; beyond the border there is none
 //     edge_aware  w_i = g_i max(0, 1 - q^2) max(0, n . n_i),  q = (z_i - z) / (0.05 z)
-//     published   w_i = g_i everywhere, the border's pixel standing for what lies beyond; not divided by their sum
+//     published   w_i = g_i everywhere, the border's pixel standing for what lies beyond; not divided by the sum
 //
 // g a Gaussian whose sum is 1. All four components are blurred: irradiance and accessibility.
 //
-// One template serves two ways to reach a pixel's neighbours: Texels is BlurImageTexels, the images as they are bound, or
-// a packet's view of them taken apart into planes (blur_rows.h).
+// One template serves two ways to reach a pixel's neighbours: Texels is BlurImageTexels, the images as they are bound,
+// or a packet's view of them taken apart into planes (blur_rows.h).
 #pragma once
 
 #include "core/number.h"

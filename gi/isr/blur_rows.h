@@ -17,7 +17,7 @@ struct BlurPlanes {
     enum : int { red, green, blue, open, covered, normal_x, normal_y, normal_z, depth, count };
     static constexpr int padding = 32;  // floats before the first pixel and after the last; the largest radius is 32
 
-    float* planes;   // [row][count][stride]: rows first - radius .. last + radius of a vertical blur, else first .. last
+    float* planes;   // [row][count][stride]: rows first .. last, and of a vertical blur a radius before and after
     int stride;      // floats
     int first_row;   // of the image: may lie above it
 

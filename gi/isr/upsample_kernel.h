@@ -3,15 +3,15 @@
 //     w_i' = w_i^b w_i^z,    w_i^z = 1 / (epsilon + |z_p - z_i| / z_p)                                  ISR (27)
 //     w_i  = w_i' / sum_j w_j'                                                                          ISR (28)
 //
-// i the 2 x 2 coarse pixels around p. Coarse pixel i lies at the common corner of its four pixels, 2 i + 1, a full pixel X
-// at X + 1/2: along an axis p is X / 2 - 1/4 coarse pixels from the first, and the bilinear shares are 1/4 and 3/4.
+// i the 2 x 2 coarse pixels around p. Coarse pixel i lies at the common corner of its four pixels, 2 i + 1, a full
+// pixel X at X + 1/2: along an axis p is X / 2 - 1/4 coarse pixels from the first; bilinear shares are 1/4 and 3/4.
 //
 // differs: |z_p - z_i| of (27) is a length; here it is a share of the pixel's depth (published: of the far plane's).
 // differs: a coarse pixel without a surface has no weight (published: it counts, at depth 0).
 // differs: where all w_i' are 0, those that have a surface count by their bilinear share.
 //
-// One template serves two ways to reach coarse pixels: Texels is UpsampleImageTexels, the images as they are bound, or a
-// packet's view of them taken apart into planes (upsample_rows.h).
+// One template serves two ways to reach coarse pixels: Texels is UpsampleImageTexels, the images as they are bound, or
+// a packet's view of them taken apart into planes (upsample_rows.h).
 #pragma once
 
 #include "core/number.h"

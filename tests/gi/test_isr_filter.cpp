@@ -132,7 +132,8 @@ TEST_CASE("isr.blur: one bright pixel spreads by the Gaussian, and nothing is lo
                         const double g = gaussian(x - 20, radius, 2.5) * gaussian(y - 20, radius, 2.5);
                         for (int c = 0; c < 4; ++c)
                             CHECK(got(x, y)[c] == Approx(g * lit(20, 20)[c]).epsilon(1e-6).margin(1e-30));
-                        CHECK(across(x, y).x == Approx(y == 20 ? gaussian(x - 20, radius, 2.5) : 0).margin(1e-30).epsilon(1e-6));
+                        const double along = y == 20 ? gaussian(x - 20, radius, 2.5) : 0;
+                        CHECK(across(x, y).x == Approx(along).margin(1e-30).epsilon(1e-6));
                         sum += glm::dvec4(got(x, y));
                     }
                 for (int c = 0; c < 4; ++c) CHECK(sum[c] == Approx(lit(20, 20)[c]).epsilon(1e-6));
@@ -270,7 +271,8 @@ TEST_CASE("isr.upsample: a constant stays what it is; no surface is nothing and 
                         bool any = variant == Variant::published;  // as printed, background counts
                         for (int dy : {(y - 1) >> 1, (y + 1) >> 1})
                             for (int dx : {(x - 1) >> 1, (x + 1) >> 1})
-                                any |= covered(surface, std::clamp(dx, 0, coarse.x - 1), std::clamp(dy, 0, coarse.y - 1));
+                                any |= covered(surface, std::clamp(dx, 0, coarse.x - 1),
+                                               std::clamp(dy, 0, coarse.y - 1));
                         // Four quotients and products, three sums above and below.
                         for (int c = 0; c < 4; ++c) {
                             if (any && covered(full, x, y))
@@ -294,8 +296,8 @@ TEST_CASE("isr.upsample: bilateral keeps the sides of a depth edge apart", "[isr
         const Image4 got = upsampled(with(Upsample::bilateral, Variant::corrected, epsilon), lit, surface, full);
         for (int y = 0; y < 8; ++y)
             for (int x = 0; x < 16; ++x) {
-                // At most 3/4 of the shares lie beyond the edge, at least 1/4 on this side: 3 epsilon / (epsilon + d), d the
-                // difference in depth, 1 of the near wall's and 1/2 of the far one's.
+                // At most 3/4 of the shares lie beyond the edge, at least 1/4 on this side:
+                // 3 epsilon / (epsilon + d), d the difference in depth, 1 of the near wall's and 1/2 of the far one's.
                 const double d = x < 6 ? 1 : 0.5, bound = 100 * 3 * double(epsilon) / (double(epsilon) + d);
                 CHECK(std::abs(got(x, y).x - (x < 6 ? 1 : 101)) <= bound + 101 * 12 * 0x1p-24);
                 CHECK(std::abs(got(x, y).w - (x < 6 ? 1 : 0)) <= bound / 100 + 12 * 0x1p-24);
@@ -366,7 +368,8 @@ TEST_CASE("isr.compose: (29) by hand, corrected and as printed", "[isr][ISR (29)
                 params.k_ssao = k_ssao, params.k_isr = k_isr, params.ambient = ambient;
                 IsrParams printed = params;
                 printed.variant = Variant::published;
-                const double open = double(p.indirect(0, 0).w), passes = std::clamp(open + 1 - double(k_ssao), 0.0, 1.0);
+                const double open = double(p.indirect(0, 0).w);
+                const double passes = std::clamp(open + 1 - double(k_ssao), 0.0, 1.0);
                 for (int c = 0; c < 3; ++c) {
                     const double rho = p.albedo(0, 0)[c], direct = p.direct(0, 0)[c], e = p.indirect(0, 0)[c];
                     const double sky = ambient == Ambient::environment ? pi * double(p.environment[c]) : 0;
@@ -387,8 +390,8 @@ TEST_CASE("isr.compose: what it leaves alone, to the bit", "[isr][ISR (29)][bits
     Pixel p;
     auto composed = [&](const Image4& indirect, glm::vec3 environment) {
         Image4 out;
-        compose::run(compose::ComposeParams{}, {&p.normal, &p.albedo, &p.emission, &p.direct, &indirect, environment}, {},
-                     out);
+        compose::run(compose::ComposeParams{},
+                     {&p.normal, &p.albedo, &p.emission, &p.direct, &indirect, environment}, {}, out);
         return out(0, 0);
     };
     // k_isr = 0 and no ambient light: direct light alone, in both variants.
@@ -570,7 +573,8 @@ TEST_CASE("isr filters: float stays within its budget of double", "[isr][budget]
                         for (const TapValue& v : stage->explain({px, py}))
                             if (v.name == "total" && v.value[0] > 0) total = std::min(1.0, v.value[0]);
                         for (const Followed& v : one)
-                            CHECK(std::abs(v.value - v.exact) <= 16 * 0x1p-24 * std::max(1.0, std::abs(v.exact)) / total);
+                            CHECK(std::abs(v.value - v.exact) <=
+                                  16 * 0x1p-24 * std::max(1.0, std::abs(v.exact)) / total);
                     }
             }
         }
@@ -588,14 +592,16 @@ TEST_CASE("isr filters: no NaN at the limits of what they are given", "[isr][ext
                             CAPTURE(depth, other, epsilon, sigma, int(variant), int(kind));
                             IsrParams params = with(kind, variant, 32, sigma);
                             params.epsilon = epsilon;
-                            Image4 surface = wall(coarse, depth), lit(6, 3, {most, 0, 1e-40f, 0}), full = wall(size, depth);
+                            Image4 surface = wall(coarse, depth), full = wall(size, depth);
+                            Image4 lit(6, 3, {most, 0, 1e-40f, 0});
                             for (int y = 0; y < 3; ++y) surface(3, y).w = other, lit(3, y) = {0, most, 1, 1};
                             for (int y = 0; y < 6; ++y) full(6, y).w = other, full(9, y) = glm::vec4(0);
                             const Image4 smooth = blurred(params, lit, surface, Direction::horizontal);
                             const Image4 up = upsampled(params, smooth, surface, full);
                             for (const Image4* image : {&smooth, &up})
                                 for (const glm::vec4& v : image->texels)
-                                    for (int c = 0; c < 4; ++c) CHECK((v[c] >= 0 && v[c] <= (c < 3 ? most : 1) * 1.00001f));
+                                    for (int c = 0; c < 4; ++c)
+                                        CHECK((v[c] >= 0 && v[c] <= (c < 3 ? most : 1) * 1.00001f));
                         }
 }
 
@@ -615,8 +621,8 @@ TEST_CASE("isr filters: bad input is refused in one line", "[isr]") {
                       "isr.blur: tiles are of another size");
     params.variant = Variant::published;
     CHECK_THROWS_WITH(run(params, UpsampleInputs{&half, &half, &full, &full, 0.1, INFINITY}, {}, out),
-                      "isr.upsample: far = inf: expected a finite far plane above 0 m, since variant = published compares "
-                      "depths as shares of it (ISR (27))");
+                      "isr.upsample: far = inf: expected a finite far plane above 0 m, since variant = published "
+                      "compares depths as shares of it (ISR (27))");
     params = {};
     params.position = Position::inverse_matrix;
     CHECK_THROWS_WITH(run(params, UpsampleInputs{&half, &half, &full, &full, 0, 10}, {}, out),
