@@ -72,7 +72,8 @@ TEST_CASE("usage: every command takes --json, --threads and --isa", "[program][c
         {"export", {scene, "--stage", "tonemap", "-o", folder + "/e"}},
         {"validate", {folder + "/d/manifest.toml"}}, {"devices", {}}, {"probe-device", {}},
         {"sweep", {scene, "-o", folder + "/f", "--method", "direct", "--spp", "4"}},
-        {"stability", {"--stage", "tonemap", "--case", "room"}}};
+        {"stability", {"--stage", "tonemap", "--case", "room"}},
+        {"pov", {scene, "-o", folder + "/g.pov"}}};
     // Of these there may be no Vulkan, or no device.
     const std::set<std::string> on_a_device = {"devices", "probe-device"}, lists = {"stages", "devices"};
 
