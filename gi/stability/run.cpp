@@ -10,6 +10,7 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
+#include "gi/frame/isr.h"
 #include "gi/frame/rules.h"
 #include "gi/parity/stages.h"
 #include "gi/stability/cases.h"
@@ -131,7 +132,21 @@ Buffers buffers_of(const frame::Frame& f, const std::string& stage) {
         b.look("upsampled", f.upsampled.empty() ? f.indirect : f.upsampled);
     } else if (stage == "filter.blur") {
         b.look("blurred across", f.blurred_across), b.look("blurred", f.indirect);
-    } else if (stage == "compose") {
+    } else if (frame::is_isr_gather(stage)) {
+        for (const Image4& gathered : f.isr.gathered) b.look("irradiance", gathered);
+    } else if (stage == "isr.downsample") {
+        b.look("surface", f.isr.surface), b.look("radiosity", f.isr.radiosity), b.look("reflectance", f.isr.reflectance);
+    } else if (stage == "isr.bounce") {
+        for (const Image4& radiosity : f.isr.radiosities) b.look("radiosity", radiosity);
+    } else if (stage == "isr.unseen") {
+        for (const Image4& unseen : f.isr.unseen) b.look("unseen", unseen);
+    } else if (stage == "isr.ssao") {
+        b.look("lit", f.isr.lit);
+    } else if (stage == "isr.blur") {
+        b.look("blurred across", f.isr.blurred_across), b.look("blurred", f.isr.blurred);
+    } else if (stage == "isr.upsample") {
+        b.look("upsampled", f.indirect);
+    } else if (stage == "compose" || stage == "isr.compose") {
         b.look("radiance", f.radiance);
     } else if (stage == "tonemap") {
         b.look("display", f.display);
@@ -188,6 +203,34 @@ void look_at_filters(const Case& c, const Scene& scene, frame::Settings settings
         if (out.wants(stage)) look(c, scene, settings, drawn, drawn.plan, stage, effort, out);
 }
 
+// Image-space radiosity, of frames that have all of its stages: with what ISR's chapter 6 adds, as printed, and with
+// positions by inverse matrices. Few samples: every one is the same.
+void look_at_isr(const Case& c, const Scene& scene, frame::Settings settings, const Effort& effort, Writer& out) {
+    settings.method = frame::Method::isr;
+    isr::IsrParams& p = settings.isr;
+    p.rings = 2, p.spacing = 2, p.ssao_rings = 2, p.blur_radius = 2, p.k_ssao = 0.5f;
+    const isr::IsrParams plain = p;
+    auto by = [&](auto change) {
+        p = plain;
+        change();
+        std::vector<std::string> stages;
+        for (const frame::IsrStage& s : frame::isr_stages(scene, settings))
+            if (out.wants(s.name) && std::find(stages.begin(), stages.end(), s.name) == stages.end()) stages.push_back(s.name);
+        if (out.wants("isr.compose")) stages.push_back("isr.compose");
+        if (stages.empty()) return;
+        const Drawn drawn = draw(scene, settings, effort.run);
+        for (const Cell& cell : drawn.cells)
+            if (frame::is_isr(cell.stage)) out.add(cell);
+        if (!drawn.whole) return;
+        look_at_buffers(drawn, out);
+        for (const std::string& stage : stages) look(c, scene, settings, drawn, drawn.plan, stage, effort, out);
+    };
+    by([&] { p.bounces = 2, p.cameras = 1, p.guard = 4; });
+    by([&] { p.rotations = 4, p.blur = isr::Blur::edge_aware, p.far_rings = 1, p.full_depth = 1; });
+    by([&] { p.position = isr::Position::inverse_matrix; });
+    if (std::isfinite(scene.camera.far)) by([&] { p.variant = isr::Variant::published; });
+}
+
 void run_frame(const Case& c, const Scene& scene, const Effort& effort, Writer& out) {
     const frame::Settings settings = case_settings(c, scene);
     const Drawn drawn = draw(scene, settings, effort.run);
@@ -207,12 +250,14 @@ void run_frame(const Case& c, const Scene& scene, const Effort& effort, Writer& 
         otherwise(rsm::stage_name(gather, rsm::Texels::continuous), [=](frame::Settings& s) {
             s.rsm.gather = gather, s.rsm.texels = rsm::Texels::continuous;
         });
-    otherwise("shadow", [](frame::Settings& s) { s.shadow.mode = direct::ShadowMode::density; });
+    for (const direct::ShadowMode mode : {direct::ShadowMode::density, direct::ShadowMode::pcf, direct::ShadowMode::esm})
+        otherwise("shadow", [mode](frame::Settings& s) { s.shadow.mode = mode; });
     const glm::vec3 shadow_color(0.25f, 0.5f, 1);
     otherwise("direct", [=](frame::Settings& s) { s.compose.shadow_color = shadow_color; });
     otherwise("direct", [](frame::Settings& s) { s.direct.variant = direct::DirectVariant::published; });
     otherwise("compose", [=](frame::Settings& s) { s.compose.shadow_color = shadow_color; });
     look_at_filters(c, scene, settings, effort, out);
+    look_at_isr(c, scene, settings, effort, out);
     using compose::Operator;
     for (const Operator op : {Operator::clamp, Operator::exposure, Operator::reinhard, Operator::filmic})
         if (op != settings.tonemap.op) otherwise("tonemap", [op](frame::Settings& s) { s.tonemap.op = op; });

@@ -165,7 +165,7 @@ TEST_CASE("frames: any sequence of changes gives the bits of a fresh frame", "[f
             if (change == 3) scene.meshes[1].transform[3].y += step;
             if (change == 4) settings.pruning = !settings.pruning;
             if (change == 5) settings.tonemap.exposure += step;
-            if (change == 6) settings.method = frame::Method(pick(3));
+            if (change == 6) settings.method = frame::Method(pick(4));
             if (change == 7) settings.truth = !settings.truth;
             if (change == 8) settings.rsm.gather = rsm::Gather(pick(3));
             if (change == 9) std::swap(scene.frame_size.x, scene.frame_size.y);
