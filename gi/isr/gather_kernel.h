@@ -53,31 +53,6 @@ PLUMB_INLINE index_t<F> rotation_of(const SampleUniforms& u, index_t<F> px, inde
     return shift_right(pixel_hash(px, py, I(0), I(std::int32_t(u.seed))).x, 16) & I(u.rotations - 1);
 }
 
-// The samples of pixel (px, py), from the images. Beyond the border there is no surface.
-template <class F>
-struct SourceImages {
-    const GatherInputsView& in;
-    index_t<F> px, py, rotation;
-
-    template <class Tap>
-    PLUMB_INLINE Source<F> at(int k, Tap& tap) const {
-        using N = number<F>;
-        using I = index_t<F>;
-        const SampleUniforms& u = in.u;
-        const ivec2<I> offset = offset_of(N::fetch(in.offsets, rotation + I(k * u.rotations)));
-        const ivec2<I> texel{px + offset.x + I(u.margin), py + offset.y + I(u.margin)};
-        tap("texel", texel, "pixel of the sources");
-        const mask_t<F> inside = in_range(texel.x, I(u.source_width)) & in_range(texel.y, I(u.source_height));
-        tap("inside", inside, "1 if the sources have that pixel");
-        const I i = select(inside, texel.y * I(u.source_width) + texel.x, I(0));
-        const vec4<F> fetched = N::fetch4(in.source_surface, i);
-        const F zero(0.0f);
-        const vec4<F> surface{select(inside, fetched.x, zero), select(inside, fetched.y, zero),
-                              select(inside, fetched.z, zero), select(inside, fetched.w, zero)};
-        return source_of<F>(u, px + offset.x, py + offset.y, surface, xyz<F>(N::fetch4(in.source_radiosity, i)));
-    }
-};
-
 // F_pX. Dividing twice keeps the range of a float, where d^4 would overflow from 4e9 m and vanish below 1e-10 m.
 template <class F, bool published, class Tap>
 PLUMB_INLINE F form_factor(const vec3<F>& x_p, const vec3<F>& n_p, const Source<F>& x, Tap& tap) {
@@ -131,6 +106,31 @@ PLUMB_INLINE vec4<F> gather_by(const SampleUniforms& u, const Surface<F>& p, con
     tap("irradiance", irradiance, "sum F_pX B_X / max(1, sum F_pX), W/m2; ISR (25): rho_p 2 pi / N sum F_pX B_X");
     return vec4<F>(irradiance, select(covered, forms, zero));
 }
+
+// The samples of pixel (px, py), from the images. Beyond the border there is no surface.
+template <class F>
+struct SourceImages {
+    const GatherInputsView& in;
+    index_t<F> px, py, rotation;
+
+    template <class Tap>
+    PLUMB_INLINE Source<F> at(int k, Tap& tap) const {
+        using N = number<F>;
+        using I = index_t<F>;
+        const SampleUniforms& u = in.u;
+        const ivec2<I> offset = offset_of(N::fetch(in.offsets, rotation + I(k * u.rotations)));
+        const ivec2<I> texel{px + offset.x + I(u.margin), py + offset.y + I(u.margin)};
+        tap("texel", texel, "pixel of the sources");
+        const mask_t<F> inside = in_range(texel.x, I(u.source_width)) & in_range(texel.y, I(u.source_height));
+        tap("inside", inside, "1 if the sources have that pixel");
+        const I i = select(inside, texel.y * I(u.source_width) + texel.x, I(0));
+        const vec4<F> fetched = N::fetch4(in.source_surface, i);
+        const F zero(0.0f);
+        const vec4<F> surface{select(inside, fetched.x, zero), select(inside, fetched.y, zero),
+                              select(inside, fetched.z, zero), select(inside, fetched.w, zero)};
+        return source_of<F>(u, px + offset.x, py + offset.y, surface, xyz<F>(N::fetch4(in.source_radiosity, i)));
+    }
+};
 
 // The pixel (px, py), by whatever reads its samples: SourceImages, or a packet's view of planes (gather_rows.h).
 template <class F, class Sources, class Tap>
