@@ -140,7 +140,7 @@ TEST_CASE("light radius: the path tracer's direct light is the direct stage's", 
             const double want = irradiance_at(light, x, {0, 1, 0}) + irradiance_at(other, x, {0, 1, 0});
             const reference::ReceiverPoints p = reference::repeated(glm::dvec3(x), {0, 1, 0}, 4096);
             reference::PathParams params;
-            params.mode = reference::Mode::direct, params.samples = 256;
+            params.mode = reference::Mode::direct, params.samples = 1024;
             const auto e = reference::trace_irradiance(params, *reference::prepare(scene, Rays::native), {&p.position, &p.normal}, 5,
                                             {});
             double mean = 0, error2 = 0;
