@@ -1,5 +1,7 @@
 #include <cstddef>
+#include <optional>
 
+#include "core/fp_environment.h"
 #include "gi/bind_stage.h"
 #include "gi/isr/bindings.h"
 #include "gi/isr/gather_inputs.h"
@@ -42,6 +44,8 @@ struct DownsampleOf {
         check_shape(d, u.what == 0 ? "position" : "albedo", u.full_width, u.full_height, why);
         if (u.what == 1 && u.published == 0)
             for (const char* name : {"emission", "direct"}) check_shape(d, name, u.full_width, u.full_height, why);
+        for (const char* name : {"position", "albedo", "emission", "direct"})
+            if (at(d.inputs, name).shape != Shape{1, 1, 4}) check_shape(d, name, u.full_width, u.full_height, why);
         view.position = floats(d, "position"), view.normal = floats(d, "normal"), view.albedo = floats(d, "albedo");
         view.emission = floats(d, "emission"), view.direct = floats(d, "direct");
     }
@@ -80,18 +84,37 @@ int check_samples(const StageData& d, const SampleUniforms& u) {
     return reach;
 }
 
+// All sources taken apart, once; without rotations alone, since with them samples are fetched.
+class AllPlanes {
+  public:
+    template <class View>
+    void make(const View& view, int count, int reach) {
+        if (view.u.rotations > 1) return;
+        floats_.resize(SourcePlanes::floats(view.u, count, reach, view.u.height));
+        planes_.emplace(view.u, count, reach, 0, view.u.height, floats_.data());
+        FpEnvironment environment;
+        GatherRows<Isa::scalar>::take_apart(view, *planes_);
+    }
+    const SourcePlanes* get() const { return planes_ ? &*planes_ : nullptr; }
+
+  private:
+    Buffer<float> floats_;
+    std::optional<SourcePlanes> planes_;
+};
+
 struct GatherOf {
     static constexpr int components = 4;
     GatherInputsView view{};
-    int reach = 0;
+    AllPlanes planes;
 
     explicit GatherOf(const StageData& d) {
         const SampleUniforms& u = view.u = uniforms_of_frame<SampleUniforms>(d);
-        reach = check_samples(d, u);
+        const int reach = check_samples(d, u);
         check_shape(d, "source_radiosity", u.source_width, u.source_height, "as source_surface");
         view.surface = floats(d, "surface"), view.source_surface = floats(d, "source_surface");
         view.source_radiosity = floats(d, "source_radiosity"), view.before = floats(d, "before");
         view.offsets = ints(d, "offsets");
+        planes.make(view, SourcePlanes::of_gather, reach);
     }
     template <class F, class Tap>
     std::array<F, components> pixel(int x, int y, Tap& tap) const {
@@ -101,8 +124,7 @@ struct GatherOf {
     void rows(float* out, int first, int last) const {
         GatherInputsView v = view;
         v.gathered = out;
-        Buffer<float> scratch(SourcePlanes::floats(v.u, SourcePlanes::of_gather, reach, last - first));
-        GatherRows<isa>::gather(v, reach, first, last, scratch.data());
+        GatherRows<isa>::gather(v, planes.get(), first, last);
     }
     bool writes(glm::ivec2) const { return true; }
 };
@@ -110,13 +132,14 @@ struct GatherOf {
 struct SsaoOf {
     static constexpr int components = 4;
     SsaoInputsView view{};
-    int reach = 0;
+    AllPlanes planes;
 
     explicit SsaoOf(const StageData& d) {
         const SampleUniforms& u = view.u = uniforms_of_frame<SampleUniforms>(d);
-        reach = check_samples(d, u);
+        const int reach = check_samples(d, u);
         view.surface = floats(d, "surface"), view.source_surface = floats(d, "source_surface");
         view.gathered = floats(d, "gathered"), view.offsets = ints(d, "offsets");
+        planes.make(view, SourcePlanes::of_ssao, reach);
     }
     template <class F, class Tap>
     std::array<F, components> pixel(int x, int y, Tap& tap) const {
@@ -126,8 +149,7 @@ struct SsaoOf {
     void rows(float* out, int first, int last) const {
         SsaoInputsView v = view;
         v.lit = out;
-        Buffer<float> scratch(SourcePlanes::floats(v.u, SourcePlanes::of_ssao, reach, last - first));
-        GatherRows<isa>::ssao(v, reach, first, last, scratch.data());
+        GatherRows<isa>::ssao(v, planes.get(), first, last);
     }
     bool writes(glm::ivec2) const { return true; }
 };

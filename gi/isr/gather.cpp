@@ -116,15 +116,17 @@ class Scratch {
     std::vector<Buffer<float>> free_;
 };
 
-// rows(isa, first, last, scratch) for all bands; scratch is null where samples are fetched.
+// rows(isa, planes, first, last) for all bands, with the sources that a band reaches, not yet taken apart; null where
+// samples are fetched.
 template <class Rows>
-void run_bands(const SampleUniforms& u, int planes, int reach, const RunOptions& options, Rows rows) {
+void run_bands(const SampleUniforms& u, int count, int reach, const RunOptions& options, Rows rows) {
     const bool apart = u.rotations == 1;
-    Scratch scratch(apart ? SourcePlanes::floats(u, planes, reach, band) : 0);
+    Scratch scratch(apart ? SourcePlanes::floats(u, count, reach, band) : 0);
     dispatch(options.isa, [&](auto isa) {
         parallel_bands(u.height, band, options, [&](int first, int last) {
             Buffer<float> own = scratch.take();
-            rows(isa, first, last, apart ? own.data() : nullptr);
+            const SourcePlanes planes(u, count, reach, first, last, own.data());
+            rows(isa, apart ? &planes : nullptr, first, last);
             scratch.give(std::move(own));
         });
     });
@@ -200,10 +202,11 @@ void run(const IsrParams& params, const GatherInputs& in, const RunOptions& opti
     Image4 result(in.surface->width, in.surface->height);
     GatherInputsView view = view_of(params, in);
     view.gathered = &result.data()->x;
-    const int reach = in.pattern->reach;
-    run_bands(view.u, SourcePlanes::of_gather, reach, options, [&](auto isa, int first, int last, float* scratch) {
-        GatherRows<isa()>::gather(view, reach, first, last, scratch, tiles_of(in.tiles));
-    });
+    const auto rows = [&](auto isa, const SourcePlanes* planes, int first, int last) {
+        if (planes) GatherRows<isa()>::take_apart(view, *planes);
+        GatherRows<isa()>::gather(view, planes, first, last, tiles_of(in.tiles));
+    };
+    run_bands(view.u, SourcePlanes::of_gather, in.pattern->reach, options, rows);
     gathered = std::move(result);
 }
 
@@ -212,10 +215,11 @@ void run(const IsrParams& params, const SsaoInputs& in, const RunOptions& option
     Image4 result(in.surface->width, in.surface->height, glm::vec4(0, 0, 0, 1));
     SsaoInputsView view = view_of(params, in);
     view.lit = &result.data()->x;
-    const int reach = in.pattern->reach;
-    run_bands(view.u, SourcePlanes::of_ssao, reach, options, [&](auto isa, int first, int last, float* scratch) {
-        GatherRows<isa()>::ssao(view, reach, first, last, scratch, tiles_of(in.tiles));
-    });
+    const auto rows = [&](auto isa, const SourcePlanes* planes, int first, int last) {
+        if (planes) GatherRows<isa()>::take_apart(view, *planes);
+        GatherRows<isa()>::ssao(view, planes, first, last, tiles_of(in.tiles));
+    };
+    run_bands(view.u, SourcePlanes::of_ssao, in.pattern->reach, options, rows);
     lit = std::move(result);
 }
 

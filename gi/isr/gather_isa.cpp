@@ -76,7 +76,7 @@ PLUMB_INLINE void save3(const SourcePlanes& planes, int plane, int x, int y, con
 
 // Calls each(x, px, i, y, on) for the packets of all rows of sources: columns px, pixels i, of which `on` exist.
 template <class Each>
-PLUMB_INLINE void take_apart(const SampleUniforms& u, const SourcePlanes& planes, Each each) {
+PLUMB_INLINE void each_source(const SampleUniforms& u, const SourcePlanes& planes, Each each) {
     for (int y = planes.first_row; y < planes.first_row + planes.rows; ++y) {
         clear_row(planes, planes.at(0, y));
         for (int x = 0; x < u.source_width; x += N::width) {
@@ -85,27 +85,6 @@ PLUMB_INLINE void take_apart(const SampleUniforms& u, const SourcePlanes& planes
         }
     }
     clear_row(planes, planes.nothing());
-}
-
-void take_apart(const GatherInputsView& in, const SourcePlanes& planes) {
-    const SampleUniforms& u = in.u;
-    take_apart(u, planes, [&](int x, I px, I i, int y, mask_t<F> on) {
-        const Source<F> s = source_of<F>(u, px - I(u.margin), I(y - u.margin), N::fetch4(in.source_surface, i),
-                                         xyz<F>(N::fetch4(in.source_radiosity, i)));
-        save3(planes, SourcePlanes::position_x, x, y, s.position, on);
-        save(planes, SourcePlanes::area, x, y, s.area, on);
-        save3(planes, SourcePlanes::normal_x, x, y, s.normal, on);
-        save3(planes, SourcePlanes::red, x, y, s.radiosity, on);
-    });
-}
-
-void take_apart(const SsaoInputsView& in, const SourcePlanes& planes) {
-    const SampleUniforms& u = in.u;
-    take_apart(u, planes, [&](int x, I px, I i, int y, mask_t<F> on) {
-        const Sphere<F> s = sphere_of<F>(u, px - I(u.margin), I(y - u.margin), N::fetch4(in.source_surface, i));
-        save3(planes, SourcePlanes::position_x, x, y, s.position, on);
-        save(planes, SourcePlanes::area, x, y, s.radius2, on);
-    });
 }
 
 }  // namespace
@@ -124,33 +103,52 @@ void GatherRows<Isa::PLUMB_ISA>::bounce(const BounceInputsView& in, int first, i
 }
 
 template <>
-void GatherRows<Isa::PLUMB_ISA>::gather(const GatherInputsView& in, int reach, int first, int last, float* scratch,
+void GatherRows<Isa::PLUMB_ISA>::take_apart(const GatherInputsView& in, const SourcePlanes& planes) {
+    const SampleUniforms& u = in.u;
+    each_source(u, planes, [&](int x, I px, I i, int y, mask_t<F> on) {
+        const Source<F> s = source_of<F>(u, px - I(u.margin), I(y - u.margin), N::fetch4(in.source_surface, i),
+                                         xyz<F>(N::fetch4(in.source_radiosity, i)));
+        save3(planes, SourcePlanes::position_x, x, y, s.position, on);
+        save(planes, SourcePlanes::area, x, y, s.area, on);
+        save3(planes, SourcePlanes::normal_x, x, y, s.normal, on);
+        save3(planes, SourcePlanes::red, x, y, s.radiosity, on);
+    });
+}
+
+template <>
+void GatherRows<Isa::PLUMB_ISA>::take_apart(const SsaoInputsView& in, const SourcePlanes& planes) {
+    const SampleUniforms& u = in.u;
+    each_source(u, planes, [&](int x, I px, I i, int y, mask_t<F> on) {
+        const Sphere<F> s = sphere_of<F>(u, px - I(u.margin), I(y - u.margin), N::fetch4(in.source_surface, i));
+        save3(planes, SourcePlanes::position_x, x, y, s.position, on);
+        save(planes, SourcePlanes::area, x, y, s.radius2, on);
+    });
+}
+
+template <>
+void GatherRows<Isa::PLUMB_ISA>::gather(const GatherInputsView& in, const SourcePlanes* planes, int first, int last,
                                         const Tiles& tiles) {
     const SampleUniforms& u = in.u;
-    if (!scratch || u.rotations > 1)
+    if (!planes || u.rotations > 1)
         return gather_rows(u.width, first, last, tiles, in.gathered, [&](int, I px, int y, NoTap& tap) {
             return isr::gather<F>(in, px, I(y), SourceImages<F>{in, px, I(y), rotation_of<F>(u, px, I(y))}, tap);
         });
-    const SourcePlanes planes(u, SourcePlanes::of_gather, reach, first, last, scratch);
-    take_apart(in, planes);
     gather_rows(u.width, first, last, tiles, in.gathered, [&](int x, I px, int y, NoTap& tap) {
-        const PlaneSources sources{{planes, in.offsets, x + u.margin, y + u.margin, u.source_width}};
+        const PlaneSources sources{{*planes, in.offsets, x + u.margin, y + u.margin, u.source_width}};
         return isr::gather<F>(in, px, I(y), sources, tap);
     });
 }
 
 template <>
-void GatherRows<Isa::PLUMB_ISA>::ssao(const SsaoInputsView& in, int reach, int first, int last, float* scratch,
+void GatherRows<Isa::PLUMB_ISA>::ssao(const SsaoInputsView& in, const SourcePlanes* planes, int first, int last,
                                       const Tiles& tiles) {
     const SampleUniforms& u = in.u;
-    if (!scratch || u.rotations > 1)
+    if (!planes || u.rotations > 1)
         return gather_rows(u.width, first, last, tiles, in.lit, [&](int, I px, int y, NoTap& tap) {
             return isr::ssao<F>(in, px, I(y), SphereImage<F>{in, px, I(y), rotation_of<F>(u, px, I(y))}, tap);
         });
-    const SourcePlanes planes(u, SourcePlanes::of_ssao, reach, first, last, scratch);
-    take_apart(in, planes);
     gather_rows(u.width, first, last, tiles, in.lit, [&](int x, I px, int y, NoTap& tap) {
-        const PlaneSpheres spheres{{planes, in.offsets, x + u.margin, y + u.margin, u.source_width}};
+        const PlaneSpheres spheres{{*planes, in.offsets, x + u.margin, y + u.margin, u.source_width}};
         return isr::ssao<F>(in, px, I(y), spheres, tap);
     });
 }

@@ -52,12 +52,13 @@ template <Isa isa>
 struct GatherRows {
     static void downsample(const DownsampleInputsView& in, int first, int last, const Tiles& tiles = {});
     static void bounce(const BounceInputsView& in, int first, int last);
-    // reach: of the pattern. scratch: SourcePlanes::floats() of them, aligned to 64 bytes; null: samples are fetched from
-    // the images as they are bound, as they always are with rotations.
-    static void gather(const GatherInputsView& in, int reach, int first, int last, float* scratch,
+    static void take_apart(const GatherInputsView& in, const SourcePlanes& planes);
+    static void take_apart(const SsaoInputsView& in, const SourcePlanes& planes);
+    // planes: of all sources that these rows reach; null: samples are fetched from the images as they are bound, as they
+    // always are with rotations.
+    static void gather(const GatherInputsView& in, const SourcePlanes* planes, int first, int last,
                        const Tiles& tiles = {});
-    static void ssao(const SsaoInputsView& in, int reach, int first, int last, float* scratch,
-                     const Tiles& tiles = {});
+    static void ssao(const SsaoInputsView& in, const SourcePlanes* planes, int first, int last, const Tiles& tiles = {});
 };
 
 }  // namespace plumb::isr
