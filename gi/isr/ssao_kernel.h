@@ -1,6 +1,6 @@
 // Ambient occlusion by what the camera sees: the algorithm that ssao.comp mirrors line by line.
 //
-// Every sample X is a sphere whose great circle has the area that the sample stands for: pi r^2 = A (footprint z)^2 s^2.
+// Every sample X is a sphere whose great circle has the area that the sample stands for: pi r^2 = (footprint z)^2 s^2.
 // A sphere covers r^2 / d^2 of the receiver's cosine-weighted hemisphere per unit cosine, exactly while it is above the
 // horizon (Nusselt: its shadow on the unit sphere is a disc of area pi r^2 / d^2, whose base is cos_p times that):
 //
