@@ -20,7 +20,7 @@ struct LogBlurOf {
         const std::size_t weights = at(d.inputs, "spatial").bytes.size() / 4, needed = std::size_t(2 * u.radius + 1);
         if (weights < needed)
             throw InputError(fmt::format("{}: {} spatial weights: expected {}", d.label, weights, needed));
-        view.map_position = floats(d, "map_position"), view.spatial = floats(d, "spatial");
+        view.depth_map = floats(d, "depth_map"), view.spatial = floats(d, "spatial");
     }
     template <class F, class Tap>
     std::array<F, components> pixel(int x, int y, Tap& tap) const {
@@ -118,10 +118,9 @@ const StageBinding& log_blur_binding() {
                      {"height", "int", offsetof(U, height)},
                      {"radius", "int", offsetof(U, radius)},
                      {"vertical", "int", offsetof(U, vertical)},
-                     {"c", "float", offsetof(U, c)},
-                     {"farthest", "float", offsetof(U, farthest)}},
+                     {"c", "float", offsetof(U, c)}},
         .uniform_bytes = sizeof(U),
-        .inputs = {{.name = "map_position", .binding = 1, .unit = "m",
+        .inputs = {{.name = "depth_map", .binding = 1, .unit = "m",
                     .meaning = "w: linear light-space depth; 0 where nothing is"},
                    {.name = "spatial", .kind = SlotKind::buffer, .binding = 2, .channels = 1, .frame = false,
                     .meaning = "[2 radius + 1]: Gaussian of the distance"}},
@@ -196,7 +195,7 @@ StageData log_blur_data(const ShadowParams& params, const LogBlurInputs& in) {
     d.stage = "shadow.blur";
     d.size = {in.map->width, in.map->height};
     d.uniforms = uniform_block(log_blur_uniforms(params, in));
-    add(d.inputs, "map_position", *in.map);
+    add(d.inputs, "depth_map", *in.map);
     add(d.inputs, "spatial", {int(spatial.size())}, spatial.data());
     return d;
 }

@@ -12,9 +12,8 @@ layout(std140, binding = 0) uniform LogBlurUniforms {
     int radius;
     int vertical;  // 0: along rows, 1: along columns
     float c;
-    float farthest;
 } u;
-layout(binding = 1) uniform sampler2D map_position;  // w: linear depth, m; 0 where nothing is
+layout(binding = 1) uniform sampler2D depth_map;  // w: linear depth, m; 0 where nothing is
 layout(std430, binding = 2) readonly buffer Spatial { float spatial[]; };  // [2 radius + 1]
 layout(binding = 3, rgba32f) uniform writeonly image2D blurred_image;
 
@@ -24,10 +23,8 @@ float stored_depth(ivec2 pixel, int k) {
     int along = k - u.radius;
     int x = u.vertical != 0 ? pixel.x : min(max(pixel.x + along, 0), u.width - 1);
     int y = u.vertical != 0 ? min(max(pixel.y + along, 0), u.height - 1) : pixel.y;
-    return texelFetch(map_position, ivec2(x, y), 0).w;
+    return texelFetch(depth_map, ivec2(x, y), 0).w;
 }
-
-float depth_of(float stored) { return stored > 0.0 ? stored : u.farthest; }
 
 // log(1 + m) for -1/4 <= m <= 0: 2 artanh(s), s = m / (2 + m), |s| <= 1/7; to 2^-31.
 float log_near_one(float m) {
@@ -42,15 +39,12 @@ vec4 log_blur(ivec2 pixel) {
     int last = u.radius + u.radius;
 
     // Find the deepest texel, and the nearest.
-    float most = 0.0;
     float d_ref = 0.0;
     float nearest = 3e38;
     for (int k = 0; k <= last; ++k) {
-        float stored = stored_depth(pixel, k);
-        float d_i = depth_of(stored);
-        most = max(most, stored);
+        float d_i = stored_depth(pixel, k);
         d_ref = max(d_ref, d_i);
-        nearest = min(nearest, d_i);
+        nearest = min(nearest, d_i > 0.0 ? d_i : nearest);
     }
     TAP(d_ref, d_ref);
 
@@ -59,20 +53,21 @@ vec4 log_blur(ivec2 pixel) {
     precise float total = 0.0;
     for (int k = 0; k <= last; ++k) {
         TAP_SAMPLE(k);
-        float d_i = depth_of(stored_depth(pixel, k));           TAP(d_i, d_i);
+        float d_i = stored_depth(pixel, k);                     TAP(d_i, d_i);
         precise float exponent = u.c * (d_i - d_ref);           TAP(exponent, exponent);
-        float weight = spatial[k];
+        float weight = d_i > 0.0 ? spatial[k] : 0.0;            TAP(weight, weight);
         sum += weight * det_exp(exponent);                      TAP(sum, sum);
         less += weight * det_expm1(exponent);
         total += weight;
     }
     TAP_SAMPLE(-1);
-    precise float mean = sum / total;                           TAP(mean, mean);
-    precise float mean_less = less / total;                     TAP(mean_less, mean_less);
+    float divisor = max(total, 7.88860905e-31);                 // of at least one weight, or of none
+    precise float mean = sum / divisor;                         TAP(mean, mean);
+    precise float mean_less = less / divisor;                     TAP(mean_less, mean_less);
     precise float logarithm = mean_less >= -0.25 ? log_near_one(mean_less) : det_log(mean);
     // Rounding leads to no depth that is not between those of the taps.
     precise float d = max(nearest, d_ref + logarithm / u.c);
-    float depth = most > 0.0 ? d : 0.0;                         TAP(depth, depth);
+    float depth = d_ref > 0.0 ? d : 0.0;                         TAP(depth, depth);
     return vec4(0.0, 0.0, 0.0, depth);
 }
 

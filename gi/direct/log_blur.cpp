@@ -54,7 +54,7 @@ Buffer<float> blur_weights(const ShadowParams& params) {
 
 LogBlurUniforms log_blur_uniforms(const ShadowParams& params, const LogBlurInputs& in) {
     return {in.map->width, in.map->height, params.esm_blur_radius, in.direction == Direction::vertical ? 1 : 0,
-            per_metre(params.esm_c, in.range), float(in.range), {}};
+            per_metre(params.esm_c, in.range), {}};
 }
 
 void validate(const ShadowParams& params, const LogBlurInputs& in) {
@@ -104,7 +104,7 @@ StageInfo log_blur_info() {
     StageInfo s;
     s.name = "shadow.blur";
     s.source = "ISR 4.6 (logarithmic blur of the shadow map)";
-    s.inputs = {{"map_position", "image rgba32f", "m", "w: linear light-space depth; 0 where nothing is"},
+    s.inputs = {{"depth_map", "image rgba32f", "m", "w: linear light-space depth; 0 where nothing is"},
                 {"spatial", "buffer f32", "", "Gaussian of the distance along the row or the column"}};
     s.outputs = {{"blurred", "image rgba32f", "m", "w: blurred depth; 0 where no tap has anything"}};
     for (const Field& f : fields(defaults))

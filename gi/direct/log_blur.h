@@ -27,7 +27,7 @@ enum class Direction : int { horizontal, vertical };
 struct LogBlurInputs {
     const Image4* map = nullptr;  // w: linear depth, m; 0 where nothing is
     Direction direction = Direction::horizontal;
-    double range = 1;             // m: depth_range(); texels where nothing is count as that deep
+    double range = 1;             // m: depth_range()
 };
 // One dispatch. blurred: w linear depth, m, 0 where no tap has anything; xyz 0.
 void run(const ShadowParams& params, const LogBlurInputs& inputs, const RunOptions& options, Image4& blurred);

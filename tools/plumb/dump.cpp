@@ -295,7 +295,7 @@ struct Dump {
             outputs = rsm_outputs(s.light);
         } else if (s.name == "shadow.blur") {
             const bool first = s.form == "horizontal";
-            inputs["map_position"] = first ? rsm_outputs(s.light)["position"] : blurred_maps(s.light, "horizontal");
+            inputs["depth_map"] = first ? rsm_outputs(s.light)["position"] : blurred_maps(s.light, "horizontal");
             outputs["blurred"] = blurred_maps(s.light, s.form);
         } else if (s.name == "shadow") {
             inputs = surface_points();
