@@ -138,7 +138,7 @@ axis = [1, 2, 3]
     CHECK(s.settings[0].table == "rsm");
     CHECK(std::get<std::string>(s.settings[0].value) == "all");
     CHECK(std::get<double>(s.settings[1].value) == 400);
-    CHECK(s.settings[1].place == files.folder / "s.toml" + ": line 49");
+    CHECK(s.settings[1].place == files.folder / "s.toml" + ": line 50");
     CHECK(std::get<bool>(s.settings[2].value));
     CHECK(std::get<glm::vec3>(s.settings[3].value) == glm::vec3(1, 2, 3));
     CHECK(s.settings[4].table == "tonemap");
