@@ -14,7 +14,7 @@ Work work_of(const PlannedStage& stage, const char* part = "") {
     if (is_filter(stage.name)) return {"filter", part, stage.light};
     if (stage.name == "shadow.blur") return {"shadow", part, stage.light};
     if (is_isr(stage.name)) return {isr_work(stage), part, stage.light};
-    if (stage.view > 0 && stage.name == "gbuffer") return {"isr.view", part, stage.light};
+    if (stage.view > 0 && draws_view(stage.name)) return {"isr.view", part, stage.light};
     return {stage.layer.empty() ? stage.name : stage.layer, part, stage.light};
 }
 

@@ -105,10 +105,12 @@ struct Explainer {
         if (is_isr(stage.name)) return isr_values(stage, pixel);
         const raster::GBuffer& g = frame.gbuffer;
         const int l = stage.light;
-        if (stage.name == "gbuffer") {
-            const glm::ivec2 size = scene.frame_size;
-            const View view = make_view(scene.camera, double(size.x) / size.y, scene.convention, size);
-            return raster::explain_gbuffer(geometry, surfaces, view, size, pixel, settings.layout);
+        if (draws_view(stage.name)) {
+            const glm::ivec2 size = stage.view == 0 ? scene.frame_size : frame.views[std::size_t(stage.view)].size;
+            const Camera& camera = stage.view == 0 ? scene.camera : frame.views[std::size_t(stage.view)].camera;
+            const View view = make_view(camera, double(size.x) / size.y, scene.convention, size);
+            return raster::explain_gbuffer(geometry, surfaces, view, size, pixel, settings.layout,
+                                           peeled_depth(scene, settings, frame, stage.view));
         }
         if (stage.name == "rsm")
             return explain_texel(lights[l], pixel);
@@ -159,7 +161,8 @@ std::vector<Explanation> explain(const Scene& scene, const Settings& settings, c
     const Plan ran = as_it_ran(plan, frame);
     for (const PlannedStage& s : ran.stages) {
         if (stage.empty() ? s.name == "rsm" || s.name == "shadow.blur" || s.name == "reference" : s.name != stage) continue;
-        if (s.view > 0 && !is_isr(s.name)) continue;  // of the frame itself
+        const bool of_frame = s.view == 0 || is_isr(s.name);
+        if (!of_frame && stage != "gbuffer.layer") continue;
         if (light >= 0 && s.light >= 0 && s.light != light) continue;
         if (!s.needed) {
             left_out = s.reason;
@@ -170,7 +173,7 @@ std::vector<Explanation> explain(const Scene& scene, const Settings& settings, c
             light = s.light;  // and its other pass
             continue;
         }
-        if (!stage.empty() && !is_filter(stage) && !is_isr(stage)) break;
+        if (!stage.empty() && !is_filter(stage) && !is_isr(stage) && stage != "gbuffer.layer") break;
     }
     if (chosen.empty())
         throw InputError(fmt::format("explain: {} does not run for this scene{}", stage.empty() ? "any stage" : stage,
@@ -187,6 +190,7 @@ std::vector<Explanation> explain(const Scene& scene, const Settings& settings, c
     for (const PlannedStage* s : chosen) {
         const bool map = s->name == "rsm" || s->name == "shadow.blur";
         const glm::ivec2 size = map ? map_size(scene.lights[std::size_t(s->light)])
+                               : s->name == "gbuffer.layer" ? frame.views[std::size_t(s->view)].size
                                : is_isr(s->name) ? isr_size(scene, settings, *s)
                                                  : stage_size(settings, *s, scene.frame_size);
         // Of all stages at a pixel those of half size are asked for the one that stands for it.

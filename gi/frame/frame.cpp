@@ -12,7 +12,8 @@ namespace plumb::frame {
 namespace {
 
 std::vector<StageInfo> frame_stages() {
-    return {raster::info_gbuffer(), raster::info_rsm(),    direct::log_blur_info(),  direct::shadow_info(),    rsm::info_disc(),
+    return {raster::info_gbuffer(), raster::info_gbuffer_layer(), raster::info_rsm(), direct::log_blur_info(),
+            direct::shadow_info(), rsm::info_disc(),
             rsm::info_disc(rsm::Texels::continuous), rsm::info_paths(), rsm::info_paths(rsm::Texels::continuous),
             rsm::info_all(),       rsm::info_all_rays(),     direct::direct_info(),
             isr::info_downsample(), isr::info_gather(), isr::info_bounce(), isr::info_unseen(), isr::info_gather_camera(),

@@ -60,6 +60,14 @@ int bounce_of(const PlannedStage& stage) {
 
 bool is_isr_gather(const std::string& stage) { return stage == "isr.gather" || stage == "isr.gather_camera"; }
 
+bool draws_view(const std::string& stage) { return stage == "gbuffer" || stage == "gbuffer.layer"; }
+
+const Image1* peeled_depth(const Scene& scene, const Settings& settings, const Frame& frame, int view) {
+    const IsrView layer = isr_views(scene, settings)[std::size_t(view)];
+    if (layer.kind != ViewKind::layer) return nullptr;
+    return &raster::peeled_depth(layer.behind == 0 ? frame.gbuffer : frame.views[std::size_t(layer.behind)].gbuffer);
+}
+
 bool is_isr(const std::string& stage) { return stage.rfind("isr.", 0) == 0; }
 
 std::string isr_work(const PlannedStage& stage) {
@@ -85,6 +93,13 @@ std::vector<IsrView> isr_views(const Scene& scene, const Settings& settings) {
         IsrView wide{ViewKind::guard, "guard", scene.camera, scene.frame_size + 2 * guard, guard / 2};
         wide.camera.fov_y_deg = guarded_fov_deg(scene.camera.fov_y_deg, scene.frame_size.y, guard);
         views.push_back(wide);
+    }
+    // Layers lie behind the widest view, each behind the one before.
+    for (int layer = 2; layer <= settings.isr.layers; ++layer) {
+        IsrView next = views.back();
+        next.kind = ViewKind::layer, next.name = fmt::format("layer {}", layer);
+        next.behind = int(views.size()) - 1;
+        views.push_back(next);
     }
     // Half the frame's resolution: what they add is seen at grazing angles, or not at all (ISR chapter 6).
     for (int i = 0; i < settings.isr.cameras; ++i)

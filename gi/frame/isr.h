@@ -25,6 +25,10 @@ struct IsrView {
 // [0] is the frame itself; the others as Frame::views.
 std::vector<IsrView> isr_views(const Scene& scene, const Settings& settings);
 
+bool draws_view(const std::string& stage);    // "gbuffer", "gbuffer.layer"
+// What a layer has to lie behind; null for a view that is none.
+const Image1* peeled_depth(const Scene& scene, const Settings& settings, const Frame& frame, int view);
+
 bool is_isr(const std::string& stage);        // "isr.gather" and its like
 bool is_isr_gather(const std::string& stage); // isr.gather, isr.gather_camera
 std::string isr_work(const PlannedStage& stage);  // as rules name it: "isr", "isr.ssao" or "isr.lit"; isr.compose: "compose"

@@ -79,7 +79,7 @@ class Keys {
             h.add(stage.needed, stage.light, scene_.frame_size, stage.view, stage.pass);
             if (stage.needed || stage.name == "reference")
                 add_inputs(stage, h);
-            else if (stage.name == "gbuffer")
+            else if (draws_view(stage.name))
                 h.add(scene_.camera.reversed_z);  // what an empty depth buffer holds
             else if (is_filter(stage.name))
                 h.add(gbuffer_);  // the depth that goes along
@@ -94,7 +94,7 @@ class Keys {
   private:
     void add_inputs(const PlannedStage& stage, ContentHasher& h) {
         auto& [method, layout, rsm, isr, indirect, shadow, direct, compose, tonemap, path, seed, truth, pruning] = settings_;
-        if (stage.name == "gbuffer") {
+        if (draws_view(stage.name)) {
             const auto& [stages, gbuffer, maps, at_run] = plan_;
             const auto& [position, normal, albedo, emission, id] = gbuffer;
             h.add(position, normal, albedo, emission, id);

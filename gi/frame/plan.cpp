@@ -95,8 +95,10 @@ struct Planner {
     void add_view_gbuffers(double triangles) {
         for (int v = 1; v < int(views.size()); ++v) {
             const double pixels = double(views[std::size_t(v)].size.x) * views[std::size_t(v)].size.y;
-            note_view(add("gbuffer", "isr.view", -1, triangles + pixels, "triangles + pixels", ms_pixels, ""), v,
-                      views[std::size_t(v)].name);
+            const bool layer = views[std::size_t(v)].kind == ViewKind::layer;
+            PlannedStage& s = add(layer ? "gbuffer.layer" : "gbuffer", "isr.view", -1, triangles + pixels,
+                                  "triangles + pixels", ms_pixels, "");
+            note_view(s, v, views[std::size_t(v)].name);
         }
     }
     void add_view_shadows(int light) {

@@ -66,7 +66,7 @@ void draw_gbuffer(Context& c, const PlannedStage& stage, StageRun& run) {
     const View view = make_view(camera, double(size.x) / size.y, c.scene.convention, size);
     raster::GBuffer& g = gbuffer_of(c, stage);
     raster::draw_gbuffer(c.world.geometry, c.world.surfaces, view, size, c.settings.layout, c.options, g,
-                         c.plan.gbuffer, &c.memory.workspace);
+                         c.plan.gbuffer, &c.memory.workspace, peeled_depth(c.scene, c.settings, c.frame, stage.view));
     // Buffers that were not wanted are 0 where others read them.
     for (Image4* image : {&g.position, &g.normal, &g.albedo, &g.emission})
         if (image->empty()) *image = Image4(size.x, size.y);
@@ -342,7 +342,7 @@ void add_gather(Context& c, const Image4& irradiance, const Image4& error) {
 }
 
 Kind kind_of(const PlannedStage& stage) {
-    if (stage.name == "gbuffer") return {draw_gbuffer, see_nothing};
+    if (draws_view(stage.name)) return {draw_gbuffer, see_nothing};
     if (stage.name == "rsm") return {draw_maps, draw_no_map};
     if (stage.name == "shadow.blur") return {blur_maps, blur_no_map};
     if (stage.name == "shadow") return {cast_shadows, cast_no_shadow};

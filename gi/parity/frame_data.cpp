@@ -76,6 +76,7 @@ struct Builder {
         frame::Frame& f = filtered;
         raster::GBuffer& g = f.gbuffer;
         g.position = position, g.normal = normal, g.albedo = albedo, g.emission = emission;
+        g.depth = frame.gbuffer.depth, g.exact_depth = frame.gbuffer.exact_depth;
         f.direct = direct, f.indirect = indirect, f.isr = frame.isr, f.views = frame.views;
         frame::begin_views(scene, settings, f);
         for (std::size_t v = 1; v < f.views.size(); ++v) {
@@ -228,7 +229,13 @@ struct Builder {
 
     void append_other(const frame::PlannedStage& stage) {
         const int l = stage.light;
-        if (stage.name == "gbuffer") {
+        if (stage.name == "gbuffer.layer") {
+            const glm::ivec2 size = size_of(stage);
+            const Image1& behind = *frame::peeled_depth(scene, settings, filtered, stage.view);
+            keep(raster::gbuffer_layer_data(geometry, surfaces, view_of(stage), size,
+                                            behind.empty() ? Image1(size.x, size.y) : behind),
+                 stage.label);
+        } else if (stage.name == "gbuffer") {
             keep(raster::gbuffer_data(geometry, surfaces, view_of(stage), size_of(stage)), stage.label);
         } else if (stage.name == "rsm") {
             each_map(l, [&](const raster::Rsm& map, int face) {

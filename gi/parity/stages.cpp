@@ -14,7 +14,7 @@ namespace plumb::parity {
 
 const std::vector<StageBinding>& bindings() {
     static const std::vector<StageBinding> all = {
-        raster::gbuffer_binding(), raster::rsm_binding(),
+        raster::gbuffer_binding(), raster::gbuffer_layer_binding(), raster::rsm_binding(),
         direct::log_blur_binding(), direct::shadow_binding(),  rsm::disc_binding(),        rsm::paths_binding(),       rsm::all_binding(),
         rsm::disc_continuous_binding(), rsm::paths_continuous_binding(),
         filter::reduce_binding(), filter::upsample_binding(), filter::blur_binding(),

@@ -258,7 +258,7 @@ struct Dump {
     void other_view(const frame::PlannedStage& s, Json& outputs) {
         const frame::SourceView& view = frame.views[std::size_t(s.view)];
         const std::string name = file_name(view.name) + ".";
-        if (s.name == "gbuffer")
+        if (frame::draws_view(s.name))
             outputs = {{"position", files.picture(name + "gbuffer.position", view.gbuffer.position)},
                        {"normal", files.picture(name + "gbuffer.normal", view.gbuffer.normal)},
                        {"albedo", files.picture(name + "gbuffer.albedo", view.gbuffer.albedo)},

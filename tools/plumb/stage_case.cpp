@@ -340,8 +340,9 @@ void read_choices(const io::ManifestStage& stage, StageCase& out) {
 }  // namespace
 
 void choose_method(frame::Settings& settings, const std::string& stage) {
-    if (frame::is_isr(stage)) {
+    if (frame::is_isr(stage) || stage == "gbuffer.layer") {
         settings.method = frame::Method::isr;
+        if (stage == "gbuffer.layer") settings.isr.layers = std::max(settings.isr.layers, 2);
         if (!frame::gathers_isr(settings)) settings.isr.mode = isr::Mode::f2;
         return;
     }
