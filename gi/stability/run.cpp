@@ -252,6 +252,7 @@ void run_frame(const Case& c, const Scene& scene, const Effort& effort, Writer& 
         });
     for (const direct::ShadowMode mode : {direct::ShadowMode::density, direct::ShadowMode::pcf, direct::ShadowMode::esm})
         otherwise("shadow", [mode](frame::Settings& s) { s.shadow.mode = mode; });
+    otherwise("shadow.blur", [](frame::Settings& s) { s.shadow.mode = direct::ShadowMode::esm; });
     const glm::vec3 shadow_color(0.25f, 0.5f, 1);
     otherwise("direct", [=](frame::Settings& s) { s.compose.shadow_color = shadow_color; });
     otherwise("direct", [](frame::Settings& s) { s.direct.variant = direct::DirectVariant::published; });
