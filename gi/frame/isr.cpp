@@ -298,6 +298,26 @@ isr::ComposeInputs compose_inputs(const Scene& scene, const Frame& frame) {
     return {&g.normal, &g.albedo, &g.emission, &frame.direct, &frame.indirect, scene.environment.radiance};
 }
 
+void make_isr(const Scene& scene, const Settings& settings, const Frame& frame, const PlannedStage& stage,
+              const RunOptions& options, Image4& result, const raster::Covered* tiles) {
+    const isr::IsrParams& params = settings.isr;
+    auto run = [&](auto in) {
+        if constexpr (requires { in.tiles; }) in.tiles = tiles;
+        isr::run(params, in, options, result);
+    };
+    if (stage.name == "isr.downsample")
+        return isr::run_downsample(params, coarse_of(stage.form), downsample_inputs(scene, frame, stage), options, result);
+    if (stage.name == "isr.unseen") return run(unseen_inputs(scene, settings, frame, stage));
+    if (stage.name == "isr.bounce") return run(bounce_inputs(scene, settings, frame, stage));
+    if (stage.name == "isr.blur") return run(isr_blur_inputs(settings, frame, stage));
+    if (stage.name == "isr.upsample") return run(upsample_inputs(scene, settings, frame));
+    if (stage.name == "isr.compose") return run(compose_inputs(scene, frame));
+    const isr::Pattern pattern = stage.name == "isr.ssao" ? isr::ssao_pattern(params) : isr::gather_pattern(params);
+    if (stage.name == "isr.gather") return run(gather_inputs(scene, settings, frame, stage, pattern));
+    if (stage.name == "isr.gather_camera") return run(camera_gather_inputs(scene, settings, frame, stage, pattern));
+    run(ssao_inputs(scene, settings, frame, pattern));
+}
+
 void begin_views(const Scene& scene, const Settings& settings, Frame& frame) {
     std::size_t gathers = 0, bounces = 0, unseen = 0;
     for (const IsrStage& stage : isr_stages(scene, settings)) {

@@ -69,6 +69,10 @@ isr::BlurInputs isr_blur_inputs(const Settings& settings, const Frame& frame, co
 isr::UpsampleInputs upsample_inputs(const Scene& scene, const Settings& settings, const Frame& frame);
 isr::ComposeInputs compose_inputs(const Scene& scene, const Frame& frame);
 
+// What a stage makes of a frame that holds what it reads. tiles: as its run() takes them; null: all.
+void make_isr(const Scene& scene, const Settings& settings, const Frame& frame, const PlannedStage& stage,
+              const RunOptions& options, Image4& result, const raster::Covered* tiles = nullptr);
+
 // Makes room for the views, so that stages can write into them.
 void begin_views(const Scene& scene, const Settings& settings, Frame& frame);
 

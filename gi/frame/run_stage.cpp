@@ -255,45 +255,12 @@ void note_excess(const Context& c, const Image4& gathered, StageRun& run) {
 }
 
 void run_isr(Context& c, const PlannedStage& stage, StageRun& run) {
-    const isr::IsrParams& params = c.settings.isr;
+    const bool coarse = is_isr_gather(stage.name) || stage.name == "isr.ssao" || stage.name == "isr.blur";
+    raster::Covered tiles;
+    if (coarse || stage.name == "isr.upsample") tiles = isr_tiles(c, stage, run);
     Image4& result = isr_result(c.frame, stage);
-    if (stage.name == "isr.downsample") {
-        isr::run_downsample(params, coarse_of(stage.form), downsample_inputs(c.scene, c.frame, stage), c.options, result);
-    } else if (stage.name == "isr.bounce") {
-        isr::run(params, bounce_inputs(c.scene, c.settings, c.frame, stage), c.options, result);
-    } else if (stage.name == "isr.unseen") {
-        isr::run(params, unseen_inputs(c.scene, c.settings, c.frame, stage), c.options, result);
-    } else if (stage.name == "isr.compose") {
-        isr::run(params, compose_inputs(c.scene, c.frame), c.options, result);
-    } else {
-        const raster::Covered tiles = isr_tiles(c, stage, run);
-        if (stage.name == "isr.gather") {
-            const isr::Pattern pattern = isr::gather_pattern(params);
-            isr::GatherInputs in = gather_inputs(c.scene, c.settings, c.frame, stage, pattern);
-            in.tiles = or_all(tiles);
-            isr::run(params, in, c.options, result);
-            note_excess(c, result, run);
-        } else if (stage.name == "isr.gather_camera") {
-            const isr::Pattern pattern = isr::gather_pattern(params);
-            isr::CameraGatherInputs in = camera_gather_inputs(c.scene, c.settings, c.frame, stage, pattern);
-            in.tiles = or_all(tiles);
-            isr::run(params, in, c.options, result);
-            note_excess(c, result, run);
-        } else if (stage.name == "isr.ssao") {
-            const isr::Pattern pattern = isr::ssao_pattern(params);
-            isr::SsaoInputs in = ssao_inputs(c.scene, c.settings, c.frame, pattern);
-            in.tiles = or_all(tiles);
-            isr::run(params, in, c.options, result);
-        } else if (stage.name == "isr.blur") {
-            isr::BlurInputs in = isr_blur_inputs(c.settings, c.frame, stage);
-            in.tiles = or_all(tiles);
-            isr::run(params, in, c.options, result);
-        } else {
-            isr::UpsampleInputs in = upsample_inputs(c.scene, c.settings, c.frame);
-            in.tiles = or_all(tiles);
-            isr::run(params, in, c.options, result);
-        }
-    }
+    make_isr(c.scene, c.settings, c.frame, stage, c.options, result, or_all(tiles));
+    if (is_isr_gather(stage.name)) note_excess(c, result, run);
     run.bytes = bytes_of(result);
 }
 

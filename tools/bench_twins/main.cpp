@@ -11,6 +11,7 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
+#include "gi/frame/isr.h"
 #include "gi/parity/stages.h"
 #include "gi/rsm/gather.h"
 #include "io/scene_file.h"
@@ -28,6 +29,7 @@ struct Options {
     std::vector<std::string> scenes{"data/scenes/cornell/cornell.toml", "data/scenes/atrium/atrium.toml"};
     std::vector<std::string> stages;  // empty: all
     std::vector<std::string> sets;    // table.key=value, as of `plumb render`
+    std::string method;               // empty: as the scene says
     int width = 1024, height = 1024, runs = 7;
     int samples = 0, rsm_size = 0;    // 0: as the scene says
     bool half_maps = false;           // lights' maps in RGBA16F, ours and theirs
@@ -92,6 +94,7 @@ void measure(const vulkan::Device& device, const std::string& file, const Option
     scene.frame_size = {options.width, options.height};
     cli::SceneOptions words;
     words.sets = options.sets;
+    words.method = options.method;
     frame::Settings settings = cli::settings_of(scene, words);
     settings.layout = options.half_maps ? raster::Layout::rgba16f : raster::Layout::fp32;
     if (options.samples > 0) settings.rsm.samples = options.samples;
@@ -105,10 +108,15 @@ void measure(const vulkan::Device& device, const std::string& file, const Option
     if (options.half_maps) how.maps = Format::rgba16f;
     const DeviceProfile ideal;
     std::string last;
+    double ours_ms = 0, theirs_ms = 0, ours_cpu = 0, theirs_cpu = 0;  // of all stages of gi/isr
     for (const StageData& data : parity::frame_data(scene, settings, plan, frame)) {
-        // Of the dispatches of one stage the first stands for all.
-        if (data.stage == last) continue;
+        // Of the dispatches of one stage the first stands for all; those of image-space radiosity are a chain.
+        const bool chained = frame::is_isr(data.stage);
+        if (data.stage == last && !chained) continue;
         last = data.stage;
+        const auto planned = std::find_if(plan.stages.begin(), plan.stages.end(),
+                                          [&](const frame::PlannedStage& s) { return s.label == data.label; });
+        Image4 made;
         const auto& wanted = options.stages;
         if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), data.stage) == wanted.end()) continue;
         const StageBinding& binding = parity::find_binding(data.stage, "bench twins");
@@ -120,14 +128,16 @@ void measure(const vulkan::Device& device, const std::string& file, const Option
             if (data.stage == "gbuffer") return clock_ms([&] { ours.draw_gbuffer(options.run); });
             if (data.stage == "rsm") return clock_ms([&] { ours.draw_rsm(scene.lights[0], options.run); });
             if (gathers) return clock_ms([&] { gather.run(options.run); });
+            if (chained) return clock_ms([&] { frame::make_isr(scene, settings, frame, *planned, options.run, made); });
             return clock_ms([&] { bound->run(options.run, ideal, outputs); });
         };
         const std::vector<Times> times = interleave(options.runs, {run_ours, [&] { return twin.submit(); }});
         std::string note = "the same bits";
         if (!binding.raster) {
             const Bundle theirs = twin.read().outputs;
-            const void* result = gathers ? static_cast<const void*>(gather.irradiance.data())
-                                         : outputs.arrays[0].bytes.data();
+            const void* result = gathers   ? static_cast<const void*>(gather.irradiance.data())
+                                 : chained ? static_cast<const void*>(made.data())
+                                           : outputs.arrays[0].bytes.data();
             const std::size_t n = differing(result, theirs.arrays[0]);
             if (n > 0) note = fmt::format("{} words differ", n);
         } else {
@@ -138,7 +148,14 @@ void measure(const vulkan::Device& device, const std::string& file, const Option
                    times[1].median() / times[0].median(), times[0].cpu_median(), times[1].cpu_median(),
                    times[1].cpu_median() / times[0].cpu_median(), note);
         std::cout.flush();
+        if (!chained) continue;
+        ours_ms += times[0].median(), theirs_ms += times[1].median();
+        ours_cpu += times[0].cpu_median(), theirs_cpu += times[1].cpu_median();
     }
+    if (ours_ms > 0)
+        fmt::print("| {} | all of isr.*, summed | {} x {} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | |\n", scene.name,
+                   options.width, options.height, ours_ms, theirs_ms, theirs_ms / ours_ms, ours_cpu, theirs_cpu,
+                   theirs_cpu / ours_cpu);
 }
 
 }  // namespace
@@ -154,6 +171,7 @@ int main(int argc, char** argv) {
     app.add_option("--scenes", options.scenes, "scene files (cornell and atrium)")->delimiter(',');
     app.add_option("--stages", options.stages, "names of `plumb stages` (all)")->delimiter(',');
     app.add_option("--set", options.sets, "table.key=value, as of `plumb render`; may be repeated");
+    app.add_option("--method", options.method, "as of `plumb render` (as the scene says)");
     app.add_flag("--half-maps", options.half_maps, "lights' maps in RGBA16F on both sides, and not in fp32");
     app.add_option("--samples", options.samples, "of rsm.disc (as the scene says)")->check(CLI::Range(1, 65536));
     app.add_option("--rsm-size", options.rsm_size, "texels a side of every map (as the scene says)")
