@@ -10,7 +10,7 @@ if(TARGET plumb)
   target_compile_definitions(test_program PRIVATE PLUMB_PROGRAM="$<TARGET_FILE:plumb>"
     PLUMB_BINARY_DIR="${CMAKE_BINARY_DIR}")
   foreach(area IN ITEMS usage devices probe_device render frames truth sweep compare explain explain_device export validate malformed
-    refusals pov stability experiment_vrsm)
+    refusals pov stability experiment_vrsm batch experiment_isr)
     # One test a file, so that they run side by side.
     add_test(NAME program_${area} COMMAND test_program -\# [\#test_${area}])
   endforeach()

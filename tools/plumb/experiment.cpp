@@ -156,13 +156,14 @@ int run_closed_forms(const ClosedFormsOptions& given) {
 }  // namespace
 
 void add_experiment(CLI::App& program, Action& action) {
-    CLI::App* command = program.add_subcommand("experiment", "repeat what is known: closed-forms, one-bounce, vrsm");
+    CLI::App* command = program.add_subcommand("experiment", "repeat what is known: closed-forms, one-bounce, vrsm, isr");
     command->require_subcommand(1);
     command->footer(
         "Experiments:\n"
         "  plumb experiment closed-forms --rays exact\n"
         "  plumb experiment one-bounce SCENE --sizes 64,128,256\n"
         "  plumb experiment vrsm -o out\n"
+        "  plumb experiment isr -o out\n"
         "plumb experiment NAME --help tells more.");
 
     auto given = std::make_shared<ClosedFormsOptions>();
@@ -183,6 +184,7 @@ void add_experiment(CLI::App& program, Action& action) {
     forms->callback([given, &action] { action = [=] { return run_closed_forms(*given); }; });
     add_one_bounce(*command, action);
     add_vrsm(*command, action);
+    add_isr(*command, action);
 }
 
 }  // namespace plumb::cli

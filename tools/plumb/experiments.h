@@ -7,5 +7,6 @@ namespace plumb::cli {
 
 void add_one_bounce(CLI::App& experiment, Action& action);
 void add_vrsm(CLI::App& experiment, Action& action);
+void add_isr(CLI::App& experiment, Action& action);
 
 }  // namespace plumb::cli

@@ -138,6 +138,7 @@ int run_program(int argc, char** argv) {
     add_make_scene(program, action);
     add_pov(program, action);
     add_cameras(program, action);
+    add_batch(program, action);
     // After the commands, which would take it for theirs.
     program.footer(
         "Examples:\n"

@@ -1,0 +1,98 @@
+// plumb experiment isr, small: files, that CSV, JSON and page hold the same numbers, that it goes on, what is refused.
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <sstream>
+
+#include "tests/program/program.h"
+
+using namespace plumb::program;
+using Catch::Matchers::Contains;
+
+namespace {
+
+std::string small_list(const std::string& folder) {
+    small_scene(folder);
+    write(folder + "/two_simple.toml",
+          "[[camera]]\nscene = \"small.toml\"\nname = \"front\"\nposition = [0, 0.995, 3.934]\n"
+          "look_at = [0, 0.995, 0]\nfov_y_deg = 39.3077\n"
+          "[[camera]]\nscene = \"small.toml\"\nname = \"inside\"\nposition = [0.5, 1.2, 0.8]\n"
+          "look_at = [-0.5, 0.5, -0.5]\nfov_y_deg = 60\n");
+    return folder + "/two_simple.toml";
+}
+Result experiment(const std::string& list, const std::string& out, Words more = {}) {
+    Words words = {"experiment",     "isr",         "--list",          list,        "-o", out,         "--size",
+                   "32x24",          "--time-size", "64x48",           "--samples", "16", "--repeats", "1",
+                   "--beyond-views", "1",           "--turning-views", "1"};
+    words.insert(words.end(), more.begin(), more.end());
+    return run(words);
+}
+
+}  // namespace
+
+TEST_CASE("experiment isr: the same numbers in CSV, JSON and page, and a second run measures none",
+          "[program][contract]") {
+    const std::string folder = fresh_folder("experiment_isr"), list = small_list(folder), out = folder + "/out";
+    const Result r = experiment(list, out);
+    INFO(r.err << r.out);
+    REQUIRE(r.exit == 0);
+    CHECK(r.err.empty());
+    for (const char* file : {"isr.csv", "isr.json", "isr.html"}) CHECK(std::filesystem::exists(out + "/" + file));
+    const Json json = Json::parse(read(out + "/isr.json"));
+    const std::string html = read(out + "/isr.html"), csv = read(out + "/isr.csv");
+
+    std::map<std::string, int> tables;
+    std::map<std::string, double> numbers;
+    for (const Json& n : json["numbers"]) {
+        ++tables[n["table"]];
+        if (n["value"].is_null()) continue;
+        const std::string key = n["table"].get<std::string>() + "/" + n["scene"].get<std::string>() + "/" +
+                                n["row"].get<std::string>() + "/" + n["quantity"].get<std::string>();
+        CHECK(numbers.count(key) == 0);  // each once
+        numbers[key] = n["value"];
+    }
+    CHECK(std::count(csv.begin(), csv.end(), '\n') == std::ptrdiff_t(json["numbers"].size() + 1));
+    CHECK(tables["summary"] == 6 * 17);  // all and one list, three settings
+    CHECK(tables["5.7"] == 4 * 3);
+    CHECK(tables["views"] == 2 * (10 + 3 * 7));
+
+    // The gain is what the errors say, and the mean that of the views.
+    double sum = 0;
+    for (const char* view : {"two_simple_front", "two_simple_inside"}) {
+        const std::string at = std::string("views/two_simple/") + view + "/";
+        const double before = numbers.at(at + "mean error of DL"),
+                     after = numbers.at(at + "mean error of ISR, corrected");
+        CHECK(numbers.at(at + "gain, corrected") == Approx(100 * (before - after) / before).epsilon(1e-9));
+        CHECK(numbers.at(at + "mean error of ISR, best") <= 1);
+        sum += numbers.at(at + "gain, corrected");
+    }
+    CHECK(numbers.at("summary/all/corrected, k_ssao = 0, k_isr = 1/gain, mean") == Approx(sum / 2).epsilon(1e-9));
+
+    // The thesis' figures stand beside ours.
+    CHECK_THAT(html, Contains("99.05") && Contains("0.8867") && Contains("14.69") && Contains("5.88"));
+    CHECK(html.find("src=\"http") == std::string::npos);
+    for (const char* id : {"summary", "times", "figures", "cases", "modes", "pov", "beyond", "turning", "views", "how"})
+        CHECK_THAT(html, Contains("id=\"" + std::string(id) + "\""));
+
+    // Everything is kept: what is measured again would differ in its times.
+    REQUIRE(experiment(list, out).exit == 0);
+    CHECK(Json::parse(read(out + "/isr.json"))["numbers"] == json["numbers"]);
+    // One result lost: one view is measured again, to the same picture.
+    std::filesystem::remove(out + "/results/view_two_simple_front.json");
+    REQUIRE(experiment(list, out).exit == 0);
+    const Json again = Json::parse(read(out + "/isr.json"));
+    for (const Json& n : again["numbers"])
+        if (n["table"] == "views" && n["quantity"] == "mean error of ISR, best" && n["row"] == "two_simple_front")
+            CHECK(n["value"] == numbers.at("views/two_simple/two_simple_front/mean error of ISR, best"));
+}
+
+TEST_CASE("experiment isr: what is refused", "[program]") {
+    const std::string folder = fresh_folder("experiment_isr_refused"), list = small_list(folder), out = folder + "/out";
+    CHECK(run({"experiment", "isr", "-o", out}).exit == 2);
+    CHECK(experiment(folder + "/none.toml", out).exit == 2);
+    CHECK(experiment(list, out, {"--size", "8x8"}).exit == 2);
+    CHECK(experiment(list, out, {"--list", list}).exit == 2);
+    CHECK_FALSE(std::filesystem::exists(out));
+}
