@@ -157,9 +157,9 @@ class Writer {
             out_ += "  radiosity {\n    brightness 2.4\n    pretrace_start 0.08\n    pretrace_end 0.01\n    count 250\n"
                     "    error_bound 0.25\n    recursion_limit 2\n  }\n";
         if (options_.preset == PovPreset::physical)
-            out_ += fmt::format("  radiosity {{\n    brightness 1\n    pretrace_start 0.08\n    pretrace_end 0.004\n"
-                                "    count {}\n    error_bound 0.1\n    low_error_factor 0.5\n    nearest_count 10\n"
-                                "    minimum_reuse 0.004\n    recursion_limit {}\n    adc_bailout 1e-9\n"
+            out_ += fmt::format("  radiosity {{\n    brightness 1\n    pretrace_start 0.08\n    pretrace_end 0.01\n"
+                                "    count {}\n    error_bound 0.2\n    low_error_factor 0.5\n    nearest_count 10\n"
+                                "    minimum_reuse 0.01\n    recursion_limit {}\n    adc_bailout 1e-9\n"
                                 "    gray_threshold 0\n    normal off\n    media off\n  }}\n",
                                 options_.samples, options_.bounces);
         out_ += "}\n#default { finish { ambient 0 diffuse 1 emission 0 specular 0 phong 0 reflection 0 } }\n";

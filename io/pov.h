@@ -19,8 +19,8 @@ enum class PovPreset : int { published, physical, direct };
 struct PovOptions {
     PovPreset preset = PovPreset::physical;
     glm::ivec2 size{0, 0};  // pixels, for the camera's aspect; 0: the scene's frame
-    int bounces = 4;        // of preset physical: reflections before the light reaches the surface that is seen, 1 to 20
-    int samples = 1600;     // of preset physical: rays a gather, 1 to 1600
+    int bounces = 8;        // of preset physical: reflections before the light reaches the surface that is seen, 1 to 20
+    int samples = 400;      // of preset physical: rays a gather, 1 to 1600
 };
 
 // Throws InputError, naming what it is, for a light that ends at its radius, for numbers that are not finite and for

@@ -114,7 +114,7 @@ TEST_CASE("pov: the radiosity block of ISR table 1, the physical one, or none", 
                               Contains("radiosity {\n    brightness 2.4\n    pretrace_start 0.08\n    pretrace_end 0.01\n"
                                        "    count 250\n    error_bound 0.25\n    recursion_limit 2\n  }"));
     const std::string physical = pov_text(scene, with(PovPreset::physical, 7));
-    CHECK_THAT(physical, Contains("brightness 1\n") && Contains("recursion_limit 7\n") && Contains("count 1600\n"));
+    CHECK_THAT(physical, Contains("brightness 1\n") && Contains("recursion_limit 7\n") && Contains("count 400\n"));
     CHECK_THAT(pov_text(scene, with(PovPreset::direct)), !Contains("radiosity {"));
     for (const std::string& text : {published, physical}) CHECK_THAT(text, Contains("ambient 0"));
 }

@@ -88,10 +88,10 @@ void add_pov(CLI::App& program, Action& action) {
                         "published (ISR table 1), physical (otherwise), or direct (no light between surfaces)")
         ->check(some_word())
         ->type_name("P");
-    command->add_option("--bounces", given->options.bounces, "of preset physical, 1 to 20; 4 otherwise")
+    command->add_option("--bounces", given->options.bounces, "of preset physical, 1 to 20; 8 otherwise")
         ->check(number_within(1, 20))
         ->type_name("N");
-    command->add_option("--samples", given->options.samples, "rays a gather of preset physical, 1 to 1600; 1600 otherwise")
+    command->add_option("--samples", given->options.samples, "rays a gather of preset physical, 1 to 1600; 400 otherwise")
         ->check(number_within(1, 1600))
         ->type_name("N");
     add_common(*command, given->common);
