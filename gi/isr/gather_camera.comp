@@ -27,6 +27,14 @@ layout(binding = 6, rgba32f) uniform writeonly image2D gathered_image;
 ivec2 centre;
 bool before_camera;
 
+void look_at_receiver(vec3 x) {
+    Projected p = project_to(view, x);                            TAP(projection, p.position);
+    CHOICE(int(floor(p.position.x)));
+    CHOICE(int(floor(p.position.y)));
+    centre = ivec2(floor(p.position));                            TAP(centre, centre);
+    before_camera = p.before;                                     TAP(before, before_camera);
+}
+
 // Beyond the border there is no surface.
 Source source_at(ivec2 pixel, int rotation, int k) {
     ivec2 offset = offset_of(offsets[rotation + k * u.rotations]);
@@ -49,11 +57,7 @@ vec4 gather_camera(ivec2 pixel) {
     TAP(n_p, p.normal);
     vec4 before = texelFetch(before_image, pixel, 0);
     int rotation = rotation_of(pixel);
-    Projected projected = project_to(view, p.position);           TAP(projection, projected.position);
-    CHOICE(int(floor(projected.position.x)));
-    CHOICE(int(floor(projected.position.y)));
-    centre = ivec2(floor(projected.position));                    TAP(centre, centre);
-    before_camera = projected.before;                             TAP(before, before_camera);
+    look_at_receiver(p.position);
     return gather_by(p, before, 0.0, pixel, rotation);
 }
 

@@ -49,13 +49,15 @@ int add_members(const std::string& text, const std::string& opening, const std::
     const std::regex declaration(R"((\w+)\s+(\w+)\s*;)");
     const std::map<std::string, int> sizes = {{"float", 4}, {"int", 4}, {"uint", 4}, {"vec3", 12}, {"vec4", 16}};
     int next = start;
-    for (std::sregex_iterator i(body.begin(), body.end(), declaration), none; i != none; ++i) {
+    const std::sregex_iterator first(body.begin(), body.end(), declaration), none;
+    for (std::sregex_iterator i = first; i != none; ++i) {
         const std::string type = (*i)[1], name = (*i)[2];
         const auto size = sizes.find(type);
         next = rounded_up(next, size != sizes.end() && size->second == 4 ? 4 : 16);
         if (size == sizes.end()) {
             // `uniform Block { Struct u; };` has the struct's members.
-            const std::string inner = name == "u" ? "" : prefix + name + ".";
+            const bool alone = std::next(first) == none && prefix.empty();
+            const std::string inner = alone ? "" : prefix + name + ".";
             next = rounded_up(add_members(text, "struct " + type + " ", inner, next, members), 16);
         } else {
             if (name != "padding") members.push_back({prefix + name, type, next});
