@@ -11,6 +11,7 @@
 #include "gi/parity/stages.h"
 #include "io/scene_file.h"
 #include "raster/light_kernel.h"
+#include "tests/parity/twin_data.h"
 #include "tools/mutants/panels.h"
 #include "tools/mutants/ties.h"
 
@@ -120,6 +121,57 @@ void append_cornell(const std::filesystem::path& source, std::vector<Dispatch>& 
     append("small cornell", execute(scene, settings), settings, {"rsm.all"}, out);
 }
 
+// Soft shadows, and the blur of the maps that they read.
+void append_soft_shadows(const std::filesystem::path& source, std::vector<Dispatch>& out) {
+    using direct::ShadowMode, direct::ShadowVariant;
+    Scene scene = io::load_scene((source / "data/scenes/cornell_small.toml").string(), frame::method_tables());
+    scene.settings.clear();
+    scene.lights = three_lights();
+    scene.frame_size = {61, 47};
+    frame::Settings settings;
+    for (const auto& [name, mode] : {std::pair{"pcf", ShadowMode::pcf}, {"esm", ShadowMode::esm}}) {
+        settings.shadow.mode = mode;
+        const Lit lit = execute(scene, settings);
+        append(std::string("cornell, ") + name, lit, settings, {"shadow", "shadow.blur"}, out);
+        frame::Settings printed = settings;
+        printed.shadow.variant = ShadowVariant::published;
+        append(std::string("cornell, ") + name + " as printed", lit, printed, {"shadow"}, out);
+        std::vector<Dispatch> tied;
+        append(std::string("cornell with ties, ") + name, lit, settings, {"shadow"}, tied);
+        for (Dispatch& d : tied)
+            if (d.data.id.find(".bulb.") == std::string::npos) plant_ties(d.data), out.push_back(std::move(d));
+    }
+    const glm::ivec2 size(37, 23);
+    for (StageData& data : test::compute_cases(size)) {
+        const bool soft = data.id.starts_with("shadow.pcf") || data.id.starts_with("shadow.esm");
+        if (soft || data.stage == "shadow.blur") out.push_back({"by hand: " + data.id, std::move(data)});
+    }
+}
+
+// Image-space radiosity, on odd sides: with all that ISR's chapter 6 adds, as printed, and by inverse matrices.
+void append_image_space(const std::filesystem::path& source, std::vector<Dispatch>& out) {
+    Scene scene = io::load_scene((source / "data/scenes/cornell_small.toml").string(), frame::method_tables());
+    scene.settings.clear();
+    scene.lights = three_lights();
+    scene.frame_size = {59, 45};
+    frame::Settings settings;
+    settings.method = frame::Method::isr;
+    settings.isr.rings = 3, settings.isr.spacing = 2, settings.isr.k_ssao = 0.5f, settings.isr.blur_radius = 3;
+    frame::Settings wide = settings, edges = settings, printed = settings, inverse = settings;
+    wide.isr.bounces = 2, wide.isr.guard = 8, wide.isr.cameras = 1;
+    edges.isr.blur = isr::Blur::edge_aware, edges.isr.rotations = 4;
+    edges.isr.far_rings = 1, edges.isr.full_depth = 2, edges.isr.upsample = isr::Upsample::bilinear;
+    printed.isr.variant = isr::Variant::published, printed.isr.guard = 4;
+    inverse.isr.position = isr::Position::inverse_matrix;
+    for (const auto& [name, of] : {std::pair{"wide", wide}, {"edges", edges}, {"as printed", printed}, {"inverse", inverse}}) {
+        const Lit lit = execute(scene, of);
+        append(std::string("cornell, isr ") + name, lit, of,
+               {"isr.downsample", "isr.gather", "isr.bounce", "isr.unseen", "isr.gather_camera", "isr.ssao", "isr.blur",
+                "isr.upsample", "isr.compose"}, out);
+    }
+    for (StageData& data : test::isr_cases({29, 22})) out.push_back({"by hand: " + data.id, std::move(data)});
+}
+
 // A number of any size up to 2^high, of both signs now and then, or 0.
 float any_size(std::uint32_t i, int low, int high) {
     const std::uint32_t h = pcg<std::uint32_t>(i);
@@ -199,6 +251,8 @@ std::vector<Dispatch> dispatches(const std::filesystem::path& source) {
     settings.method = frame::Method::rsm, settings.rsm.samples = 8;
     append("panels", execute(scene, settings), settings, {"gbuffer", "rsm"}, out);
     append_cornell(source, out);
+    append_soft_shadows(source, out);
+    append_image_space(source, out);
     append_values(out);
     append_surfaces(out);
     return out;

@@ -19,6 +19,7 @@ struct Dispatch {
 //     cornell   the Cornell box under a spot, a lamp that shines everywhere and a sun, all of whose maps are drawn
 //     panels    quads with textures of every filter and wrap mode, levels of detail, normal maps, alpha masks, emission
 //     surfaces  for the filters: pixels at two depths, up to the borders of an odd frame, and holes
+//     by hand   for shadow.blur, soft shadows and image-space radiosity: twin_data.h of the parity tests, every variant
 //     values    for compose and tonemap: images that span thirty powers of two, with zeros and negative numbers
 std::vector<Dispatch> dispatches(const std::filesystem::path& source);
 
