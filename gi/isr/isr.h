@@ -34,7 +34,7 @@ struct IsrParams {
     Variant variant = Variant::corrected;
     Mode mode = Mode::f2;
     int rings = 4;
-    float spacing = 4;
+    float spacing = 8;
     int ssao_rings = 2;
     float ssao_spacing = 2;
     int rotations = 1;
@@ -54,7 +54,7 @@ struct IsrParams {
     float epsilon = 1e-3f;
     float k_ssao = 0;
     float k_isr = 1;
-    Ambient ambient = Ambient::environment;
+    Ambient ambient = Ambient::none;
 };
 std::vector<Field> fields(IsrParams& params);
 
