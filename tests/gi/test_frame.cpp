@@ -265,8 +265,8 @@ TEST_CASE("frame: settings come from the scene file, and errors name the place",
     CHECK_THROWS_WITH(frame::settings_of(scene),
                       "small.toml: line 9: unknown key 'sampels'; the nearest known one is 'samples'");
     scene.settings.clear();
-    scene.method = "isr";
-    CHECK_THROWS_WITH(frame::settings_of(scene), "small: [render]: method = \"isr\": expected one of direct, rsm, reference");
+    scene.method = "isx";
+    CHECK_THROWS_WITH(frame::settings_of(scene), "small: [render]: method = \"isx\": expected one of direct, rsm, isr, reference");
 }
 
 TEST_CASE("frame: every stage tells which instruction set its kernels were chosen from", "[frame][bits]") {

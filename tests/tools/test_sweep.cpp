@@ -249,7 +249,7 @@ TEST_CASE("sweep: a file that is no sweep is refused at its first fault", "[swee
     CHECK(refused([](Json& j) { j["points"][0]["frame_ms"] = Json::array(); }) ==
           "old.json: points[0].frame_ms: expected at least one run");
     CHECK_THAT(refused([](Json& j) { j["points"][0]["method"] = "rms"; }),
-               Contains("old.json: points[0].method") && Contains("direct, rsm, reference"));
+               Contains("old.json: points[0].method") && Contains("direct, rsm, isr, reference"));
     CHECK(refused([](Json& j) { j["threads"] = -1; }) ==
           "old.json: threads: expected a whole number from 0 to 2147483647");
 }
