@@ -256,3 +256,34 @@ TEST_CASE("isr: what one setting alone cannot say is refused in one line", "[fra
     scene.camera.far = std::numeric_limits<double>::infinity();
     CHECK_THAT(refusal(), Contains("far is infinite"));
 }
+
+TEST_CASE("isr: every parameter changes the keys of its own stages, and of none before them", "[frame][isr][keys]") {
+    const Scene scene = cornell();
+    frame::Settings before = isr_settings();
+    before.pruning = false;
+    const frame::Plan plan = frame::plan(scene, before);
+    const std::vector<std::uint64_t> keys = frame::stage_keys(scene, before, plan, Isa::scalar);
+    int changed = 0;
+    for (std::size_t i = 0; i < isr::fields(before.isr).size(); ++i) {
+        frame::Settings after = before;
+        Field field = isr::fields(after.isr)[i];
+        CAPTURE(field.name);
+        if (field.name == "far_rings") after.isr.full_depth = 1, after.isr.far_rings = 0;
+        if (auto* p = std::get_if<int*>(&field.value)) **p = field.choices.empty() ? 2 * **p + 2 : (**p + 1) % int(field.choices.size());
+        if (auto* p = std::get_if<float*>(&field.value)) **p = **p == 0 ? 0.5f : 0.75f * **p;
+        const frame::Plan other = frame::plan(scene, after);
+        const std::vector<std::uint64_t> now = frame::stage_keys(scene, after, other, Isa::scalar);
+        // Stages of the same label in both plans.
+        int same_before = 0, same_isr = 0;
+        for (std::size_t a = 0; a < plan.stages.size(); ++a)
+            for (std::size_t b = 0; b < other.stages.size(); ++b) {
+                if (plan.stages[a].label != other.stages[b].label || keys[a] != now[b]) continue;
+                (frame::is_isr(plan.stages[a].name) ? same_isr : same_before) += 1;
+            }
+        CHECK(same_isr == 0);
+        const bool shadowless = field.name == "mode" && !frame::casts_shadows(after);
+        if (!shadowless) CHECK(same_before >= 4);  // gbuffer, rsm, shadow, direct
+        ++changed;
+    }
+    CHECK(changed > 20);
+}
