@@ -346,7 +346,9 @@ void choose_method(frame::Settings& settings, const std::string& stage) {
         if (!frame::gathers_isr(settings)) settings.isr.mode = isr::Mode::f2;
         return;
     }
-    if (settings.method == frame::Method::reference || settings.method == frame::Method::isr)
+    // Of the method isr stay the stages that it shares with others.
+    const bool filters = frame::is_filter(stage) || stage == "compose";
+    if (settings.method == frame::Method::reference || (settings.method == frame::Method::isr && filters))
         settings.method = frame::Method::rsm;
     for (const auto& [gather, texels] : rsm::gather_stages) {
         if (rsm::stage_name(gather, texels) != stage) continue;
