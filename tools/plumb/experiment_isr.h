@@ -175,6 +175,7 @@ void isr_beyond(const IsrCommon& common, const std::vector<BatchView>& views, Is
 std::vector<IsrTurningView> isr_turning(const IsrCommon& common, const std::vector<BatchView>& views);
 struct IsrSpread {
     double mean = 0, deviation = 0, range = 0;  // over yaw, means over the points; of the truth
+    double relative = 0;                        // deviation over the point's own mean, mean over the points
     int points = 0, seen = 0;
 };
 IsrSpread isr_spread(const IsrTurning& turning);
@@ -182,6 +183,7 @@ IsrSpread isr_spread(const IsrTurning& turning);
 // experiment_isr_report.cpp
 using IsrNumber = VrsmNumber;
 std::vector<IsrNumber> isr_numbers(const IsrResult& result);
+std::string isr_value_text(const IsrNumber& number);  // as people read it
 Json isr_json(const IsrResult& result, const std::vector<IsrNumber>& numbers);
 std::string isr_text(const IsrResult& result, const std::vector<IsrNumber>& numbers);
 

@@ -15,6 +15,8 @@ namespace plumb::cli {
 
 namespace {
 
+constexpr int least_repeats = 7;  // stages of a millisecond are disturbed easily
+
 // Times and errors of all candidates on one view.
 Json measure(const IsrCommon& common, const BatchView& view, const std::vector<IsrBeyond>& candidates) {
     const RunOptions& options = common.options;
@@ -36,7 +38,7 @@ Json measure(const IsrCommon& common, const BatchView& view, const std::vector<I
     }
     // Once to warm up, then in turns, every other time backwards.
     std::vector<IsrMeasure> errors(candidates.size());
-    for (int r = -1; r < common.request.repeats; ++r)
+    for (int r = -1; r < std::max(least_repeats, common.request.repeats); ++r)
         for (std::size_t i = 0; i < frames.size(); ++i) {
             const std::size_t c = r % 2 == 0 ? i : frames.size() - 1 - i;
             if (!frames[c]) continue;

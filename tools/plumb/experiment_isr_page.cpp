@@ -76,8 +76,8 @@ class IsrPage {
 
   private:
     static Cell ours(const IsrNumber& n, double heat = -1) {
-        return {value_text(n.value, n.unit), true, heat,
-                n.row + ": " + n.quantity,   "",   n.value ? *n.value : std::numeric_limits<double>::quiet_NaN()};
+        return {isr_value_text(n),         true, heat,
+                n.row + ": " + n.quantity, "",   n.value ? *n.value : std::numeric_limits<double>::quiet_NaN()};
     }
     static Cell theirs(const IsrNumber& n) {
         return {n.thesis ? fmt::format("{:g}", *n.thesis) : "", true, -1, "as printed"};
@@ -139,14 +139,38 @@ class IsrPage {
 
     void add_summary() {
         page_.heading("Summary", "summary");
-        std::vector<std::vector<Cell>> rows{
-            {{"views"}, {"ISR's setting"}, {"quantity"}, head("ours"), {"unit"}, head("ISR")}};
-        for (const IsrNumber* n : of("summary"))
-            rows.push_back({{n->scene}, {n->row}, {n->quantity}, ours(*n), {n->unit}, theirs(*n)});
-        page_.table(rows,
-                    "Errors are of the display, 0..1, sRGB-encoded, what Imalyzer compares; linear errors are of "
-                    "radiance, over the truth's mean. A pixel is improved where its luminance (17) comes nearer to the "
-                    "truth's than direct light's, and made worse where it moves away from it.");
+        const std::vector<const IsrNumber*> all = of("summary");
+        std::vector<std::string> groups, settings;
+        auto remember = [](std::vector<std::string>& known, const std::string& name) {
+            if (std::find(known.begin(), known.end(), name) == known.end()) known.push_back(name);
+        };
+        for (const IsrNumber* n : all) remember(groups, n->scene), remember(settings, n->row);
+        for (const std::string& group : groups) {
+            std::vector<std::vector<Cell>> rows{{{"quantity"}, {"unit"}}};
+            for (const std::string& setting : settings) rows[0].push_back(head(setting));
+            rows[0].push_back(head("ISR", "as printed"));
+            for (const IsrNumber* n : all) {
+                if (n->scene != group) continue;
+                auto row = std::find_if(rows.begin() + 1, rows.end(),
+                                        [&](const std::vector<Cell>& r) { return r[0].text == n->quantity; });
+                if (row == rows.end()) row = rows.insert(rows.end(), {{n->quantity}, {n->unit}});
+                row->push_back(ours(*n));
+            }
+            // What the thesis prints is of its own setting, the first.
+            for (const IsrNumber* n : all)
+                if (n->scene == group && n->row == settings.front())
+                    std::find_if(rows.begin() + 1, rows.end(), [&](const std::vector<Cell>& r) {
+                        return r[0].text == n->quantity;
+                    })->push_back(theirs(*n));
+            page_.raw("<h3>" + page::escaped(group == "all" ? "All views" : "Views of " + group) + "</h3>\n");
+            page_.table(rows);
+        }
+        page_.paragraph(
+            "Errors are of the display, 0..1, sRGB-encoded, what Imalyzer compares; linear errors are of radiance, "
+            "over the "
+            "truth's mean. A pixel is improved where its luminance (17) comes nearer to the truth's than direct "
+            "light's, "
+            "and made worse where it moves away from it.");
         const std::string best =
             fmt::format("corrected at its best, k_ssao = {:g}, k_isr = {:g}", result_.best.ssao, result_.best.isr);
         std::string plain = "Said plainly: ";

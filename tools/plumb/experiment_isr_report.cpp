@@ -207,6 +207,7 @@ void add_rest(Numbers& n, const IsrResult& result) {
             n.add("mean", "% of the truth", finite(100 * s.mean));
             n.add("standard deviation", "% of the truth", finite(100 * s.deviation));
             n.add("range", "% of the truth", finite(100 * s.range));
+            n.add("standard deviation over the mean", "%", finite(100 * s.relative));
         }
 }
 
@@ -218,6 +219,13 @@ std::vector<std::string> groups_of(const IsrResult& result) {
 }
 
 }  // namespace
+
+std::string isr_value_text(const IsrNumber& n) {
+    if (!n.value) return "";
+    if (n.unit.starts_with("%")) return fmt::format("{:.2f}", *n.value);
+    return std::trunc(*n.value) == *n.value && std::fabs(*n.value) < 1e9 ? fmt::format("{:.0f}", *n.value)
+                                                                         : fmt::format("{:.5g}", *n.value);
+}
 
 std::vector<IsrNumber> isr_numbers(const IsrResult& result) {
     Numbers n;
@@ -266,7 +274,7 @@ std::string isr_text(const IsrResult& result, const std::vector<IsrNumber>& numb
     std::vector<std::vector<std::string>> cells;
     for (const IsrNumber& n : numbers)
         if (n.table != "views" && n.table != "turning")
-            cells.push_back({n.table, n.scene, n.row, n.quantity, value_text(n.value, n.unit), n.unit,
+            cells.push_back({n.table, n.scene, n.row, n.quantity, isr_value_text(n), n.unit,
                              n.thesis ? fmt::format("{:g}", *n.thesis) : ""});
     std::string text = format_table(
         {{"table"}, {"of"}, {"row"}, {"quantity"}, {"ours", Align::right}, {"unit"}, {"ISR", Align::right}}, cells);

@@ -166,11 +166,13 @@ IsrSpread isr_spread(const IsrTurning& turning) {
             if (std::isfinite(x)) sum += x, squares += x * x, low = std::min(low, x), high = std::max(high, x), ++n;
         // A point that is seen from two yaws at least.
         if (n < 2) continue;
-        const double mean = sum / n;
-        s.mean += mean, s.deviation += std::sqrt(std::max(0.0, squares / n - mean * mean)), s.range += high - low;
+        const double mean = sum / n, deviation = std::sqrt(std::max(0.0, squares / n - mean * mean));
+        s.mean += mean, s.deviation += deviation, s.range += high - low;
+        // A point that receives nothing from any yaw does not vary.
+        if (mean > 0) s.relative += deviation / mean;
         s.seen += n, ++s.points;
     }
-    if (s.points > 0) s.mean /= s.points, s.deviation /= s.points, s.range /= s.points;
+    if (s.points > 0) s.mean /= s.points, s.deviation /= s.points, s.range /= s.points, s.relative /= s.points;
     return s;
 }
 
