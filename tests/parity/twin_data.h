@@ -312,7 +312,7 @@ inline StageData isr_unseen_case(glm::ivec2 size, int margin, isr::Position posi
     isr::IsrParams params = isr_params();
     params.position = position;
     const Camera camera = isr_camera(0.3), view = isr_camera();
-    const glm::ivec2 seen(size.x + 2 * margin + 2, size.y + 2 * margin);
+    const glm::ivec2 seen(size.x + 2 * margin - 6, size.y + 2 * margin);  // narrower: the camera sees beyond its borders
     const Image4 surface = isr_surface(size, 71, position, camera), view_surface = isr_surface(seen, 72, position, view);
     isr::UnseenInputs in;
     in.surface = &surface, in.camera = isr::coarse_camera(camera, 2 * size);
