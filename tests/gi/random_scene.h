@@ -222,7 +222,7 @@ inline frame::Settings random_settings(std::uint32_t seed) {
     }
     if (dice.one_in(3)) t.compose.shadow_color = dice.in_box(glm::vec3(0), glm::vec3(1));
     if (dice.one_in(5)) t.direct.variant = direct::DirectVariant::published;
-    if (t.method == frame::Method::rsm && dice.one_in(3)) t.method = frame::Method::isr;
+    if (t.method == frame::Method::rsm && dice.below(9) < 4) t.method = frame::Method::isr;
     if (t.method == frame::Method::isr) add_isr(dice, t.isr);
     if (t.rsm.gather == rsm::Gather::all_rays) return t;  // a truth is not filtered
     if (dice.one_in(3)) t.indirect.resolution = filter::Resolution::half;

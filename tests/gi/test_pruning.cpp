@@ -13,7 +13,7 @@ using namespace plumb;
 
 namespace {
 
-constexpr std::uint32_t scenes = 400;
+constexpr std::uint32_t scenes = 500;
 
 struct Case {
     Scene scene;
@@ -115,7 +115,7 @@ std::vector<frame::Rule> broken(const std::string& name) {
 
 }  // namespace
 
-TEST_CASE("pruning: 400 scenes are the same bit for bit with and without, and every rule fires in ten",
+TEST_CASE("pruning: 500 scenes are the same bit for bit with and without, and every rule fires in ten",
           "[frame][pruning][property]") {
     std::map<std::string, int> count;
     int differing = 0, left_out_of = 0;
