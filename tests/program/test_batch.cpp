@@ -102,8 +102,8 @@ TEST_CASE("batch: numbers are core/compare's of the files that lie there", "[pro
     REQUIRE(json["views"].size() == 2);
     for (const Json& v : json["views"]) {
         const std::string name = v["name"];
-        for (const char* ending :
-             {".dl.png", ".dl.exr", ".isr.png", ".isr.exr", ".model.exr", ".model.png", ".difference.png"})
+        for (const char* ending : {".dl.png", ".dl.exr", ".isr.png", ".isr.exr", ".model.exr", "_01.png", "_02.png",
+                                   "_03.png", ".difference.png"})
             CHECK(std::filesystem::exists(out + "/" + name + ending));
         CHECK(v["gain"].get<double>() ==
               Approx(1 - v["mean_error"]["isr"].get<double>() / v["mean_error"]["dl"].get<double>()).epsilon(1e-12));

@@ -54,9 +54,9 @@ TEST_CASE("experiment isr: the same numbers in CSV, JSON and page, and a second 
         numbers[key] = n["value"];
     }
     CHECK(std::count(csv.begin(), csv.end(), '\n') == std::ptrdiff_t(json["numbers"].size() + 1));
-    CHECK(tables["summary"] == 6 * 17);  // all and one list, three settings
+    CHECK(tables["summary"] == 8 * 17);  // all and one list, four settings
     CHECK(tables["5.7"] == 4 * 3);
-    CHECK(tables["views"] == 2 * (10 + 3 * 7));
+    CHECK(tables["views"] == 2 * (10 + 4 * 7));
 
     // The gain is what the errors say, and the mean that of the views.
     double sum = 0;
@@ -68,7 +68,7 @@ TEST_CASE("experiment isr: the same numbers in CSV, JSON and page, and a second 
         CHECK(numbers.at(at + "mean error of ISR, best") <= 1);
         sum += numbers.at(at + "gain, corrected");
     }
-    CHECK(numbers.at("summary/all/corrected, k_ssao = 0, k_isr = 1/gain, mean") == Approx(sum / 2).epsilon(1e-9));
+    CHECK(numbers.at("summary/all/corrected, ambient = environment/gain, mean") == Approx(sum / 2).epsilon(1e-9));
 
     // The thesis' figures stand beside ours.
     CHECK_THAT(html, Contains("99.05") && Contains("0.8867") && Contains("14.69") && Contains("5.88"));

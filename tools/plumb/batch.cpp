@@ -227,17 +227,18 @@ class Batch {
         rows_[i].direct = isr_compare(model, direct_display, direct, {}, options_);
         rows_[i].isr = isr_compare(model, direct_display, isr, {}, options_);
 
-        // The pictures that the numbers are of, and the negative difference of the two (ISR figure 5.5 c).
+        // The pictures that the numbers are of, at the model's exposure, and the negative difference of the last two.
         const compare::Picture negative =
             compare::difference(isr_rgb(isr_shown), isr_rgb(model.display), compare::Difference::negative);
         Image4 difference(size_.x, size_.y);
         for (std::size_t p = 0; p < difference.size(); ++p)
             difference.texels[p] = {negative.data[3 * p], negative.data[3 * p + 1], negative.data[3 * p + 2], 1};
         Outputs outputs(given_.folder);
-        for (const auto& [ending, image] :
-             {std::pair(".model.png", static_cast<const Image4*>(&model.display)), std::pair(".difference.png", static_cast<const Image4*>(&difference))})
-            outputs.write(rows_[i].name + ending, [&](const std::string& path) {
-                io::write_png(path, size_.x, size_.y, compose::to_bytes(*image).data());
+        const Image4* const pictures[] = {&direct_display, &isr_shown, &model.display, &difference};
+        const char* const endings[] = {"_01.png", "_02.png", "_03.png", ".difference.png"};  // appendix E's names
+        for (std::size_t p = 0; p < 4; ++p)
+            outputs.write(rows_[i].name + endings[p], [&](const std::string& path) {
+                io::write_png(path, size_.x, size_.y, compose::to_bytes(*pictures[p]).data());
             });
         outputs.commit();
     }

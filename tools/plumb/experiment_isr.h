@@ -49,10 +49,12 @@ struct IsrViewResult {
     double display_noise = 0;              // mean absolute error of the display that the noise alone makes
     double direct_ms = 0, isr_ms = 0;      // a frame's stages, medians
     IsrMeasure direct;
-    std::vector<IsrMeasure> corrected, published;  // by k_ssao and k_isr: isr_grid()
+    // By k_ssao and k_isr, isr_grid(): the corrected composition with the environment as ambient light and without.
+    std::vector<IsrMeasure> corrected, without_ambient, published;
 };
 struct IsrK {
     double ssao = 0, isr = 0;
+    bool ambient = true;  // [isr] ambient = environment; not in the grid
 };
 // Every pair that is tried: k_ssao 0, 0.25, 0.5; k_isr 0, 0.1 .. 1.
 const std::vector<IsrK>& isr_grid();
@@ -109,7 +111,7 @@ struct IsrResult {
     int threads = 0;
     double load_before = 0, load_after = 0;
     std::vector<IsrViewResult> views;
-    IsrK best;  // least mean error over all views, corrected
+    IsrK best;  // least mean error over all views, corrected, with ambient light or without
     std::string time_view;
     std::size_t time_triangles = 0;
     std::vector<IsrTime> times;  // figure 5.7
@@ -138,8 +140,10 @@ compare::Picture isr_rgb(const Image4& image);
 Image4 isr_composed(const Scene& scene, const frame::Settings& settings, const frame::Frame& frame, const IsrK& k,
                     const RunOptions& options);
 IsrViewResult isr_measure_view(const IsrCommon& common, const BatchView& view);
-// Mean error over all views, then the least of the grid.
+// The least mean error over all views, of the corrected composition's grids.
 IsrK isr_best(const std::vector<IsrViewResult>& views);
+const IsrMeasure& isr_measure_of(const IsrViewResult& view, const IsrK& k);  // corrected
+std::vector<std::string> isr_sets(const IsrK& k);
 // A frame's stages, all run anew in memory that is kept: the sum of their times, and of isr's alone.
 class IsrTimedFrame {
   public:

@@ -17,6 +17,12 @@ namespace {
 
 constexpr int least_repeats = 7;  // stages of a millisecond are disturbed easily
 
+// The environment's light, which is no part of what these settings change, would hide it.
+std::vector<std::string> with_ambient_off(std::vector<std::string> sets) {
+    sets.push_back("isr.ambient=none");
+    return sets;
+}
+
 // Times and errors of all candidates on one view.
 Json measure(const IsrCommon& common, const BatchView& view, const std::vector<IsrBeyond>& candidates) {
     const RunOptions& options = common.options;
@@ -31,7 +37,8 @@ Json measure(const IsrCommon& common, const BatchView& view, const std::vector<I
     for (const IsrBeyond& c : candidates) {
         frames.push_back(nullptr), refused.emplace_back();
         try {
-            frames.back() = std::make_unique<IsrTimedFrame>(scene, isr_settings(scene, "isr", c.sets));
+            frames.back() =
+                std::make_unique<IsrTimedFrame>(scene, isr_settings(scene, "isr", with_ambient_off(c.sets)));
         } catch (const InputError& e) {
             refused.back() = e.what();
         }

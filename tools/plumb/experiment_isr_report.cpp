@@ -56,20 +56,24 @@ struct IsrSetting {
     bool published;
     IsrK k;
 };
-std::vector<IsrSetting> three_settings(const IsrResult& result) {
+// The thesis', ours by default, ours without the environment's light, and the best of ours.
+std::vector<IsrSetting> shown_settings(const IsrResult& result) {
+    const IsrK& best = result.best;
     return {{"published, k_ssao = 0.5, k_isr = 0.5", "published", true, {0.5, 0.5}},
-            {"corrected, k_ssao = 0, k_isr = 1", "corrected", false, {0, 1}},
-            {fmt::format("corrected at its best, k_ssao = {:g}, k_isr = {:g}", result.best.ssao, result.best.isr),
-             "best", false, result.best}};
+            {"corrected, ambient = environment", "corrected", false, {0, 1}},
+            {"corrected, ambient = none", "without ambient", false, {0, 1, false}},
+            {fmt::format("corrected at its best, k_ssao = {:g}, k_isr = {:g}, ambient = {}", best.ssao, best.isr,
+                         best.ambient ? "environment" : "none"),
+             "best", false, best}};
 }
 const IsrMeasure& measure_of(const IsrViewResult& view, const IsrSetting& s) {
-    return (s.published ? view.published : view.corrected).at(isr_grid_index(s.k.ssao, s.k.isr));
+    return s.published ? view.published.at(isr_grid_index(s.k.ssao, s.k.isr)) : isr_measure_of(view, s.k);
 }
 
 // The largest k_isr of the grid, at this k_ssao, whose correlation is above direct light's (5.3.2).
 Optional retuned(const IsrViewResult& view, const IsrSetting& s) {
     for (int i = 10; i >= 1; --i) {
-        const IsrMeasure& m = measure_of(view, {s.name, s.kind, s.published, {s.k.ssao, i / 10.0}});
+        const IsrMeasure& m = measure_of(view, {s.name, s.kind, s.published, {s.k.ssao, i / 10.0, s.k.ambient}});
         if (m.pearson && view.direct.pearson && *m.pearson > *view.direct.pearson) return i / 10.0;
     }
     return std::nullopt;
@@ -128,7 +132,7 @@ void add_views(Numbers& n, const IsrResult& result) {
         n.add("mean error of DL", "", v.direct.mean_error);
         n.add("correlation of DL", "", v.direct.pearson);
         n.add("linear error of DL", "%", 100 * v.direct.linear_error);
-        for (const IsrSetting& s : three_settings(result)) {
+        for (const IsrSetting& s : shown_settings(result)) {
             const IsrMeasure& m = measure_of(v, s);
             const std::string what = ", " + s.kind;
             n.add("mean error of ISR" + what, "", m.mean_error);
@@ -233,7 +237,7 @@ std::vector<IsrNumber> isr_numbers(const IsrResult& result) {
         std::vector<const IsrViewResult*> views;
         for (const IsrViewResult& v : result.views)
             if (group == "all" || v.group == group) views.push_back(&v);
-        for (const IsrSetting& s : three_settings(result)) add_summary(n, group, views, s);
+        for (const IsrSetting& s : shown_settings(result)) add_summary(n, group, views, s);
     }
     add_times(n, result);
     add_rest(n, result);
@@ -265,7 +269,7 @@ Json isr_json(const IsrResult& result, const std::vector<IsrNumber>& numbers) {
             {"time_size", {r.time_size.x, r.time_size.y}},
             {"samples", r.samples},
             {"repeats", r.repeats},
-            {"best", {{"k_ssao", result.best.ssao}, {"k_isr", result.best.isr}}},
+            {"best", {{"k_ssao", result.best.ssao}, {"k_isr", result.best.isr}, {"ambient", result.best.ambient}}},
             {"left_out", refused},
             {"numbers", rows}};
 }

@@ -54,6 +54,7 @@ Json view_json(const IsrViewResult& v) {
             {"isr_ms", v.isr_ms},
             {"direct", measure_json(v.direct)},
             {"corrected", measures_json(v.corrected)},
+            {"without_ambient", measures_json(v.without_ambient)},
             {"published", measures_json(v.published)}};
 }
 IsrViewResult view_of(const Json& j) {
@@ -68,6 +69,7 @@ IsrViewResult view_of(const Json& j) {
             j.at("isr_ms"),
             measure_of(j.at("direct")),
             measures_of(j.at("corrected")),
+            measures_of(j.at("without_ambient")),
             measures_of(j.at("published"))};
 }
 
@@ -168,6 +170,7 @@ Image4 isr_composed(const Scene& scene, const frame::Settings& settings, const f
                     const RunOptions& options) {
     isr::IsrParams params = settings.isr;
     params.k_ssao = float(k.ssao), params.k_isr = float(k.isr);
+    if (!k.ambient) params.ambient = isr::Ambient::none;
     isr::ComposeInputs inputs;
     inputs.normal = &frame.gbuffer.normal, inputs.albedo = &frame.gbuffer.albedo;
     inputs.emission = &frame.gbuffer.emission, inputs.direct = &frame.direct, inputs.indirect = &frame.indirect;
@@ -253,23 +256,41 @@ IsrViewResult isr_measure_view(const IsrCommon& common, const BatchView& view) {
         const frame::Settings varied =
             isr_settings(scene, "isr", {std::string("isr.variant=") + variant, "isr.k_ssao=0.5", "isr.k_isr=0.5"});
         const frame::Frame f = isr_frame(scene, varied, options);
-        std::vector<IsrMeasure>& all = variant[0] == 'c' ? result.corrected : result.published;
-        for (const IsrK& k : isr_grid())
-            all.push_back(isr_compare(model, direct_display, isr_composed(scene, varied, f, k, options), k, options));
+        auto measure = [&](std::vector<IsrMeasure>& all, bool ambient) {
+            for (IsrK k : isr_grid()) {
+                k.ambient = ambient;
+                all.push_back(
+                    isr_compare(model, direct_display, isr_composed(scene, varied, f, k, options), k, options));
+            }
+        };
+        if (variant[0] == 'p')
+            measure(result.published, true);
+        else
+            measure(result.corrected, true), measure(result.without_ambient, false);
     }
     common.results.keep("view_" + view.name, key.hash, view_json(result));
     return result;
 }
 
 IsrK isr_best(const std::vector<IsrViewResult>& views) {
-    std::size_t best = 0;
+    IsrK best;
     double least = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < isr_grid().size(); ++i) {
-        double sum = 0;
-        for (const IsrViewResult& v : views) sum += v.corrected.at(i).mean_error;
-        if (sum < least) least = sum, best = i;
-    }
-    return isr_grid()[best];
+    for (const bool ambient : {true, false})
+        for (std::size_t i = 0; i < isr_grid().size(); ++i) {
+            double sum = 0;
+            for (const IsrViewResult& v : views) sum += (ambient ? v.corrected : v.without_ambient).at(i).mean_error;
+            if (sum < least) least = sum, best = isr_grid()[i], best.ambient = ambient;
+        }
+    return best;
+}
+
+const IsrMeasure& isr_measure_of(const IsrViewResult& view, const IsrK& k) {
+    return (k.ambient ? view.corrected : view.without_ambient).at(isr_grid_index(k.ssao, k.isr));
+}
+
+std::vector<std::string> isr_sets(const IsrK& k) {
+    return {fmt::format("isr.k_ssao={:g}", k.ssao), fmt::format("isr.k_isr={:g}", k.isr),
+            std::string("isr.ambient=") + (k.ambient ? "environment" : "none")};
 }
 
 }  // namespace plumb::cli
