@@ -170,7 +170,7 @@ Image4 isr_composed(const Scene& scene, const frame::Settings& settings, const f
                     const RunOptions& options) {
     isr::IsrParams params = settings.isr;
     params.k_ssao = float(k.ssao), params.k_isr = float(k.isr);
-    if (!k.ambient) params.ambient = isr::Ambient::none;
+    params.ambient = k.ambient ? isr::Ambient::environment : isr::Ambient::none;
     isr::ComposeInputs inputs;
     inputs.normal = &frame.gbuffer.normal, inputs.albedo = &frame.gbuffer.albedo;
     inputs.emission = &frame.gbuffer.emission, inputs.direct = &frame.direct, inputs.indirect = &frame.indirect;
