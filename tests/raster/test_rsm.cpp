@@ -295,7 +295,7 @@ TEST_CASE("light: falloff is 1 in the inner cone, 0 outside the outer one, 1/2 i
     CHECK(spot_falloff(a, outer - 1e-6f) == 0.0f);
     light.type = LightType::point;
     a = light_args(light);
-    for (float cosine : {-1.0f, 0.0f, 1.0f}) CHECK(light_intensity(a, cosine) == glm::vec3(10, 20, 5));
+    for (float cosine : {-1.0f, 0.0f, 1.0f}) CHECK(light_intensity(a, cosine, 4.0f) == glm::vec3(10, 20, 5));
 }
 
 TEST_CASE("rsm: the same bits for every instruction set and 1, 2, 3 threads", "[raster][rsm][bits]") {

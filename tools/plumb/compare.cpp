@@ -26,6 +26,7 @@ namespace {
 struct CompareOptions {
     Common common;
     std::string a, b, difference, signed_error, layer;
+    bool negative = false;
     std::optional<double> max_error, max_differing;
     std::optional<std::uint32_t> max_ulp;
 };
@@ -123,8 +124,9 @@ std::vector<std::uint8_t> bytes_of(const compare::Picture& picture, const std::s
 }
 
 // |a - b|: as it is in an EXR, a byte for 1/255 in a PNG.
-void write_difference(const compare::Picture& a, const compare::Picture& b, const std::string& path) {
-    const compare::Picture difference = compare::difference(a, b);
+void write_difference(const compare::Picture& a, const compare::Picture& b, bool negative, const std::string& path) {
+    const compare::Picture difference =
+        compare::difference(a, b, negative ? compare::Difference::negative : compare::Difference::absolute);
     const std::filesystem::path where(path);
     Outputs outputs(where.parent_path().string());
     outputs.write(where.filename().string(), [&](const std::string& file) {
@@ -174,6 +176,8 @@ int run_compare(const CompareOptions& given) {
     const std::string extension = io::extension_of(given.difference);
     if (!given.difference.empty() && extension != "exr" && extension != "png")
         throw InputError("-o " + given.difference + ": expected a name that ends in .exr or .png");
+    if (given.negative && given.difference.empty())
+        throw InputError("--negative: expected -o, the file whose picture it changes");
     if (!given.signed_error.empty() && io::extension_of(given.signed_error) != "png")
         throw InputError("--signed-error " + given.signed_error + ": expected a name that ends in .png");
     compare::Picture a = io::read_picture(given.a), b = io::read_picture(given.b);
@@ -190,7 +194,7 @@ int run_compare(const CompareOptions& given) {
     const compare::Report report = compare_all(a, b, options);
     const bool comparable = compare::mismatch(a, b).empty();
     if (!given.signed_error.empty() && comparable) write_signed_error(a, b, options, given.signed_error);
-    if (!given.difference.empty() && comparable) write_difference(a, b, given.difference);
+    if (!given.difference.empty() && comparable) write_difference(a, b, given.negative, given.difference);
     if (given.common.json) {
         std::fputs(json_text(compare_json(report)).c_str(), stdout);
         return report.agree ? success : disagreement;
@@ -222,6 +226,7 @@ void add_compare(CLI::App& program, Action& action) {
         ->type_name("S");
     command->add_option("-o,--output", given->difference, "write |A - B| as .exr, or clamped to 0..1 as .png")
         ->type_name("DIFF");
+    command->add_flag("--negative", given->negative, "of -o write 1 - |A - B|: white where the pictures are equal (ISR 5.2.5)");
     command->add_option("--signed-error", given->signed_error,
                         "write as .png where A is darker (blue) or brighter (red) than B; full colour: by 50 %")
         ->check(some_word())
