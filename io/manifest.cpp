@@ -54,12 +54,13 @@ class ManifestReader {
         stage.stage = reader.filled("stage", "");
         const std::string name = stage.stage.empty() ? number : fmt::format("{} ({})", number, printable(stage.stage));
         reader.rename(name);
-        reader.allow({"stage", "label", "light", "face", "size", "params", "uniforms", "input", "output", "choices",
-                      "coverage"});
+        reader.allow({"stage", "label", "form", "light", "face", "size", "params", "uniforms", "input", "output",
+                      "choices", "coverage"});
         if (stage.stage.empty())
             reader.fail("stage", "is missing; expected a stage's name, as `plumb stages` lists them");
         stage.place = fmt::format("{}: {}", shown(path_), name);
         stage.label = reader.word("label", "");
+        stage.form = reader.word("form", "");
         stage.light = reader.word("light", "");
         stage.face = reader.word("face", "");
         constexpr std::array<std::string_view, 6> faces = {"px", "nx", "py", "ny", "pz", "nz"};

@@ -74,7 +74,7 @@ struct CoverageSpec {
 
 struct ManifestStage {
     std::string place;  // "manifest.toml: stage 3 (rsm.disc)"
-    std::string stage, label, light, face;
+    std::string stage, label, form, light, face;
     int width = 0, height = 0;
     std::map<std::string, std::vector<double>> uniforms;
     std::filesystem::path uniforms_file;

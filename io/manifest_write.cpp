@@ -95,6 +95,7 @@ class ManifestWriter {
         out_ += "\n[[stage]]\n";
         text_line("stage", stage.stage, "");
         text_line("label", stage.label, "");
+        text_line("form", stage.form, "");
         text_line("light", stage.light, "");
         text_line("face", stage.face, "");
         if (stage.width > 0) out_ += fmt::format("size = [{}, {}]\n", stage.width, stage.height);

@@ -19,6 +19,7 @@ scene = "scenes/cornell.toml"
 [[stage]]
 stage = "rsm.disc"
 label = "my gather"
+form = "bounce 2"
 light = "key"
 face = "px"
 size = [64, 32]
@@ -146,6 +147,7 @@ void require_equal(const Manifest& a, const Manifest& b) {
         const ManifestStage &s = a.stages[i], &t = b.stages[i];
         CHECK(s.stage == t.stage);
         CHECK(s.label == t.label);
+        CHECK(s.form == t.form);
         CHECK(s.light == t.light);
         CHECK(s.face == t.face);
         CHECK(s.width == t.width);
@@ -188,6 +190,7 @@ TEST_CASE("manifest: every key of TOML arrives", "[io][manifest]") {
     CHECK(s.place == folder / "m.toml" + ": stage 1 (rsm.disc)");
     CHECK(s.stage == "rsm.disc");
     CHECK(s.label == "my gather");
+    CHECK(s.form == "bounce 2");
     CHECK(s.light == "key");
     CHECK(s.face == "px");
     CHECK(s.width == 64);
@@ -361,6 +364,7 @@ TEST_CASE("manifest: generated manifests come back from their text", "[io][manif
             ManifestStage stage;
             stage.stage = dice.of(names);
             if (dice.roll(2)) stage.label = dice.of(names), stage.light = dice.of(names), stage.face = "nz";
+            if (dice.roll(2)) stage.form = dice.of(names);
             stage.width = 1 + int(dice.roll(32767)), stage.height = 1 + int(dice.roll(32767));
             for (std::uint32_t k = dice.roll(4); k > 0; --k)
                 for (std::uint32_t n = 1 + dice.roll(4); n > 0; --n)

@@ -251,7 +251,7 @@ TEST_CASE("validate: a sample pattern of one's own", "[program]") {
 TEST_CASE("validate: a scene gives uniforms, patterns and geometry", "[program]") {
     const std::string folder = fresh_folder("validate_scene"), scene = small_scene(folder);
     REQUIRE(run({"export", scene, "--stage", "all", "-o", folder}).exit == 0);
-    const std::string exported = read(folder + "/manifest.toml");
+    std::string exported = read(folder + "/manifest.toml");
     // The images alone: an input or an output with the lines that belong to it.
     auto images = [&](const std::string& label) {
         const std::string stage = only_stage(exported, label);
@@ -300,6 +300,18 @@ TEST_CASE("validate: a scene gives uniforms, patterns and geometry", "[program]"
     CHECK(validate(folder).exit == 2);
     write(folder + "/manifest.toml", "scene = \"none.toml\"\n" + exported);
     CHECK_THAT(refused(validate(folder)), Contains("none.toml"));
+
+    // A stage that runs more than once.
+    REQUIRE(run({"export", scene, "--method", "isr", "--stage", "isr.blur", "-o", folder}).exit == 0);
+    exported = read(folder + "/manifest.toml");
+    with("stage = \"isr.blur\"\nform = \"vertical\"\n", "isr.blur (vertical)");
+    CHECK(report(folder, 0)["verdict"] == "equal");
+    with("stage = \"isr.blur\"\nform = \"horizontal\"\n", "isr.blur (vertical)");
+    CHECK(report(folder, 1)["verdict"] == "wrong");
+    with("stage = \"isr.blur\"\nform = \"diagonal\"\n", "isr.blur (vertical)");
+    CHECK_THAT(refused(validate(folder)), Contains("form diagonal"));
+    with("stage = \"isr.blur\"\n", "isr.blur (vertical)");
+    CHECK_THAT(refused(validate(folder)), Contains("form") && Contains("isr.blur (horizontal)"));
 }
 
 TEST_CASE("validate: manifests and dumps that are at fault", "[program]") {

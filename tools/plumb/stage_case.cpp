@@ -337,6 +337,11 @@ void read_choices(const io::ManifestStage& stage, StageCase& out) {
     out.choices_a_pixel = array.shape.size() == 3 ? int(array.shape[2]) : 1;
 }
 
+// "surface" is that of the frame itself; one of another view is named as its label has it: "surface, guard".
+bool has_form(const frame::PlannedStage& planned, const std::string& form) {
+    return (planned.form == form && planned.view == 0) || planned.label == planned.name + " (" + form + ")";
+}
+
 }  // namespace
 
 void choose_method(frame::Settings& settings, const std::string& stage) {
@@ -387,17 +392,19 @@ StageData CaseReader::data_of_scene(const io::ManifestStage& stage, const StageB
     settings.pruning = false;
     // Of a dispatch the manifest tells the size: gathers read what they are given.
     settings.indirect.resolution = filter::Resolution(stage.stage == "filter.reduce" || stage.stage == "filter.upsample");
-    settings.indirect.blur = stage.stage == "filter.blur" ? filter::Blur::full : filter::Blur::none;
+    const filter::Blur blur = stage.form.empty() ? filter::Blur::full : filter::Blur::separable;
+    settings.indirect.blur = stage.stage == "filter.blur" ? blur : filter::Blur::none;
     const bool coarse = frame::is_isr(stage.stage) && stage.stage != "isr.upsample" && stage.stage != "isr.compose";
     if (stage.stage == "filter.reduce" || coarse) scene.frame_size = 2 * scene.frame_size;
     set_params(settings, stage, binding);
 
-    // Of a stage that runs once a light, and once a face, the manifest says which.
+    // Of a stage that runs more than once, or once a light, and once a face, the manifest says which.
     const frame::Plan plan = frame::plan(scene, settings);
     std::vector<StageData> found;
     std::vector<std::string> ids;
     for (const frame::PlannedStage& planned : plan.stages) {
         if (planned.name != stage.stage || (light >= 0 && planned.light != light)) continue;
+        if (!stage.form.empty() && !has_form(planned, stage.form)) continue;
         for (StageData& data : dispatches(scene, settings, plan, {}, planned)) {
             if (!stage.face.empty() && face_of(data) != stage.face) continue;
             ids.push_back(data.label);
@@ -405,11 +412,12 @@ StageData CaseReader::data_of_scene(const io::ManifestStage& stage, const StageB
         }
     }
     if (found.empty())
-        throw InputError(fmt::format("{}: the scene runs no {}{}{}", stage.place, stage.stage,
+        throw InputError(fmt::format("{}: the scene runs no {}{}{}{}", stage.place, stage.stage,
+                                     stage.form.empty() ? "" : " of form " + stage.form,
                                      stage.light.empty() ? "" : " of the light " + stage.light,
                                      stage.face.empty() ? "" : ", face " + stage.face));
     if (found.size() > 1)
-        throw InputError(fmt::format("{}: the scene runs it {} times: expected light, and face of a point light: {}",
+        throw InputError(fmt::format("{}: the scene runs it {} times: expected form, light, or face of a point light: {}",
                                      stage.place, found.size(), joined(ids)));
     StageData data = std::move(found[0]);
     std::erase_if(data.inputs.arrays, [&](const Array& array) {
