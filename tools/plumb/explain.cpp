@@ -83,7 +83,7 @@ struct Checker {
 
     // As kernels tap what they return.
     static const char* isr_result_name(const frame::PlannedStage& s) {
-        if (s.name == "isr.downsample") return s.form == "surface" ? "normal" : s.form == "radiosity" ? "radiosity" : "reflectance";
+        if (s.name == "isr.downsample") return "mean";
         if (s.name == "isr.bounce") return "radiosity";
         if (s.name == "isr.unseen") return "unseen";
         return s.name == "isr.compose" ? "radiance" : "irradiance";
@@ -131,6 +131,7 @@ struct Checker {
         if (frame::is_isr(s.name)) {
             const Image4& image = frame::isr_result(frame, s);
             const glm::vec4& v = image(e.pixel.x, e.pixel.y);
+            if (s.name == "isr.ssao") return {{"accessibility", {v.w}, last_value(e, "accessibility")}};
             return {{"result", {v.x, v.y, v.z}, last_value(e, isr_result_name(s))}};
         }
         if (frame::is_filter(s.name)) {
