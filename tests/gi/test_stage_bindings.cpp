@@ -204,6 +204,11 @@ StageData continuous_case() {
     return test::gather_case(small, rsm::Gather::disc, LightType::spot, 0, "continuous", rsm::Texels::continuous);
 }
 StageData paths_case() { return test::paths_case(small, LightType::spot, {.directions = 4, .steps = 3}, "paths"); }
+StageData isr_case(const std::string& id) {
+    for (StageData& data : test::isr_cases(small))
+        if (data.id == id) return std::move(data);
+    throw std::logic_error(id);
+}
 StageData shadow_case() {
     return test::shadow_case(small, LightType::spot, 0, direct::ShadowMode::hard, direct::ShadowVariant::corrected,
                              "shadow");
@@ -284,6 +289,9 @@ TEST_CASE("stage bindings: numbers that kernels loop over and index by are held 
     };
     const StageData tonemap = test::tonemap_case(small, compose::Operator::clamp, "tonemap");
     const StageData map_blur = test::log_blur_case(small, 32, 8, direct::Direction::vertical, "shadow.blur");
+    const StageData isr_gather = isr_case("isr.gather.turned"), isr_ssao = isr_case("isr.ssao"),
+                    isr_camera = isr_case("isr.gather_camera"), isr_blur = isr_case("isr.blur.rows"),
+                    isr_upsample = isr_case("isr.upsample"), isr_compose = isr_case("isr.compose");
     for (const Range& r : {Range{shadow_case(), "kernel", 1, 64}, {shadow_case(), "soft", 0, 2},
                            {map_blur, "radius", 0, 32}, {disc_case(), "reach", 0, 32768},
                            {continuous_case(), "reach", 0, 32769},
@@ -292,7 +300,11 @@ TEST_CASE("stage bindings: numbers that kernels loop over and index by are held 
                            {paths_case(), "reach", 0, 32768}, {paths_case(), "directions", 0, 4},
                            {paths_case(), "steps", 0, 3}, {paths_case(), "slots", 2, 5}, {paths_case(), "tiled", 0, 1},
                            {paths_case(), "propagates", -1, 0},
-                           {test::direct_case(small, "direct"), "lights", 0, 4}}) {
+                           {test::direct_case(small, "direct"), "lights", 0, 4}, {isr_gather, "rings", 0, 3},
+                           {isr_gather, "margin", 0, 6}, {isr_ssao, "rings", 0, 2}, {isr_camera, "u.rings", 0, 3},
+                           {isr_blur, "radius", 0, 3}, {isr_blur, "kind", 0, 2}, {isr_blur, "vertical", 0, 1},
+                           {isr_upsample, "bilateral", 0, 1}, {isr_upsample, "clip_depth", 0, 1},
+                           {isr_compose, "published", 0, 1}}) {
         INFO(r.member);
         CHECK(with_uniform(r.data, r.member, r.first) == "");
         CHECK(with_uniform(r.data, r.member, r.last) == "");
@@ -302,7 +314,7 @@ TEST_CASE("stage bindings: numbers that kernels loop over and index by are held 
                            Catch::StartsWith("direct: lights = "));
     }
     // The rotation is picked by the lower bits of a hash.
-    for (const StageData& data : {disc_case(), continuous_case(), paths_case()}) {
+    for (const StageData& data : {disc_case(), continuous_case(), paths_case(), isr_gather}) {
         CHECK(with_uniform(data, "rotations", 1) == "");
         CHECK(with_uniform(data, "rotations", 2) == "");
         for (double rotations : {-1, 0, 3, 6})
