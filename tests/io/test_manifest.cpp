@@ -83,7 +83,7 @@ height = 8
 const std::string full_json = R"({
 "device": "A GPU, driver 1.2", "profile": "lavapipe-22.3-fma", "max_ambiguous": 0.01, "scene": "scenes/cornell.toml",
 "stage": [{
-  "stage": "rsm.disc", "label": "my gather", "light": "key", "face": "px", "size": [64, 32],
+  "stage": "rsm.disc", "label": "my gather", "form": "bounce 2", "light": "key", "face": "px", "size": [64, 32],
   "params": {"samples": 400, "radius": 0.25, "variant": "published", "visibility": true, "direction": [0, 1, 0.5]},
   "uniforms": {"intensity": [1, 2.5, 3], "count": 400, "flag": true, "map": {"to_texel_x": 0.5, "to_texel_y": -0.5}},
   "input": {
@@ -210,7 +210,7 @@ TEST_CASE("manifest: every key of TOML arrives", "[io][manifest]") {
 
     const DumpSpec& position = s.inputs.at("position");
     CHECK(position.file == folder / "position.raw");
-    CHECK(position.place == folder / "m.toml" + ": line 24: input.position of stage 1 (rsm.disc)");
+    CHECK(position.place == folder / "m.toml" + ": line 25: input.position of stage 1 (rsm.disc)");
     CHECK(position.vk_format == "R16G16B16A16_SFLOAT");
     CHECK(position.width == 64);
     CHECK(position.height == 32);
