@@ -18,14 +18,17 @@ layout(binding = 6, rgba32f) uniform writeonly image2D gathered_image;
 #include "gi/isr/source.glsl"
 
 // Beyond the border there is no surface.
-Source source_at(ivec2 pixel, int rotation, int k) {
+Source source_at(ivec2 pixel, int rotation, int k, Surface p) {
     ivec2 offset = offset_of(offsets[rotation + k * u.rotations]);
     ivec2 texel = pixel + offset + ivec2(u.margin);               TAP(texel, texel);
     bool inside = texel.x >= 0 && texel.x < u.source_width && texel.y >= 0 && texel.y < u.source_height;
     TAP(inside, inside);
     ivec2 fetched = inside ? texel : ivec2(0);
     vec4 surface = inside ? texelFetch(source_surface_image, fetched, 0) : vec4(0.0);
-    return source_of(u, pixel + offset, surface, texelFetch(source_radiosity_image, fetched, 0).xyz);
+    Surface s = surface_of(u, pixel + offset, surface);
+    vec3 step = step_of(float(offset.x), float(offset.y));
+    return Source(between(p, step, s.depth), area_of(u, s), s.normal,
+                  light_of(s, texelFetch(source_radiosity_image, fetched, 0).xyz));
 }
 
 #include "gi/isr/gather_by.glsl"

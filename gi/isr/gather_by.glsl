@@ -1,8 +1,8 @@
-// The sum over a pixel's samples, as in gather_kernel.h. source_at(pixel, rotation, k), which is declared before, reads one.
+// The sum over a pixel's samples, as in gather_kernel.h. source_at(pixel, rotation, k, p), which is declared before, reads one.
 
 // F_pX.
-float form_factor(vec3 x_p, vec3 n_p, Source x) {
-    precise vec3 d = x.position - x_p;
+float form_factor(vec3 n_p, Source x) {
+    vec3 d = x.to;
     precise float d2 = max(d.x * d.x + d.y * d.y + d.z * d.z, least_distance2);    TAP(d2, d2);
     precise float cos_p = max(0.0, n_p.x * d.x + n_p.y * d.y + n_p.z * d.z);       TAP(cos_p, cos_p);
     precise float cos_x = max(0.0, -(x.normal.x * d.x + x.normal.y * d.y + x.normal.z * d.z));
@@ -29,12 +29,12 @@ vec4 gather_by(Surface p, vec4 before, float mask, ivec2 pixel, int rotation) {
         if (!(covered && at_ring <= reach)) break;
         for (int i = 0; i < 8 * ring; ++i, ++k) {
             TAP_SAMPLE(k);
-            Source x = source_at(pixel, rotation, k);
-            TAP(x, x.position);
+            Source x = source_at(pixel, rotation, k, p);
+            TAP(d, x.to);
             TAP(n_x, x.normal);
             TAP(area, x.area);
             TAP(radiosity, x.radiosity);
-            precise float form = form_factor(p.position, p.normal, x);
+            precise float form = form_factor(p.normal, x);
             sum.x += form * x.radiosity.x;
             sum.y += form * x.radiosity.y;
             sum.z += form * x.radiosity.z;

@@ -36,17 +36,18 @@ void look_at_receiver(vec3 x) {
 }
 
 // Beyond the border there is no surface.
-Source source_at(ivec2 pixel, int rotation, int k) {
+Source source_at(ivec2 pixel, int rotation, int k, Surface p) {
     ivec2 offset = offset_of(offsets[rotation + k * u.rotations]);
     ivec2 texel = centre + offset;                                TAP(texel, texel);
     bool inside = texel.x >= 0 && texel.x < camera.width && texel.y >= 0 && texel.y < camera.height && before_camera;
     TAP(inside, inside);
     ivec2 fetched = inside ? texel : ivec2(0);
     vec4 surface = inside ? texelFetch(source_surface_image, fetched, 0) : vec4(0.0);
-    Source s = source_of(camera, texel, surface, texelFetch(source_radiosity_image, fetched, 0).xyz);
-    precise vec3 position = s.position + camera_eye.xyz;
-    s.position = position;
-    return s;
+    Surface s = surface_of(camera, texel, surface);
+    precise vec3 x = s.position + camera_eye.xyz;
+    precise vec3 to = x - p.position;
+    return Source(to, area_of(camera, s), s.normal,
+                  light_of(s, texelFetch(source_radiosity_image, fetched, 0).xyz));
 }
 
 #include "gi/isr/gather_by.glsl"

@@ -47,7 +47,7 @@ struct CameraImages {
     }
 
     template <class Tap>
-    PLUMB_INLINE Source<F> at(int k, Tap& tap) const {
+    PLUMB_INLINE Source<F> at(int k, const Surface<F>& p, Tap& tap) const {
         using N = number<F>;
         using I = index_t<F>;
         const SampleUniforms& c = in.u.camera;
@@ -61,10 +61,10 @@ struct CameraImages {
         const F zero(0.0f);
         const vec4<F> surface{select(inside, fetched.x, zero), select(inside, fetched.y, zero),
                               select(inside, fetched.z, zero), select(inside, fetched.w, zero)};
-        Source<F> s = source_of<F>(c, texel.x, texel.y, surface, xyz<F>(N::fetch4(in.source_radiosity, i)));
+        const Surface<F> s = surface_of<F>(c, texel.x, texel.y, surface);
         const glm::vec4& e = in.u.camera_eye;
-        s.position = {s.position.x + F(e.x), s.position.y + F(e.y), s.position.z + F(e.z)};
-        return s;
+        const vec3<F> x{s.position.x + F(e.x), s.position.y + F(e.y), s.position.z + F(e.z)};
+        return {x - p.position, area_of(c, s), s.normal, light_of(s, xyz<F>(N::fetch4(in.source_radiosity, i)))};
     }
 };
 

@@ -46,11 +46,15 @@ struct PlaneSamples {
 };
 
 struct PlaneSources : PlaneSamples {
+    const SampleUniforms& u;
+
     template <class Tap>
-    PLUMB_INLINE Source<F> at(int k, Tap&) const {
-        const float* p = PlaneSamples::at(k);
-        return {load3(p, SourcePlanes::position_x), load(p, SourcePlanes::area), load3(p, SourcePlanes::normal_x),
-                load3(p, SourcePlanes::red)};
+    PLUMB_INLINE Source<F> at(int k, const Surface<F>& p, Tap&) const {
+        const float* at = PlaneSamples::at(k);
+        const ivec2<int> offset = offset_of(offsets[k]);
+        const vec3<float> step = step_of<float>(u, float(offset.x), float(offset.y));
+        return {between(p, vec3<F>{F(step.x), F(step.y), F(step.z)}, load(at, SourcePlanes::depth)),
+                load(at, SourcePlanes::source_area), load3(at, SourcePlanes::normal_x), load3(at, SourcePlanes::red)};
     }
 };
 
@@ -106,12 +110,11 @@ template <>
 void GatherRows<Isa::PLUMB_ISA>::take_apart(const GatherInputsView& in, const SourcePlanes& planes) {
     const SampleUniforms& u = in.u;
     each_source(u, planes, [&](int x, I px, I i, int y, mask_t<F> on) {
-        const Source<F> s = source_of<F>(u, px - I(u.margin), I(y - u.margin), N::fetch4(in.source_surface, i),
-                                         xyz<F>(N::fetch4(in.source_radiosity, i)));
-        save3(planes, SourcePlanes::position_x, x, y, s.position, on);
-        save(planes, SourcePlanes::area, x, y, s.area, on);
+        const Surface<F> s = surface_of<F>(u, px - I(u.margin), I(y - u.margin), N::fetch4(in.source_surface, i));
+        save(planes, SourcePlanes::depth, x, y, s.depth, on);
+        save(planes, SourcePlanes::source_area, x, y, area_of(u, s), on);
         save3(planes, SourcePlanes::normal_x, x, y, s.normal, on);
-        save3(planes, SourcePlanes::red, x, y, s.radiosity, on);
+        save3(planes, SourcePlanes::red, x, y, light_of(s, xyz<F>(N::fetch4(in.source_radiosity, i))), on);
     });
 }
 
@@ -134,7 +137,7 @@ void GatherRows<Isa::PLUMB_ISA>::gather(const GatherInputsView& in, const Source
             return isr::gather<F>(in, px, I(y), SourceImages<F>{in, px, I(y), rotation_of<F>(u, px, I(y))}, tap);
         });
     gather_rows(u.width, first, last, tiles, in.gathered, [&](int x, I px, int y, NoTap& tap) {
-        const PlaneSources sources{{*planes, in.offsets, x + u.margin, y + u.margin, u.source_width}};
+        const PlaneSources sources{{*planes, in.offsets, x + u.margin, y + u.margin, u.source_width}, u};
         return isr::gather<F>(in, px, I(y), sources, tap);
     });
 }

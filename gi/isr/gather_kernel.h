@@ -29,8 +29,8 @@ struct GatherInputsView {
 // What a sample X of the gather is.
 template <class F>
 struct Source {
-    vec3<F> position;  // from the eye, m
-    F area;            // A_X, m2
+    vec3<F> to;         // X - P, m
+    F area;             // A_X, m2
     vec3<F> normal;
     vec3<F> radiosity;  // W/m2
 };
@@ -39,12 +39,25 @@ struct Source {
 inline constexpr float brightest = 1e30f;
 
 template <class F>
-PLUMB_INLINE Source<F> source_of(const SampleUniforms& u, index_t<F> x, index_t<F> y, const vec4<F>& texel,
-                                 const vec3<F>& radiosity) {
-    const Surface<F> s = surface_of<F>(u, x, y, texel);
+PLUMB_INLINE vec3<F> light_of(const Surface<F>& s, const vec3<F>& radiosity) {
     const F most(brightest), zero(0.0f);
     const vec3<F> bounded{min(radiosity.x, most), min(radiosity.y, most), min(radiosity.z, most)};
-    return {s.position, area_of(u, s), s.normal, select3<F>(is_covered(s), bounded, vec3<F>{zero, zero, zero})};
+    return select3<F>(is_covered(s), bounded, vec3<F>{zero, zero, zero});
+}
+
+// How far two rays lie apart at eye depth 1 m that are (dx, dy) pixels apart. T: a number or a lane's.
+template <class T>
+PLUMB_INLINE vec3<T> step_of(const SampleUniforms& u, T dx, T dy) {
+    return {T(u.right.x) * dx + T(u.down.x) * dy, T(u.right.y) * dx + T(u.down.y) * dy,
+            T(u.right.z) * dx + T(u.down.z) * dy};
+}
+
+// X - P = r_X z_X - r_P z_P, as (r_X - r_P) z_X + r_P (z_X - z_P): along a grazing view the difference of two rounded
+// positions would hold little more than their roundings.
+template <class F>
+PLUMB_INLINE vec3<F> between(const Surface<F>& p, const vec3<F>& step, F depth) {
+    const F further = depth - p.depth;
+    return {step.x * depth + p.ray.x * further, step.y * depth + p.ray.y * further, step.z * depth + p.ray.z * further};
 }
 
 template <class F>
@@ -55,8 +68,8 @@ PLUMB_INLINE index_t<F> rotation_of(const SampleUniforms& u, index_t<F> px, inde
 
 // F_pX. Dividing twice keeps the range of a float, where d^4 would overflow from 4e9 m and vanish below 1e-10 m.
 template <class F, bool published, class Tap>
-PLUMB_INLINE F form_factor(const vec3<F>& x_p, const vec3<F>& n_p, const Source<F>& x, Tap& tap) {
-    const vec3<F> d = x.position - x_p;
+PLUMB_INLINE F form_factor(const vec3<F>& n_p, const Source<F>& x, Tap& tap) {
+    const vec3<F> d = x.to;
     const F d2 = max(dot3(d, d), F(least_distance2));             tap("d2", d2, "|X - P|^2, m2");
     const F cos_p = max(F(0.0f), dot3(n_p, d));                   tap("cos_p", cos_p, "max(0, n_p.(X - P)), m");
     const F cos_x = max(F(0.0f), -dot3(x.normal, d));             tap("cos_x", cos_x, "max(0, n_X.(P - X)), m");
@@ -86,12 +99,12 @@ PLUMB_INLINE vec4<F> gather_by(const SampleUniforms& u, const Surface<F>& p, con
         const vec3<F> n_p = select3<F>(active, p.normal, none);
         for (int i = 0; i < 8 * ring; ++i, ++k) {
             tap.sample(k);
-            const Source<F> x = sources.at(k, tap);
-            tap("x", x.position, "X, from the eye, m");
+            const Source<F> x = sources.at(k, p, tap);
+            tap("d", x.to, "X - P, m");
             tap("n_x", x.normal, "unit normal of X");
             tap("area", x.area, "A_X, m2");
             tap("radiosity", x.radiosity, "B_X, W/m2");
-            const F form = form_factor<F, published>(p.position, n_p, x, tap);
+            const F form = form_factor<F, published>(n_p, x, tap);
             sum.x += form * x.radiosity.x;
             sum.y += form * x.radiosity.y;
             sum.z += form * x.radiosity.z;
@@ -114,7 +127,7 @@ struct SourceImages {
     index_t<F> px, py, rotation;
 
     template <class Tap>
-    PLUMB_INLINE Source<F> at(int k, Tap& tap) const {
+    PLUMB_INLINE Source<F> at(int k, const Surface<F>& p, Tap& tap) const {
         using N = number<F>;
         using I = index_t<F>;
         const SampleUniforms& u = in.u;
@@ -128,7 +141,10 @@ struct SourceImages {
         const F zero(0.0f);
         const vec4<F> surface{select(inside, fetched.x, zero), select(inside, fetched.y, zero),
                               select(inside, fetched.z, zero), select(inside, fetched.w, zero)};
-        return source_of<F>(u, px + offset.x, py + offset.y, surface, xyz<F>(N::fetch4(in.source_radiosity, i)));
+        const Surface<F> s = surface_of<F>(u, px + offset.x, py + offset.y, surface);
+        const vec3<F> step = step_of<F>(u, N::from_index(offset.x), N::from_index(offset.y));
+        return {between(p, step, s.depth), area_of(u, s), s.normal,
+                light_of(s, xyz<F>(N::fetch4(in.source_radiosity, i)))};
     }
 };
 

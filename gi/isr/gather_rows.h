@@ -14,11 +14,11 @@ namespace plumb::isr {
 using filter::Tiles;
 
 // The sources that a band of receivers reaches, taken apart into planes: without rotations the pixels of a packet read
-// samples that lie side by side, where fetch4() would collect and transpose them; and a position or an area is computed
+// samples that lie side by side, where fetch4() would collect and transpose them; and an area is computed
 // once, not by each receiver that reads it. Padding stands for what lies beyond the border: no surface.
 struct SourcePlanes {
-    enum : int { position_x, position_y, position_z, area, normal_x, normal_y, normal_z, red, green, blue, of_gather };
-    static constexpr int of_ssao = 4;   // the planes before normal_x; `area` holds the radius squared
+    enum : int { depth, source_area, normal_x, normal_y, normal_z, red, green, blue, of_gather };
+    enum : int { position_x, position_y, position_z, area, of_ssao };  // `area` holds the radius squared
     static constexpr int padding = 16;  // floats before the first pixel and after the last: the widest packet
 
     float* planes;   // [row][count][stride], then a row of padding
