@@ -29,6 +29,8 @@ const std::vector<GeneratedScene>& generated_scenes() {
 }
 
 Scene generate_scene(const std::string& name, const GenerateOptions& options, const std::string& place) {
+    // A name of the command line has no file around it.
+    const std::string at = place.empty() ? "" : place + ": ";
     std::vector<std::string> names;
     for (const GeneratedScene& scene : generated_scenes()) {
         names.push_back(scene.name);
@@ -36,13 +38,13 @@ Scene generate_scene(const std::string& name, const GenerateOptions& options, co
         GenerateOptions wanted = options;
         if (wanted.triangles == 0) wanted.triangles = scene.triangles;
         if (wanted.triangles < scene.least_triangles || wanted.triangles > scene.most_triangles)
-            throw InputError(fmt::format("{}: triangles = {}: \"{}\" is built from {} to {}", place, options.triangles,
-                                         name, scene.least_triangles, scene.most_triangles));
+            throw InputError(fmt::format("{}triangles = {}: \"{}\" is built from {} to {}", at, options.triangles, name,
+                                         scene.least_triangles, scene.most_triangles));
         Scene made = scene.generate(wanted);
         complete_tangents(made);
         return made;
     }
-    throw InputError(fmt::format("{}: unknown scene \"{}\"; the nearest known one is \"{}\"", place, name,
+    throw InputError(fmt::format("{}unknown scene \"{}\"; the nearest known one is \"{}\"", at, name,
                                  nearest_name(name, names)));
 }
 

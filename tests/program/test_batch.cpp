@@ -62,6 +62,13 @@ TEST_CASE("cameras: random views are the same for a seed, and others for another
     CHECK(run({"cameras", scene, "-o", folder + "/d.toml"}).exit == 2);
     CHECK(run({"cameras", scene, "--random", "2", "--frames", "0:3", "-o", folder + "/d.toml"}).exit == 2);
     CHECK_FALSE(std::filesystem::exists(folder + "/d.toml"));
+    // The list's folder is made; a scene that is none is said without a place, and leaves no folder.
+    const Result none = run({"cameras", "nope", "--random", "2", "-o", folder + "/not/d.toml"});
+    CHECK(none.exit == 2);
+    CHECK(none.err.find("plumb: unknown scene \"nope\"") != std::string::npos);
+    CHECK_FALSE(std::filesystem::exists(folder + "/not"));
+    CHECK(run({"cameras", scene, "--random", "2", "-o", folder + "/made/below/d.toml"}).exit == 0);
+    CHECK(std::filesystem::exists(folder + "/made/below/d.toml"));
 }
 
 TEST_CASE("cameras: what they see is lit surface, by the renderer's own buffers", "[program]") {

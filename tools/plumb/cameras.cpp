@@ -16,6 +16,7 @@
 #include "io/file.h"
 #include "tools/plumb/cli.h"
 #include "tools/plumb/options.h"
+#include "tools/plumb/outputs.h"
 #include "tools/plumb/reports.h"
 
 namespace plumb::cli {
@@ -104,7 +105,11 @@ int run_cameras(const Given& given) {
     if (list.cameras.size() > io::max_listed_cameras)
         throw InputError(
             fmt::format("cameras: {} views: expected at most {}", list.cameras.size(), io::max_listed_cameras));
-    io::write_text(given.output, io::camera_list_text(list));
+    const std::filesystem::path path(given.output);
+    Outputs outputs(path.parent_path().string());
+    outputs.write(path.filename().string(),
+                  [&](const std::string& at) { io::write_text(at, io::camera_list_text(list)); });
+    outputs.commit();
     if (given.common.json)
         std::fputs(json_text({{"cameras", list.cameras.size()}, {"file", given.output}}).c_str(), stdout);
     else
