@@ -52,6 +52,32 @@ Hashes hashes_of(const Scene& scene, raster::Layout layout, rsm::Gather gather, 
     return h;
 }
 
+// Of the method isr: with all its sources and two bounces, and as printed.
+Hashes isr_hashes(const Scene& scene, bool printed, const RunOptions& options) {
+    frame::Settings settings = frame::settings_of(scene);
+    settings.method = frame::Method::isr;
+    isr::IsrParams& p = settings.isr;
+    p.spacing = 3, p.k_ssao = 0.5f;
+    if (printed)
+        p.variant = isr::Variant::published, p.k_isr = 0.5f;
+    else
+        p.bounces = 2, p.guard = 16, p.layers = 2, p.cameras = 2, p.rotations = 4;
+    const frame::Frame f = frame::execute(scene, settings, frame::plan(scene, settings), options);
+    const std::string set = printed ? "isr/published/" : "isr/corrected/";
+    Hashes h;
+    auto add = [&](const char* name, const Image4& image) {
+        REQUIRE_FALSE(image.empty());
+        h[set + name] = hash_text(content_hash(image));
+    };
+    add("surface", f.isr.surface);
+    add("gathered", f.isr.gathered.back());
+    add("lit", f.isr.lit);
+    add("indirect", f.indirect);
+    add("color", f.radiance);
+    if (!printed) add("unseen", f.isr.unseen.back());
+    return h;
+}
+
 Scene small_cornell() {
     Scene scene = io::load_scene(std::string(PLUMB_SOURCE_DIR) + "/data/scenes/cornell/cornell.toml",
                                  frame::method_tables());
@@ -65,6 +91,7 @@ Hashes all_hashes(const Scene& scene, const RunOptions& options) {
     for (auto layout : {raster::Layout::fp32, raster::Layout::rgba16f})
         for (auto gather : {rsm::Gather::disc, rsm::Gather::all, rsm::Gather::all_rays})
             h.merge(hashes_of(scene, layout, gather, options));
+    for (const bool printed : {false, true}) h.merge(isr_hashes(scene, printed, options));
     return h;
 }
 
@@ -74,7 +101,7 @@ TEST_CASE("golden: every buffer of the Cornell box, by every instruction set and
     Hashes expected;
     std::ifstream file(golden_path);
     for (std::string name, hash; file >> name >> hash;) expected[name] = hash;
-    REQUIRE(expected.size() == 6 * 14 + 2);
+    REQUIRE(expected.size() == 6 * 14 + 2 + 11);
     const Scene scene = small_cornell();
     for (Isa isa : supported_isas())
         for (int threads : {1, 2, 3}) {
