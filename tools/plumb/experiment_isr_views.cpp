@@ -242,10 +242,13 @@ IsrViewResult isr_measure_view(const IsrCommon& common, const BatchView& view) {
     add_noise(truth.estimate, result.exposure, options, result);
     const IsrModel model = isr_model(truth.estimate.mean, result.exposure, options);
 
-    // Both in turns; their first runs give the pictures.
+    // Once to warm up, then in turns, every other time backwards; a last run of direct light gives its picture.
     const frame::Settings settings = isr_settings(scene, "isr", {});
     IsrTimedFrame direct(scene, isr_settings(scene, "direct", {})), isr(scene, settings);
-    for (int r = 0; r < common.request.repeats; ++r) direct.run(options), isr.run(options);
+    for (int r = -1; r < common.request.repeats; ++r) {
+        for (const bool first : {true, false}) (first == (r % 2 == 0) ? direct : isr).run(options);
+        if (r < 0) direct.frame_ms.clear(), isr.frame_ms.clear();
+    }
     result.direct_ms = median(direct.frame_ms), result.isr_ms = median(isr.frame_ms);
     const Image4 direct_radiance = direct.run(options).radiance;
     const Image4 direct_display = isr_display(direct_radiance, result.exposure, options);
