@@ -75,18 +75,19 @@ struct IsrBeyond {
     bool front = false;                            // no other is as good in both and better in one
 };
 
-// One point of the world, from a turning camera.
+// Points of the world, from a turning camera.
 struct IsrTurning {
     std::string setting;  // "ISR", "guard band of 64"
     std::vector<std::string> sets;
     std::string refused;
     std::vector<double> yaw_deg;  // of the camera
-    // [point][yaw]: luminance of the irradiance over the truth's; NaN where the point is not seen.
-    std::vector<std::vector<double>> ratio;
+    // [point][yaw]: luminance of the irradiance, W/m2; NaN where the point is not seen.
+    std::vector<std::vector<double>> irradiance;
 };
 struct IsrTurningView {
     std::string name;
-    double truth = 0, truth_error = 0;  // W/m2, mean over the points: luminance of one bounce
+    std::vector<double> truth;  // W/m2, by point: luminance of one bounce, above 0
+    double truth_error = 0;     // W/m2, mean over the points
     std::vector<IsrTurning> settings;
 };
 
@@ -177,12 +178,19 @@ void isr_beyond(const IsrCommon& common, const std::vector<BatchView>& views, Is
 
 // experiment_isr_turning.cpp
 std::vector<IsrTurningView> isr_turning(const IsrCommon& common, const std::vector<BatchView>& views);
-struct IsrSpread {
-    double mean = 0, deviation = 0, range = 0;  // over yaw, means over the points; of the truth
-    double relative = 0;                        // deviation over the point's own mean, mean over the points
-    int points = 0, seen = 0;
+// Sums over the points that are seen, over the sums of their truths: no point whose truth is tiny rules them.
+struct IsrYaw {
+    double yaw_deg = 0, mean = 0;  // of the truth
+    int points = 0;                // seen at this yaw, one at least
 };
-IsrSpread isr_spread(const IsrTurning& turning);
+std::vector<IsrYaw> isr_turning_curve(const IsrTurning& turning, const std::vector<double>& truth);
+struct IsrSpread {
+    double mean = 0;                  // of the truth; over all yaws and points
+    double deviation = 0, range = 0;  // over yaw, of the truth; over the points that are seen from two yaws at least
+    double relative = 0;              // each such point's deviation over its own mean, weighted by its truth
+    int points = 0, seen = 0;         // such points, and how often they are seen
+};
+IsrSpread isr_spread(const IsrTurning& turning, const std::vector<double>& truth);
 
 // experiment_isr_report.cpp
 using IsrNumber = VrsmNumber;

@@ -317,25 +317,24 @@ class IsrPage {
         page_.paragraph(
             "The irradiance that ISR finds at the same points of the world, as the camera turns about its up "
             "axis until they leave the frame; only where they are seen. The truth is one bounce of the "
-            "lamps' light, traced. Means over the points.");
+            "lamps' light, traced. The curves are sums of irradiance over the points that are seen at that yaw, over "
+            "the sums of these points' truths; the mean is the same over all yaws. Standard deviation and range are "
+            "each point's own over the yaw, of the points that are seen from two yaws at least, summed and over the "
+            "sum of these points' truths. The standard deviation over the mean is each point's own over its own mean "
+            "irradiance: the mean over these points, weighted by their truths.");
         table_of("turning", "view", "setting", "Mean, standard deviation and range over the yaw.");
         for (const IsrTurningView& v : result_.turning) {
             page::Chart chart{
-                v.name + ": mean over the points", "yaw, degrees", "irradiance, % of the truth", false, false, {}};
+                v.name + ": irradiance of the points", "yaw, degrees", "irradiance, % of the truth", false, false, {}};
             for (const IsrTurning& t : v.settings) {
                 if (!t.refused.empty()) {
                     page_.paragraph(t.setting + ": " + t.refused);
                     continue;
                 }
                 page::ChartLine line{t.setting};
-                for (std::size_t s = 0; s < t.yaw_deg.size(); ++s) {
-                    double sum = 0;
-                    int n = 0;
-                    for (const auto& r : t.ratio)
-                        if (std::isfinite(r[s])) sum += r[s], ++n;
-                    if (n > 0)
-                        line.points.push_back({t.yaw_deg[s], 100 * sum / n, {{"points seen", std::to_string(n)}}});
-                }
+                for (const IsrYaw& y : isr_turning_curve(t, v.truth))
+                    line.points.push_back(
+                        {y.yaw_deg, 100 * y.mean, {{"points seen", std::to_string(y.points)}}});
                 chart.lines.push_back(line);
             }
             chart.lines.push_back({"truth", {{0, 100}}, page::Line::level});

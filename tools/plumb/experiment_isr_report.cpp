@@ -203,11 +203,11 @@ void add_rest(Numbers& n, const IsrResult& result) {
     for (const IsrTurningView& v : result.turning)
         for (const IsrTurning& t : v.settings) {
             if (!t.refused.empty()) continue;
-            const IsrSpread s = isr_spread(t);
+            const IsrSpread s = isr_spread(t, v.truth);
             n.at("turning", v.name, t.setting);
             n.add("points", "", s.points);
             n.add("times seen", "", s.seen);
-            n.add("truth", "W/m2", v.truth);
+            n.add("truth", "W/m2", mean_of(v.truth));
             n.add("mean", "% of the truth", finite(100 * s.mean));
             n.add("standard deviation", "% of the truth", finite(100 * s.deviation));
             n.add("range", "% of the truth", finite(100 * s.range));

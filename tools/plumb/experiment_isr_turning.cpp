@@ -90,7 +90,7 @@ double luminance_at(const frame::Frame& f, const Camera& camera, glm::ivec2 size
     const double depth = linear_depth(camera, point.position), seen = f.gbuffer.position(p->x, p->y).w;
     if (!(std::fabs(depth - seen) <= same_depth * depth)) return unseen;
     const glm::vec4 e = f.indirect(p->x, p->y);
-    return compare::luminance(glm::dvec3(e.x, e.y, e.z)) / point.truth;
+    return compare::luminance(glm::dvec3(e.x, e.y, e.z));
 }
 
 IsrTurningView turn(const IsrCommon& common, const BatchView& view) {
@@ -102,7 +102,7 @@ IsrTurningView turn(const IsrCommon& common, const BatchView& view) {
     const frame::Frame first = isr_frame(scene, isr_settings(scene, "isr", {}), options);
     const std::vector<Point> points = points_of(scene, first, options);
     for (const Point& p : points)
-        result.truth += p.truth / double(points.size()), result.truth_error += p.error / double(points.size());
+        result.truth.push_back(p.truth), result.truth_error += p.error / double(points.size());
     // So far that a point of the middle leaves the frame.
     const double half_width =
         host::atan(host::tan(middle.fov_y_deg * host::pi / 360) * scene.frame_size.x / scene.frame_size.y) * 180 /
@@ -118,10 +118,10 @@ IsrTurningView turn(const IsrCommon& common, const BatchView& view) {
                 const frame::Frame& f = frame::execute(scene, settings, frame::plan(scene, settings), options, kept);
                 t.yaw_deg.push_back(yaw);
                 for (std::size_t i = 0; i < points.size(); ++i)
-                    t.ratio[i].push_back(luminance_at(f, scene.camera, scene.frame_size, points[i]));
+                    t.irradiance[i].push_back(luminance_at(f, scene.camera, scene.frame_size, points[i]));
             }
         } catch (const InputError& e) {
-            t.refused = e.what(), t.ratio.clear(), t.yaw_deg.clear();
+            t.refused = e.what(), t.irradiance.clear(), t.yaw_deg.clear();
         }
         result.settings.push_back(std::move(t));
     }
@@ -132,7 +132,7 @@ Json turning_json(const IsrTurningView& v) {
     Json settings = Json::array();
     for (const IsrTurning& t : v.settings) {
         Json rows = Json::array();
-        for (const std::vector<double>& r : t.ratio) {
+        for (const std::vector<double>& r : t.irradiance) {
             Json row = Json::array();
             for (const double x : r) row.push_back(std::isfinite(x) ? Json(x) : Json(nullptr));
             rows.push_back(row);
@@ -146,9 +146,9 @@ IsrTurningView turning_of(const Json& j) {
     for (const Json& t : j.at(3)) {
         IsrTurning s{t.at(0), t.at(1), t.at(2), t.at(3), {}};
         for (const Json& row : t.at(4)) {
-            s.ratio.emplace_back();
+            s.irradiance.emplace_back();
             for (const Json& x : row)
-                s.ratio.back().push_back(x.is_null() ? std::numeric_limits<double>::quiet_NaN() : x.get<double>());
+                s.irradiance.back().push_back(x.is_null() ? std::numeric_limits<double>::quiet_NaN() : x.get<double>());
         }
         v.settings.push_back(std::move(s));
     }
@@ -157,22 +157,40 @@ IsrTurningView turning_of(const Json& j) {
 
 }  // namespace
 
-IsrSpread isr_spread(const IsrTurning& turning) {
+std::vector<IsrYaw> isr_turning_curve(const IsrTurning& turning, const std::vector<double>& truth) {
+    std::vector<IsrYaw> curve;
+    for (std::size_t y = 0; y < turning.yaw_deg.size(); ++y) {
+        double sum = 0, truths = 0;
+        int n = 0;
+        for (std::size_t p = 0; p < turning.irradiance.size(); ++p)
+            if (const double e = turning.irradiance[p].at(y); std::isfinite(e)) sum += e, truths += truth.at(p), ++n;
+        if (n > 0) curve.push_back({turning.yaw_deg[y], sum / truths, n});
+    }
+    return curve;
+}
+
+IsrSpread isr_spread(const IsrTurning& turning, const std::vector<double>& truth) {
     IsrSpread s;
-    for (const std::vector<double>& r : turning.ratio) {
+    double all = 0, all_truths = 0, truths = 0;
+    for (std::size_t p = 0; p < turning.irradiance.size(); ++p) {
         double sum = 0, squares = 0, low = 1e300, high = -1e300;
         int n = 0;
-        for (const double x : r)
-            if (std::isfinite(x)) sum += x, squares += x * x, low = std::min(low, x), high = std::max(high, x), ++n;
+        for (const double e : turning.irradiance[p])
+            if (std::isfinite(e)) sum += e, low = std::min(low, e), high = std::max(high, e), ++n;
+        all += sum, all_truths += n * truth.at(p);
         // A point that is seen from two yaws at least.
         if (n < 2) continue;
-        const double mean = sum / n, deviation = std::sqrt(std::max(0.0, squares / n - mean * mean));
-        s.mean += mean, s.deviation += deviation, s.range += high - low;
+        const double mean = sum / n;
+        for (const double e : turning.irradiance[p])
+            if (std::isfinite(e)) squares += (e - mean) * (e - mean);
+        const double deviation = std::sqrt(squares / n);
+        s.deviation += deviation, s.range += high - low;
         // A point that receives nothing from any yaw does not vary.
-        if (mean > 0) s.relative += deviation / mean;
-        s.seen += n, ++s.points;
+        if (mean > 0) s.relative += truth[p] * deviation / mean;
+        truths += truth[p], s.seen += n, ++s.points;
     }
-    if (s.points > 0) s.mean /= s.points, s.deviation /= s.points, s.range /= s.points, s.relative /= s.points;
+    if (all_truths > 0) s.mean = all / all_truths;
+    if (truths > 0) s.deviation /= truths, s.range /= truths, s.relative /= truths;
     return s;
 }
 
