@@ -118,6 +118,11 @@ class IsrPage {
         page_.table(rows, caption);
     }
 
+    static std::string reach_text(const IsrReach& reach) {
+        return fmt::format("{} rings x {:g} coarse pixels = {:g} coarse pixels", reach.rings, reach.spacing,
+                           reach.coarse_pixels());
+    }
+
     void introduce() {
         const IsrRequest& r = result_.request;
         page_.paragraph(fmt::format(
@@ -128,6 +133,11 @@ class IsrPage {
             "with all bounces and {} paths a pixel, each shown at the exposure that makes the truth's logarithmic mean "
             "a middle grey.",
             result_.views.size(), r.size.x, r.size.y, r.samples));
+        page_.paragraph(fmt::format(
+            "The samples' spacing is in coarse pixels, two of the frame's each, so that what they reach depends on the "
+            "frame's size. Here, at {} x {} pixels and upwards and sideways: {} = {:.1f} % of the frame's height. The "
+            "same settings reach a smaller share of a larger frame.",
+            r.size.x, r.size.y, reach_text(result_.reach), 100 * result_.reach.of_height(r.size.y)));
         page_.raw(
             "<p><a href=\"#summary\">Summary</a>, <a href=\"#times\">times</a>, <a href=\"#figures\">figures 5.8 to "
             "5.10</a>, <a href=\"#cases\">best and worst cases</a>, <a href=\"#modes\">modes</a>, <a "
@@ -191,6 +201,17 @@ class IsrPage {
                              "those that are ISR's own.",
                              result_.time_view, result_.time_triangles, result_.request.time_size.x,
                              result_.request.time_size.y));
+        const IsrRequest& request = result_.request;
+        if (!result_.times.empty()) {
+            const IsrReach& reach = result_.times.back().reach;
+            page_.paragraph(fmt::format(
+                "So that the samples reach the same share of the frame's height as in the views, the spacing of figure "
+                "5.7 is {:g} x {} / {} = {:g} coarse pixels, rounded and at most 255: {} = {:.1f} % of its height, in "
+                "the views {:.1f} %; fewer rings reach less. Table 2 is of the views themselves, at {} x {} pixels.",
+                result_.reach.spacing, request.time_size.y, request.size.y, reach.spacing, reach_text(reach),
+                100 * reach.of_height(request.time_size.y), 100 * result_.reach.of_height(request.size.y),
+                request.size.x, request.size.y));
+        }
         page::Chart chart{"Figure 5.7: time by the number of samples", "samples", "ms", false, false, {}};
         page::ChartLine frame{"frame"}, own{"stages of ISR"};
         for (const IsrTime& t : result_.times)
@@ -200,9 +221,10 @@ class IsrPage {
         page_.chart(chart);
         std::vector<std::vector<Cell>> rows{{{"what"}, {"quantity"}, head("ours"), {"unit"}, head("ISR")}};
         for (const IsrNumber* n : of("2")) rows.push_back({{n->row}, {n->quantity}, ours(*n), {n->unit}, theirs(*n)});
-        page_.table(rows,
-                    "Table 2. ISR's times are a GPU's of 2009, ours a CPU's at the size above; its rate of ISR, "
-                    "112.48761 FPS, is an erratum: 227 / 2.02 is 112.38.");
+        page_.table(rows, fmt::format(
+                              "Table 2. ISR's times are a GPU's of 2009 at 1024 x 768 pixels, ours a CPU's at {} x {}; "
+                              "its rate of ISR, 112.48761 FPS, is an erratum: 227 / 2.02 is 112.38.",
+                              request.size.x, request.size.y));
     }
 
     void view_chart(const std::string& title, const std::string& y, const std::vector<std::string>& names,
