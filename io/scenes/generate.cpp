@@ -44,8 +44,8 @@ Scene generate_scene(const std::string& name, const GenerateOptions& options, co
         complete_tangents(made);
         return made;
     }
-    throw InputError(fmt::format("{}unknown scene \"{}\"; the nearest known one is \"{}\"", at, name,
-                                 nearest_name(name, names)));
+    throw InputError(
+        fmt::format("{}unknown scene \"{}\"; the nearest known one is \"{}\"", at, name, nearest_name(name, names)));
 }
 
 }  // namespace plumb::io

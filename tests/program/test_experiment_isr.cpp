@@ -82,8 +82,8 @@ TEST_CASE("experiment isr: the same numbers in CSV, JSON and page, and a second 
     CHECK_THAT(html, Contains("4 rings x 8 coarse pixels = 32 coarse pixels") && Contains("266.7 %"));
 
     // View dependency: sums over sums of what was kept, no means of ratios.
-    const std::string turned = numbers.count("turning/two_simple_inside/ISR/mean") ? "two_simple_inside"
-                                                                                   : "two_simple_front";
+    const std::string turned =
+        numbers.count("turning/two_simple_inside/ISR/mean") ? "two_simple_inside" : "two_simple_front";
     const Json kept = Json::parse(read(out + "/results/turning_" + turned + ".json"))["value"];
     const Json &truth = kept[1], &irradiance = kept[3][0][4];
     double found = 0, truths = 0;

@@ -121,7 +121,7 @@ struct IsrResult {
     int threads = 0;
     double load_before = 0, load_after = 0;
     std::vector<IsrViewResult> views;
-    IsrK best;  // least mean error over all views, corrected, with ambient light or without
+    IsrK best;       // least mean error over all views, corrected, with ambient light or without
     IsrReach reach;  // at the size of the views; of table 2 as well
     std::string time_view;
     std::size_t time_triangles = 0;

@@ -221,8 +221,8 @@ class IsrPage {
         page_.chart(chart);
         std::vector<std::vector<Cell>> rows{{{"what"}, {"quantity"}, head("ours"), {"unit"}, head("ISR")}};
         for (const IsrNumber* n : of("2")) rows.push_back({{n->row}, {n->quantity}, ours(*n), {n->unit}, theirs(*n)});
-        page_.table(rows, fmt::format(
-                              "Table 2. ISR's times are a GPU's of 2009 at 1024 x 768 pixels, ours a CPU's at {} x {}; "
+        page_.table(
+            rows, fmt::format("Table 2. ISR's times are a GPU's of 2009 at 1024 x 768 pixels, ours a CPU's at {} x {}; "
                               "its rate of ISR, 112.48761 FPS, is an erratum: 227 / 2.02 is 112.38.",
                               request.size.x, request.size.y));
     }
@@ -355,8 +355,7 @@ class IsrPage {
                 }
                 page::ChartLine line{t.setting};
                 for (const IsrYaw& y : isr_turning_curve(t, v.truth))
-                    line.points.push_back(
-                        {y.yaw_deg, 100 * y.mean, {{"points seen", std::to_string(y.points)}}});
+                    line.points.push_back({y.yaw_deg, 100 * y.mean, {{"points seen", std::to_string(y.points)}}});
                 chart.lines.push_back(line);
             }
             chart.lines.push_back({"truth", {{0, 100}}, page::Line::level});

@@ -84,8 +84,7 @@ void isr_times(const IsrCommon& common, const std::vector<BatchView>& views, Isr
     result.time_view = chosen->name, result.time_triangles = common.scenes.triangles();
     const isr::IsrParams params = isr_settings(scene, "isr", {}).isr;
     result.reach = {params.rings, double(params.spacing)};
-    const int spacing =
-        isr_scaled_spacing(double(params.spacing), common.request.size.y, common.request.time_size.y);
+    const int spacing = isr_scaled_spacing(double(params.spacing), common.request.size.y, common.request.time_size.y);
     ContentHasher key;
     key.add(program_hash(), common.scenes.content(*chosen, common.request.time_size), common.request.repeats,
             std::int32_t(common.options.threads), std::int32_t(spacing));
@@ -97,8 +96,8 @@ void isr_times(const IsrCommon& common, const std::vector<BatchView>& views, Isr
     frames.push_back(std::make_unique<IsrTimedFrame>(scene, isr_settings(scene, "direct", {})));
     for (const int rings : {2, 3, 4})
         frames.push_back(std::make_unique<IsrTimedFrame>(
-            scene, isr_settings(scene, "isr",
-                                {fmt::format("isr.rings={}", rings), fmt::format("isr.spacing={}", spacing)})));
+            scene,
+            isr_settings(scene, "isr", {fmt::format("isr.rings={}", rings), fmt::format("isr.spacing={}", spacing)})));
     // Once to warm up, then in turns.
     for (int r = -1; r < std::max(3, common.request.repeats); ++r)
         for (auto& f : frames) {
