@@ -81,16 +81,17 @@ TEST_CASE("experiment isr: the same numbers in CSV, JSON and page, and a second 
     CHECK(numbers.count("5.7/two_simple_front/direct light/spacing") == 0);
     CHECK_THAT(html, Contains("4 rings x 8 coarse pixels = 32 coarse pixels") && Contains("266.7 %"));
 
-    // View dependency: sums over sums of what was kept, no means of ratios.
+    // View dependency: sums over sums of what was kept, no means of ratios. At this size ISR alone reaches nothing.
     const std::string turned =
         numbers.count("turning/two_simple_inside/ISR/mean") ? "two_simple_inside" : "two_simple_front";
     const Json kept = Json::parse(read(out + "/results/turning_" + turned + ".json"))["value"];
-    const Json &truth = kept[1], &irradiance = kept[3][0][4];
+    const Json &truth = kept[1], &irradiance = kept[3][1][4];
     double found = 0, truths = 0;
     for (std::size_t p = 0; p < irradiance.size(); ++p)
         for (const Json& e : irradiance[p])
             if (!e.is_null()) found += e.get<double>(), truths += truth[p].get<double>();
-    CHECK(numbers.at("turning/" + turned + "/ISR/mean") == Approx(100 * found / truths));
+    CHECK(found > 0);
+    CHECK(numbers.at("turning/" + turned + "/guard band of 64/mean") == Approx(100 * found / truths));
 
     // The thesis' figures stand beside ours.
     CHECK_THAT(html, Contains("99.05") && Contains("0.8867") && Contains("14.69") && Contains("5.88"));
