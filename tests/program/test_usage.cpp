@@ -65,7 +65,11 @@ TEST_CASE("usage: every command takes --json, --threads and --isa", "[program][c
     REQUIRE(run({"render", scene, "-o", folder + "/a"}).exit == 0);
     const std::string picture = folder + "/a/small.exr";
     REQUIRE(run({"export", scene, "--stage", "tonemap", "-o", folder + "/d"}).exit == 0);
+    const std::string views = folder + "/views.toml";
+    REQUIRE(run({"cameras", scene, "--frames", "0:0:1", "-o", views}).exit == 0);
     const std::map<std::string, std::vector<std::string>> uses = {
+        {"cameras", {scene, "--frames", "0:0:1", "-o", folder + "/h.toml"}},
+        {"batch", {views, "-o", folder + "/i", "--steps", "gather", "--size", "32x24"}},
         {"render", {scene, "-o", folder + "/b"}}, {"plan", {scene}}, {"compare", {picture, picture}},
         {"explain", {scene, "--pixel", "30,21"}}, {"stages", {}},    {"make-scene", {"cornell", "-o", folder + "/c"}},
         {"experiment", {"closed-forms", "--error", "0.05", "--only", "eighth"}},
