@@ -16,6 +16,7 @@ layout(binding = 11) uniform sampler2D behind_image;  // z of the depth buffer
 void main() {
     // Written so that NaN does not pass.
     float peeled = texelFetch(behind_image, ivec2(gl_FragCoord.xy), 0).x;
-    if (!(u.farther * gl_FragCoord.z > u.farther * peeled)) discard;
+    precise float own = u.farther * gl_FragCoord.z, before = u.farther * peeled;
+    if (!(own > before)) discard;
     write_gbuffer();
 }
