@@ -17,7 +17,7 @@ std::vector<Field> fields(IsrParams& p) {
          "k: (2 k + 1)^2 - 1 samples of indirect light a pixel; 2, 3 and 4 are ISR 5.3.1's 24, 48 and 80", 1, 127, {}, false,
          {SweepRange::Role::along, {1, 2, 3, 4, 6, 8}, "", ""}},
         {"spacing", &p.spacing, "coarse pixels", "between samples of indirect light; ours", 1, 255, {}, true,
-         {SweepRange::Role::curves, {4, 8}, "", ""}},
+         {SweepRange::Role::curves, {8, 16, 32}, "", ""}},
         {"ssao_rings", &p.ssao_rings, "", "k of the samples of ambient occlusion", 1, 127, {}, false},
         {"ssao_spacing", &p.ssao_spacing, "coarse pixels", "between samples of ambient occlusion; ours", 1, 255, {}, true},
         {"rotations", &p.rotations, "", "rotations of the samples, of which each pixel has one; a power of two, 1: none; ours",
