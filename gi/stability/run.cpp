@@ -208,7 +208,7 @@ void look_at_filters(const Case& c, const Scene& scene, frame::Settings settings
 void look_at_isr(const Case& c, const Scene& scene, frame::Settings settings, const Effort& effort, Writer& out) {
     settings.method = frame::Method::isr;
     isr::IsrParams& p = settings.isr;
-    p.rings = 2, p.spacing = 2, p.ssao_rings = 2, p.blur_radius = 2, p.k_ssao = 0.5f;
+    p.rings = 2, p.spacing = 2, p.ssao_rings = 2, p.blur_radius = 2, p.k_ssao = 0.5f, p.ambient = isr::Ambient::environment;
     const isr::IsrParams plain = p;
     auto by = [&](auto change) {
         p = plain;

@@ -361,7 +361,7 @@ inline StageData isr_compose_case(glm::ivec2 size, isr::Variant variant, const s
     const Image4 albedo = noise_image(size, 21, 0, 1), emission = noise_image(size, 22, 0, 3),
                  direct = noise_image(size, 23, 0, 1e3f), indirect = noise_image(size, 24, 0, 1.25f);
     isr::IsrParams params;
-    params.variant = variant, params.k_ssao = 0.5f, params.k_isr = 0.75f;
+    params.variant = variant, params.k_ssao = 0.5f, params.k_isr = 0.75f, params.ambient = isr::Ambient::environment;
     return named(isr::compose_data(params, {&p.normal, &albedo, &emission, &direct, &indirect, {0.25f, 0.5f, 1}}), id);
 }
 
