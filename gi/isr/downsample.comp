@@ -64,10 +64,11 @@ vec4 downsample(ivec2 pixel) {
         float weight = u.published != 0 ? 1.0 : (covered ? 1.0 : 0.0);
         bool counted = weight > 0.0;
         if (counted && total == 0.0) first = normal.xyz;
-        sum.x += counted ? value.x : 0.0;
-        sum.y += counted ? value.y : 0.0;
-        sum.z += counted ? value.z : 0.0;
-        sum.w += counted ? value.w : 0.0;
+        vec4 term = vec4(counted ? value.x : 0.0, counted ? value.y : 0.0, counted ? value.z : 0.0,
+                         counted ? value.w : 0.0);
+        // Drivers take 0 + -0 for -0: the sum does not begin with 0.
+        precise vec4 added = sum + term;
+        sum = k == 0 ? term : added;
         total += weight;                                          TAP(total, total);
     }
     TAP_SAMPLE(-1);

@@ -85,10 +85,10 @@ PLUMB_INLINE vec4<F> downsample(const DownsampleInputsView& in, index_t<F> px, i
         const F weight = u.published != 0 ? one : select(covered, one, zero);
         const mask_t<F> counted = weight > zero;
         first = select3<F>(counted & (total == zero), xyz<F>(normal), first);
-        sum.x += select(counted, value.x, zero);
-        sum.y += select(counted, value.y, zero);
-        sum.z += select(counted, value.z, zero);
-        sum.w += select(counted, value.w, zero);
+        const vec4<F> term{select(counted, value.x, zero), select(counted, value.y, zero), select(counted, value.z, zero),
+                           select(counted, value.w, zero)};
+        // Drivers take 0 + -0 for -0: the sum does not begin with 0.
+        sum = k == 0 ? term : vec4<F>{sum.x + term.x, sum.y + term.y, sum.z + term.z, sum.w + term.w};
         total += weight;                                          tap("total", total, "pixels so far");
     }
     tap.sample(-1);
