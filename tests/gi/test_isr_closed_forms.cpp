@@ -206,7 +206,7 @@ TEST_CASE("isr.ssao: spheres on a disc and on a wall occlude what their integral
     }
 }
 
-TEST_CASE("isr.ssao: published, an enclosure that blocks everything counts pi over its share", "[isr][ISR (26)][analytic]") {
+TEST_CASE("isr.ssao: published, (26) as printed on one small sphere over its share", "[isr][ISR (26)][analytic]") {
     // (26) on a distant small sphere is (2 pi / N) (r^2 / 2 d^2) d cos_p in the limit, d in metres: what it should be,
     // r^2 / d^2 cos_p, times pi d / N. So it depends on the scene's unit, and on N.
     const Seen one = head_on(33, [](const glm::dvec3& x) { return x.x * x.x + x.y * x.y <= 1e-4; });

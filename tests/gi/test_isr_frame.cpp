@@ -51,12 +51,6 @@ bool same(const Image4& a, const Image4& b) {
            std::memcmp(a.data(), b.data(), a.size() * sizeof(glm::vec4)) == 0;
 }
 
-std::vector<std::string> names_of(const frame::Plan& plan) {
-    std::vector<std::string> names;
-    for (const frame::PlannedStage& s : plan.stages) names.push_back(s.label);
-    return names;
-}
-
 double mean(const Image4& image) {
     double sum = 0;
     for (const glm::vec4& v : image.texels) sum += double(v.x) + double(v.y) + double(v.z);
@@ -79,7 +73,6 @@ TEST_CASE("isr: the modes of ISR's appendix D show what they say", "[frame][isr]
     frame::Settings direct = settings;
     direct.method = frame::Method::direct;
     CHECK(same(f4.radiance, render(scene, direct).radiance));
-    Scene unshadowed = scene;
     CHECK(mean(f5.direct) > mean(f4.direct));
     for (std::size_t i = 0; i < f5.visibility.size(); ++i) REQUIRE(f5.visibility[i] == 1.0f);
 
