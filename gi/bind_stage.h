@@ -40,4 +40,23 @@ inline void check_map(const StageData& data, const char* input, int size) {
                                      shape_text(map), size));
 }
 
+// What a kernel returns, as BoundKernel takes it.
+template <class F>
+std::array<F, 4> components_of(const vec4<F>& v) {
+    return {v.x, v.y, v.z, v.w};
+}
+
+// An input of another size than the block says would be read beyond its end.
+inline void check_shape(const StageData& d, const char* input, int width, int height, const char* why) {
+    const Shape& shape = at(d.inputs, input).shape;
+    if (shape[0] != height || shape[1] != width)
+        throw InputError(fmt::format("{}: input \"{}\" is {}: expected {} x {}, {}", d.label, input, shape_text(shape),
+                                     height, width, why));
+}
+
+inline void check_choice(const StageData& d, const char* name, int value, int last) {
+    if (value < 0 || value > last)
+        throw InputError(fmt::format("{}: {} = {}: expected 0 to {}", d.label, name, value, last));
+}
+
 }  // namespace plumb

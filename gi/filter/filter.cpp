@@ -2,14 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <mutex>
-
 #include "core/error.h"
 #include "core/fp_environment.h"
 #include "core/host_math.h"
 #include "core/parallel.h"
 #include "gi/filter/bindings.h"
 #include "gi/filter/filter_rows.h"
+#include "gi/scratch.h"
 
 namespace plumb::filter {
 
@@ -57,28 +56,6 @@ BlurInputsView view_of(const FilterParams& params, const BlurInputs& in, const B
     return {uniforms(params, in),   &in.irradiance->data()->x, &in.position->data()->x,
             &in.normal->data()->x, spatial.data(),            nullptr};
 }
-
-// Scratch memory that bands take and give back, so that a thread touches its own again.
-class Scratch {
-  public:
-    explicit Scratch(std::size_t floats) : floats_(floats) {}
-    Buffer<float> take() {
-        const std::lock_guard lock(mutex_);
-        if (free_.empty()) return Buffer<float>(floats_);
-        Buffer<float> one = std::move(free_.back());
-        free_.pop_back();
-        return one;
-    }
-    void give(Buffer<float> one) {
-        const std::lock_guard lock(mutex_);
-        free_.push_back(std::move(one));
-    }
-
-  private:
-    std::size_t floats_;
-    std::mutex mutex_;
-    std::vector<Buffer<float>> free_;
-};
 
 }  // namespace
 

@@ -12,16 +12,6 @@ namespace plumb::isr {
 
 namespace {
 
-template <class F>
-std::array<F, 4> components_of(const vec4<F>& v) {
-    return {v.x, v.y, v.z, v.w};
-}
-
-void check_choice(const StageData& d, const char* name, int value, int last) {
-    if (value < 0 || value > last)
-        throw InputError(fmt::format("{}: {} = {}: expected 0 to {}", d.label, name, value, last));
-}
-
 struct BlurOf {
     static constexpr int components = 4;
     BlurInputsView view{};

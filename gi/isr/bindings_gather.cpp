@@ -10,18 +10,6 @@ namespace plumb::isr {
 
 namespace {
 
-template <class F>
-std::array<F, 4> components_of(const vec4<F>& v) {
-    return {v.x, v.y, v.z, v.w};
-}
-
-void check_shape(const StageData& d, const char* input, int width, int height, const char* why) {
-    const Shape& shape = at(d.inputs, input).shape;
-    if (shape[0] != height || shape[1] != width)
-        throw InputError(fmt::format("{}: input \"{}\" is {}: expected {} x {}, {}", d.label, input, shape_text(shape),
-                                     height, width, why));
-}
-
 // An image that the kernel does not read may be a pixel of nothing.
 const Image4& or_nothing(const Image4* image) {
     static const Image4 nothing(1, 1);

@@ -71,15 +71,6 @@ GatherCameraInputsView view_of(const IsrParams& params, const CameraGatherInputs
             nullptr};
 }
 
-std::vector<ParamInfo> params_of(std::initializer_list<const char*> names) {
-    IsrParams defaults;
-    std::vector<ParamInfo> found;
-    for (const Field& f : fields(defaults))
-        for (const char* name : names)
-            if (f.name == name) found.push_back(describe({f}).front());
-    return found;
-}
-
 }  // namespace
 
 void validate(const IsrParams& params, const UnseenInputs& in) {

@@ -1,12 +1,11 @@
 #include <fmt/format.h>
 
-#include <mutex>
-
 #include "core/error.h"
 #include "core/fp_environment.h"
 #include "core/host_math.h"
 #include "core/parallel.h"
 #include "gi/isr/gather_inputs.h"
+#include "gi/scratch.h"
 
 namespace plumb::isr {
 
@@ -94,28 +93,6 @@ BounceInputsView view_of(const BounceInputs& in) {
     return {uniforms(in), texels_of(in.radiosity), texels_of(in.reflectance), texels_of(in.gathered), nullptr};
 }
 
-// Scratch memory that bands take and give back, so that a thread touches its own again.
-class Scratch {
-  public:
-    explicit Scratch(std::size_t floats) : floats_(floats) {}
-    Buffer<float> take() {
-        const std::lock_guard lock(mutex_);
-        if (free_.empty()) return Buffer<float>(floats_);
-        Buffer<float> one = std::move(free_.back());
-        free_.pop_back();
-        return one;
-    }
-    void give(Buffer<float> one) {
-        const std::lock_guard lock(mutex_);
-        free_.push_back(std::move(one));
-    }
-
-  private:
-    std::size_t floats_;
-    std::mutex mutex_;
-    std::vector<Buffer<float>> free_;
-};
-
 // rows(isa, planes, first, last) for all bands, with the sources that a band reaches, not yet taken apart; null where
 // samples are fetched.
 template <class Rows>
@@ -130,15 +107,6 @@ void run_bands(const SampleUniforms& u, int count, int reach, const RunOptions& 
             scratch.give(std::move(own));
         });
     });
-}
-
-std::vector<ParamInfo> params_of(std::initializer_list<const char*> names) {
-    IsrParams defaults;
-    std::vector<ParamInfo> found;
-    for (const Field& f : fields(defaults))
-        for (const char* name : names)
-            if (f.name == name) found.push_back(describe({f}).front());
-    return found;
 }
 
 }  // namespace

@@ -18,4 +18,7 @@ SampleUniforms uniforms(const IsrParams& params, const GatherInputs& inputs);
 SampleUniforms uniforms(const IsrParams& params, const SsaoInputs& inputs);
 BounceUniforms uniforms(const BounceInputs& inputs);
 
+// The rows of `plumb stages` for the parameters of these names, in the order of fields().
+std::vector<ParamInfo> params_of(std::initializer_list<const char*> names);
+
 }  // namespace plumb::isr

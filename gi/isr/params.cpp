@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
-#include "gi/isr/isr.h"
+#include "gi/isr/gather_inputs.h"
 
 namespace plumb::isr {
 
@@ -80,6 +80,15 @@ void validate(const IsrParams& params) {
         throw InputError(fmt::format("isr: far_rings = {}: expected a full_depth above 0", params.far_rings));
     if (params.far_rings > params.rings)
         throw InputError(fmt::format("isr: far_rings = {}: expected at most rings = {}", params.far_rings, params.rings));
+}
+
+std::vector<ParamInfo> params_of(std::initializer_list<const char*> names) {
+    IsrParams defaults;
+    std::vector<ParamInfo> found;
+    for (const Field& f : fields(defaults))
+        for (const char* name : names)
+            if (f.name == name) found.push_back(describe({f}).front());
+    return found;
 }
 
 }  // namespace plumb::isr
