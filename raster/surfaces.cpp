@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "core/content_hasher.h"
 #include "core/error.h"
 #include "core/host_math.h"
 #include "raster/mips.h"
@@ -51,6 +52,26 @@ std::int32_t append_texture(Surfaces& s, const Texture& texture) {
     return row;
 }
 
+// Everything that rows, texels and levels are made of.
+std::uint64_t hash_of(const std::vector<Texture>& textures) {
+    ContentHasher h;
+    h.add(textures.size());
+    for (const Texture& texture : textures) {
+        const auto& [name, texels, srgb, filter, wrap_u, wrap_v, mips] = texture;
+        h.add_image(texels);
+        h.add(srgb, filter, wrap_u, wrap_v, mips);
+    }
+    return h.hash;
+}
+
+void append_textures(Surfaces& s, const std::vector<Texture>& textures) {
+    append_image(s, Image<std::uint32_t>(1, 1, 0xffffffffu), flag_nearest);
+    for (const Texture& texture : textures) s.texture_rows.push_back(append_texture(s, texture));
+    if (s.textures.size() / 4 > (std::size_t(1) << 24))
+        throw InputError(fmt::format("{} textures with {} levels: at most 2^24 - 1 in all", textures.size(),
+                                     s.textures.size() / 4 - 1));
+}
+
 // The row of a material's texture, as a kernel reads it from a record of floats: exact below 2^24.
 float row_of(const Material& m, const char* field, int texture, const std::vector<std::int32_t>& rows) {
     if (texture < -1 || texture >= int(rows.size()))
@@ -86,16 +107,17 @@ Buffer<float> decode_table() {
     return table;
 }
 
-Surfaces prepare(const Scene& scene, const Geometry& geometry) {
+Surfaces prepare(const Scene& scene, const Geometry& geometry, const Surfaces* before) {
     Surfaces s;
     s.decode = decode_table();
-    append_image(s, Image<std::uint32_t>(1, 1, 0xffffffffu), flag_nearest);
-    std::vector<std::int32_t> rows;
-    for (const Texture& texture : scene.textures) rows.push_back(append_texture(s, texture));
-    if (s.textures.size() / 4 > (std::size_t(1) << 24))
-        throw InputError(fmt::format("{} textures with {} levels: at most 2^24 - 1 in all", scene.textures.size(),
-                                     s.textures.size() / 4 - 1));
-    for (const Material& m : scene.materials) append_material(s, m, rows, !geometry.tangents.empty());
+    s.textures_hash = hash_of(scene.textures);
+    if (before && !before->textures.empty() && before->textures_hash == s.textures_hash) {
+        s.textures = before->textures, s.texture_rows = before->texture_rows;
+        s.texels = before->texels, s.any_levels = before->any_levels;
+    } else {
+        append_textures(s, scene.textures);
+    }
+    for (const Material& m : scene.materials) append_material(s, m, s.texture_rows, !geometry.tangents.empty());
     for (std::size_t t = 0; t < geometry.material.size(); ++t)
         if (geometry.material[t] < 0 || geometry.material[t] >= int(scene.materials.size()))
             throw InputError(fmt::format("triangle {}: material = {}: the scene has {}", t, geometry.material[t],

@@ -23,13 +23,15 @@ struct Surfaces {
     bool any_levels = false;        // whether any texture has levels of detail
     Buffer<float> decode;           // [2][256]: byte / 255, and the exact sRGB curve, each rounded once
     Brightest brightest;            // of what is drawn; 0 where nobody has said
+    std::vector<std::int32_t> texture_rows;  // [texture of the scene]: its row of `textures`
+    std::uint64_t textures_hash = 0;         // of the scene's textures, which rows and texels are made of
 };
 
 // Row 0 of `textures` is one white texel, for materials that have none. The scene's textures follow in their order,
 // each with its smaller levels after it where it has mips (mips.h): without any, texture i is row i + 1. A normal map
 // is dropped where the geometry has no tangents. Throws InputError for indices out of range and for textures without
-// texels.
-Surfaces prepare(const Scene& scene, const Geometry& geometry);
+// texels. Levels are copied from `before`, if any, where that was made of equal textures: making them costs most of all.
+Surfaces prepare(const Scene& scene, const Geometry& geometry, const Surfaces* before = nullptr);
 
 // [2][256], as above.
 Buffer<float> decode_table();

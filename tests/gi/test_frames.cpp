@@ -4,6 +4,7 @@
 
 #include "core/error.h"
 #include "gi/frame/kept.h"
+#include "gi/frame/kept_memory.h"
 #include "tests/gi/moving_scene.h"
 
 using namespace plumb;
@@ -144,6 +145,31 @@ TEST_CASE("frames: everything at once, by every method, layout and gather", "[fr
             settings.rsm.max_rays = 20 * 14 * 64;  // all_rays: a subset, with an error
             run(scene, settings);
         }
+}
+
+TEST_CASE("frames: other materials keep the levels of textures, other textures do not", "[frame][frames]") {
+    Scene scene = moving::scene();
+    scene.textures.push_back(scene.textures[0]);  // no material has it
+    for (Texture& texture : scene.textures) texture.mips = true;
+    const frame::Settings settings = settings_for(rsm::Gather::disc);
+    frame::KeptStages kept;
+    frame::execute(scene, settings, frame::plan(scene, settings), {}, kept);
+    // Marks its smallest level: one that is made anew has no mark.
+    auto& last = kept.memory().world.surfaces.texels.back();
+    const auto made = last;
+    REQUIRE(kept.memory().world.surfaces.any_levels);
+    last ^= 0x010101;
+    const auto check_next = [&](std::int32_t expected) {
+        const frame::Frame& frame = frame::execute(scene, settings, frame::plan(scene, settings), {}, kept);
+        CHECK(differences(frame, fresh(scene, settings), scene.frame_size) == Labels{});
+        CHECK(kept.memory().world.surfaces.texels.back() == expected);
+    };
+    scene.materials[1].emission.x += 1;
+    check_next(made ^ 0x010101);
+    scene.materials[0].reflectance.y = 0.25f;
+    check_next(made ^ 0x010101);
+    scene.textures[0].texels(0, 0) ^= 0x808080;
+    check_next(made);
 }
 
 TEST_CASE("frames: any sequence of changes gives the bits of a fresh frame", "[frame][frames]") {

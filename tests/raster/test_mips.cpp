@@ -273,6 +273,41 @@ TEST_CASE("mips: textures that ask for none read level 0, beside others that do"
     CHECK((with.x == without.x && with.y == without.y && with.z == without.z));
 }
 
+TEST_CASE("mips: levels are copied where the textures are equal, and made anew where anything of them is not", "[mips]") {
+    Scene scene;
+    scene.textures = {srgb(noise(9, 6, 1)), linear(noise(5, 5, 2))};
+    scene.materials = {{"a", glm::vec3(1), glm::vec3(0), 0}, {"b", glm::vec3(1), glm::vec3(0), 1}};
+    Geometry g;
+    add_wall(g, 500, 1, 16, 8);
+    // A mark on the last texel of the last level shows what was copied.
+    Surfaces before = prepare(scene, g);
+    before.texels.back() ^= 0x010101;
+    const auto marked = before.texels;
+    scene.materials[1].emission = glm::vec3(2), scene.materials[0].texture = 1;
+    const Surfaces repainted = prepare(scene, g, &before), fresh = prepare(scene, g);
+    CHECK(repainted.texels == marked);
+    CHECK(repainted.texels != fresh.texels);
+    CHECK(repainted.textures == fresh.textures);
+    CHECK(repainted.materials == fresh.materials);
+    CHECK(repainted.any_levels == fresh.any_levels);
+
+    using Change = void (*)(std::vector<Texture>&);
+    const Change changes[] = {[](auto& t) { t[1].texels(4, 4) ^= 1; },        [](auto& t) { t[0].srgb = false; },
+                              [](auto& t) { t[0].filter = Filter::nearest; }, [](auto& t) { t[1].wrap_u = Wrap::clamp_to_edge; },
+                              [](auto& t) { t[1].wrap_v = Wrap::clamp_to_edge; },     [](auto& t) { t[0].mips = false; },
+                              [](auto& t) { std::swap(t[0], t[1]); },         [](auto& t) { t.push_back(t[0]); }};
+    for (const Change& change : changes) {
+        CAPTURE(&change - changes);
+        Scene other = scene;
+        change(other.textures);
+        const Surfaces now = prepare(other, g, &before), made = prepare(other, g);
+        CHECK(now.texels == made.texels);
+        CHECK(now.textures == made.textures);
+        CHECK(now.materials == made.materials);
+        CHECK(now.any_levels == made.any_levels);
+    }
+}
+
 TEST_CASE("mips: every instruction set finds the same bits", "[mips]") {
     Scene scene;
     Geometry g;
