@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 #include <filesystem>
 
+#include "io/image_file.h"
 #include "tests/program/program.h"
 
 using namespace plumb;
@@ -87,6 +88,11 @@ TEST_CASE("frames: each is the file of a run that renders it alone", "[program][
         const std::string folder = fresh_folder(std::string("frames_") + name);
         check_against_single(moving_scene(folder, keyframes), folder, 2, 3);
     }
+    const std::string small = fresh_folder("frames_size"), scene = moving_scene(small, moving_mesh);
+    check_against_single(scene, small, 0, 2, {"--size", "17x23"});
+    const compare::Picture picture = io::read_picture(small + "/all/small.0001.exr");
+    CHECK(picture.width == 17);
+    CHECK(picture.height == 23);
     const std::string folder = fresh_folder("frames_truth");
     check_against_single(moving_scene(folder, moving_light), folder, 0, 2,
                          {"--truth", "--spp", "16", "--rays", "exact", "--no-cache"});

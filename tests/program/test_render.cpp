@@ -187,6 +187,35 @@ TEST_CASE("render: direct alone has no indirect light", "[program]") {
     CHECK(brightest > 1);
 }
 
+TEST_CASE("size: render, export, explain and plan take it in place of the scene's own", "[program][contract]") {
+    const std::string folder = fresh_folder("size"), scene = small_scene(folder);
+    const Words size = {"--size", "31x17"};
+    const auto with_size = [&](Words words) {
+        words.insert(words.end(), size.begin(), size.end());
+        return words;
+    };
+    render(scene, folder + "/option", size);
+    const Json planned = Json::parse(run(with_size({"plan", scene, "--json"})).out);
+    const Words exported = {"export", scene, "--stage", "compose", "-o", folder + "/export", "--json"};
+    REQUIRE(run(with_size(exported)).exit == 0);
+    const std::string manifest = read(folder + "/export/manifest.toml");
+    const Words explain = {"explain", scene, "--pixel", "30,16", "--json"};
+    const std::string explained = run(with_size(explain)).out;
+    CHECK(run(with_size({"explain", scene, "--pixel", "31,16"})).err ==
+          "plumb: --pixel 31,16: outside of the picture, which is 31 x 17\n");
+
+    // The same size in the scene file makes the same files and says the same.
+    small_scene(folder, "[31, 17]");
+    render(scene, folder + "/file");
+    CHECK(pictures(folder + "/option") == pictures(folder + "/file"));
+    CHECK(planned == Json::parse(run({"plan", scene, "--json"}).out));
+    REQUIRE(run(exported).exit == 0);
+    CHECK(manifest == read(folder + "/export/manifest.toml"));
+    CHECK_THAT(manifest, Catch::Matchers::Contains("size = [31, 17]"));
+    CHECK(explained == run(explain).out);
+    CHECK(Json::parse(explained)["stages"].size() > 5);
+}
+
 TEST_CASE("render: replaces its files and keeps others; leaves nothing of its own after an error", "[program]") {
     const std::string folder = fresh_folder("overwrite"), scene = small_scene(folder), out = folder + "/out";
     std::filesystem::create_directories(out);

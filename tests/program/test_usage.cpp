@@ -176,6 +176,38 @@ TEST_CASE("usage: scenes that cannot be read", "[program]") {
     CHECK_FALSE(std::filesystem::exists(folder + "/out"));
 }
 
+TEST_CASE("usage: sizes that no picture has", "[program][robustness]") {
+    const std::string folder = fresh_folder("bad_sizes"), scene = small_scene(folder);
+    const Words before = files_in(folder);
+    const std::vector<Words> commands = {{"render", scene, "-o", folder + "/out"},
+                                         {"render", scene, "-o", folder + "/out", "--frames", "2"},
+                                         {"export", scene, "-o", folder + "/out", "--stage", "gbuffer"},
+                                         {"explain", scene, "--pixel", "0,0"},
+                                         {"plan", scene},
+                                         {"sweep", scene, "-o", folder + "/out"},
+                                         {"pov", scene, "-o", folder + "/out.pov"}};
+    for (Words command : commands) {
+        command.push_back("--size");
+        command.emplace_back();
+        CAPTURE(command);
+        for (const char* size : {"0x5", "5x0", "-5x5", "5x-5", "5", "x", "5x", "x5", "5x5x5", "5,5", "5.5x5", "+5x5", " 5x5",
+                                 "0x10x10", "32768x1", "1x32768", "99999999999x1", "wide"}) {
+            command.back() = size;
+            CHECK_THAT(refused(command), Equals(std::string("--size ") + size + ": expected WxH in pixels, both 1 to 32767"));
+        }
+        command.back() = "32767x32767";
+        CHECK_THAT(refused(command), Equals("--size 32767x32767: more than 2^28 pixels"));
+        command.back() = "";
+        CHECK_THAT(refused(command), Equals("--size: expected a value"));
+    }
+    CHECK(files_in(folder) == before);
+    const std::string views = folder + "/views.toml";
+    REQUIRE(run({"cameras", scene, "--frames", "0:0:1", "-o", views}).exit == 0);
+    CHECK_THAT(refused({"batch", views, "-o", folder + "/out", "--size", "15x20"}),
+               Equals("--size 15x20: expected WxH in pixels, both 16 to 32767"));
+    CHECK_FALSE(std::filesystem::exists(folder + "/out"));
+}
+
 TEST_CASE("usage: settings, stages, pixels and lights that do not exist", "[program]") {
     const std::string folder = fresh_folder("bad_settings"), scene = small_scene(folder), out = folder + "/pictures";
     auto render = [&](std::vector<std::string> more) {

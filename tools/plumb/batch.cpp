@@ -70,7 +70,7 @@ class Batch {
   public:
     Batch(const BatchOptions& given, BatchScenes& scenes)
         : given_(given),
-          size_(parse_frame_size("--size", given.size)),
+          size_(parse_size("--size", given.size, least_side)),
           scenes_(scenes),
           records_(given.folder),
           options_(given.common.run_options()),

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <chrono>
-#include <cstdio>
 #include <set>
 
 #include "core/content_hasher.h"
@@ -61,15 +60,6 @@ std::uint64_t BatchScenes::content(const BatchView& view, glm::ivec2 size) {
     const Camera& c = posed.camera;
     h.add(c.position, c.look_at, c.up, c.fov_y_deg, c.near, c.far, std::int32_t(size.x), std::int32_t(size.y));
     return h.hash;
-}
-
-glm::ivec2 parse_frame_size(const std::string& option, const std::string& text) {
-    glm::ivec2 size(0);
-    char rest = 0;
-    if (std::sscanf(text.c_str(), "%5dx%5d%c", &size.x, &size.y, &rest) != 2 || size.x < 16 || size.y < 16 ||
-        size.x > 32767 || size.y > 32767)
-        throw InputError(fmt::format("{} {}: expected WIDTHxHEIGHT, both 16 to 32767", option, io::printable(text)));
-    return size;
 }
 
 std::uint64_t light_hash(const Scene& scene) {

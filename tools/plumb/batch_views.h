@@ -12,6 +12,8 @@
 
 namespace plumb::cli {
 
+inline constexpr int least_side = 16;  // of a view, pixels
+
 // A view of a list: where it is from, and what its files are called.
 struct BatchView {
     std::size_t list = 0;   // index of its list
@@ -43,9 +45,6 @@ class BatchScenes {
     std::uint64_t loaded_content_ = 0;
     std::size_t triangles_ = 0;
 };
-
-// "192x144": both 16 to 32767. Throws InputError that names the option.
-glm::ivec2 parse_frame_size(const std::string& option, const std::string& text);
 
 // Of everything of a scene that sends, stops or reflects light.
 std::uint64_t light_hash(const Scene& scene);

@@ -78,8 +78,8 @@ int trace_alone(const IsrCommon& common, const std::vector<BatchView>& views) {
 }
 
 int run_isr(IsrOptions given) {
-    given.request.size = parse_frame_size("--size", given.size);
-    given.request.time_size = parse_frame_size("--time-size", given.time_size);
+    given.request.size = parse_size("--size", given.size, least_side);
+    given.request.time_size = parse_size("--time-size", given.time_size, least_side);
     const RunOptions options = given.common.run_options();
     // Of the folder in which the repository is worked on.
     if (given.request.lists.empty())

@@ -303,6 +303,7 @@ void add_explain(CLI::App& program, Action& action) {
     auto given = std::make_shared<ExplainOptions>();
     CLI::App* command = program.add_subcommand("explain", "every named value of one pixel, with its equation");
     add_scene_options(*command, given->scene);
+    add_size_option(*command, given->scene);
     command->add_option("--stage", given->stage, "a name of `plumb stages`; all but rsm otherwise")->type_name("S");
     command->add_option("--pixel", given->pixel, "from the top left; of the light's map for the stage rsm: the six\n"
                         "of a point light lie side by side, +x -x +y -y +z -z")

@@ -286,6 +286,7 @@ void add_export(CLI::App& program, Action& action) {
     auto given = std::make_shared<ExportOptions>();
     CLI::App* command = program.add_subcommand("export", "a stage's inputs, and what it should write, for a GPU test");
     add_scene_options(*command, given->scene);
+    add_size_option(*command, given->scene);
     command->add_option("--stage", given->stage, "a name of `plumb stages`, or all: every dispatch of the frame")
         ->required()
         ->type_name("S");

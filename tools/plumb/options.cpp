@@ -6,6 +6,7 @@
 #include <charconv>
 
 #include "core/error.h"
+#include "io/file.h"
 #include "io/sample_rows.h"
 
 namespace plumb::cli {
@@ -102,6 +103,22 @@ glm::ivec2 parse_pixel(const std::string& text) {
         throw InputError(
             fmt::format("--pixel {}: expected X,Y in pixels from the top left, as in --pixel 120,80", text));
     return pixel;
+}
+
+glm::ivec2 parse_size(const std::string& option, const std::string& text, int least) {
+    constexpr int most = 32767;
+    const std::size_t x = text.find('x');
+    const auto side = [&](const std::string& digits) {
+        int n = 0;
+        if (!read_number(digits, n) || digits[0] == '+' || n < least || n > most)
+            throw InputError(fmt::format("{} {}: expected WxH in pixels, both {} to {}", option, io::printable(text),
+                                         least, most));
+        return n;
+    };
+    const glm::ivec2 size(side(text.substr(0, x)), side(x == std::string::npos ? "" : text.substr(x + 1)));
+    if (std::int64_t(size.x) * size.y > std::int64_t(1) << 28)
+        throw InputError(fmt::format("{} {}: more than 2^28 pixels", option, text));
+    return size;
 }
 
 frame::Settings settings_of(const Scene& scene, const SceneOptions& options) {

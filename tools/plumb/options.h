@@ -24,9 +24,14 @@ FieldValue parse_value(const std::string& text);
 // "X,Y", both whole and at least 0.
 glm::ivec2 parse_pixel(const std::string& text);
 
+// "WxH" in pixels, 1024x768 say: each side `least` to 32767, and at most 2^28 pixels, as the rasterizer draws them. Throws
+// InputError that names the option.
+glm::ivec2 parse_size(const std::string& option, const std::string& text, int least = 1);
+
 // What a command that renders is told about the scene.
 struct SceneOptions {
     std::string file, method;
+    std::string size;  // "WxH" in place of the scene's own; empty: its own
     std::vector<std::string> sets;
     bool no_pruning = false;
 

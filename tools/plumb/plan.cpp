@@ -37,6 +37,7 @@ void add_plan(CLI::App& program, Action& action) {
     auto given = std::make_shared<SceneOptions>();
     CLI::App* command = program.add_subcommand("plan", "say which stages a scene needs, and why not; renders nothing");
     add_scene_options(*command, *given);
+    add_size_option(*command, *given);
     add_truth_options(*command, *given);
     add_common(*command, *common);
     command->callback([common, given, &action] { action = [=] { return plan(*given, *common); }; });

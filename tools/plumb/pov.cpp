@@ -18,18 +18,9 @@ namespace {
 struct Given {
     SceneOptions scene;
     Common common;
-    std::string file, size, preset = "physical";
+    std::string file, preset = "physical";
     io::PovOptions options;
 };
-
-// "WxH", both from 1 to 65536.
-glm::ivec2 parse_size(const std::string& text) {
-    int width = 0, height = 0, read = 0;
-    const bool two = text.size() <= 11 && std::sscanf(text.c_str(), "%5dx%5d%n", &width, &height, &read) == 2;
-    if (!two || std::size_t(read) != text.size() || width < 1 || height < 1 || width > 65536 || height > 65536)
-        throw InputError("--size " + io::printable(text) + ": expected WIDTHxHEIGHT in pixels, 1024x768 say");
-    return {width, height};
-}
 
 io::PovPreset parse_preset(const std::string& text) {
     constexpr const char* names[] = {"published", "physical", "direct"};
@@ -41,9 +32,8 @@ io::PovPreset parse_preset(const std::string& text) {
 int write_script(Given given) {
     given.common.run_options();
     given.options.preset = parse_preset(given.preset);
-    if (!given.size.empty()) given.options.size = parse_size(given.size);
     const Scene scene = load(given.scene);
-    if (given.options.size == glm::ivec2(0)) given.options.size = scene.frame_size;
+    given.options.size = scene.frame_size;
     const std::filesystem::path path(given.file.empty() ? io::stem_of(given.scene.file) + ".pov" : given.file);
     const std::filesystem::path folder = path.parent_path();
     Outputs outputs(folder.empty() ? "." : folder.string());
@@ -81,9 +71,7 @@ void add_pov(CLI::App& program, Action& action) {
     command->add_option("-o,--output", given->file, "the script; the scene's name with .pov otherwise")
         ->check(some_word())
         ->type_name("FILE");
-    command->add_option("--size", given->size, "pixels, 1024x768 say; the scene's frame otherwise")
-        ->check(some_word())
-        ->type_name("WxH");
+    add_size_option(*command, given->scene);
     command->add_option("--preset", given->preset,
                         "published (ISR table 1), physical (otherwise), or direct (no light between surfaces)")
         ->check(some_word())

@@ -193,6 +193,7 @@ void add_render(CLI::App& program, Action& action) {
     auto given = std::make_shared<RenderOptions>();
     CLI::App* command = program.add_subcommand("render", "render a scene: EXR with a layer a buffer, PNG, run.json");
     add_scene_options(*command, given->scene);
+    add_size_option(*command, given->scene);
     command->add_option("-o,--output", given->folder, "folder for what is written; \"out\" otherwise")
         ->type_name("DIR");
     command->add_flag("--dump", given->dump, "also write every stage's inputs and outputs, to DIR/dump");

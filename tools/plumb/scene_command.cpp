@@ -1,5 +1,7 @@
 #include "tools/plumb/scene_command.h"
 
+#include <optional>
+
 #include "io/scene_file.h"
 
 namespace plumb::cli {
@@ -13,6 +15,12 @@ void add_scene_options(CLI::App& command, SceneOptions& options) {
         ->allow_extra_args(false)
         ->type_name("T.K=V");
     command.add_flag("--no-pruning", options.no_pruning, "run every stage, needed or not: the picture is the same");
+}
+
+void add_size_option(CLI::App& command, SceneOptions& options) {
+    command.add_option("--size", options.size, "pixels, 1024x768 say, in place of the scene's own")
+        ->check(some_word())
+        ->type_name("WxH");
 }
 
 void add_truth_options(CLI::App& command, SceneOptions& options) {
@@ -29,7 +37,14 @@ void add_truth_options(CLI::App& command, SceneOptions& options) {
         ->type_name("R");
 }
 
-Scene load(const SceneOptions& options) { return io::load_scene(options.file, frame::method_tables()); }
+Scene load(const SceneOptions& options) {
+    // A wrong size is told before a large scene is read.
+    const std::optional<glm::ivec2> size =
+        options.size.empty() ? std::nullopt : std::optional(parse_size("--size", options.size));
+    Scene scene = io::load_scene(options.file, frame::method_tables());
+    if (size) scene.frame_size = *size;
+    return scene;
+}
 
 void print_notes(const Scene& scene) {
     for (const std::string& note : scene.notes) std::printf("note: %s\n", note.c_str());

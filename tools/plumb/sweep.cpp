@@ -1,7 +1,6 @@
 // plumb sweep: error against run time, over methods and settings.
 #include <fmt/format.h>
 
-#include <charconv>
 #include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -24,19 +23,6 @@ struct SweepOptions {
     std::vector<std::string> scenes, sets;
     std::string folder, size, budget, error, longest, compare_to;
 };
-
-// "WxH".
-glm::ivec2 parse_size(const std::string& text) {
-    const std::size_t x = text.find('x');
-    auto whole = [&](const std::string& part) {
-        int n = 0;
-        const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), n);
-        const bool good = error == std::errc() && end == part.data() + part.size() && n >= 1 && n <= 32768;
-        if (!good) throw InputError(fmt::format("--size {}: expected WxH in pixels, 1x1 to 32768x32768", text));
-        return n;
-    };
-    return {whole(text.substr(0, x)), whole(x == std::string::npos ? "" : text.substr(x + 1))};
-}
 
 // "direct, rsm.disc, rsm.all, rsm.all_rays, reference": without those that one more parameter sets apart.
 std::string curve_names() {
@@ -91,7 +77,7 @@ SweepRequest request_of(const SweepOptions& given) {
         scene.file = file, scene.sets = given.sets;
         request.scenes.push_back(scene);
     }
-    if (!given.size.empty()) request.size = parse_size(given.size);
+    if (!given.size.empty()) request.size = parse_size("--size", given.size);
     if (!given.longest.empty()) request.longest_ms = parse_milliseconds("--longest", given.longest);
     return request;
 }
