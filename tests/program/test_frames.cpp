@@ -110,12 +110,15 @@ TEST_CASE("frames: run.json and the text say what each reused", "[program][frame
     CHECK_THAT(text.out, Contains("wrote " + folder + "/out/small.0002.png"));
 
     const Json json = Json::parse(read(folder + "/out/run.json"));
-    CHECK(keys(json) == Words{"scene", "settings", "isa", "threads", "frames", "needed_stages", "kept_stages", "total_ms",
-                              "saved_ms", "peak_bytes"});
+    CHECK(keys(json) == Words{"scene", "settings", "isa", "threads", "frames", "needed_stages", "kept_stages", "read_ms",
+                              "render_ms", "write_ms", "total_ms", "saved_ms", "peak_bytes"});
     REQUIRE(json["frames"].size() == 3);
+    double render_ms = 0, write_ms = 0;
     for (int f = 0; f < 3; ++f) {
         const Json& frame = json["frames"][std::size_t(f)];
-        CHECK(keys(frame) == Words{"frame", "stages", "total_ms", "saved_ms"});
+        CHECK(keys(frame) == Words{"frame", "stages", "total_ms", "write_ms", "saved_ms"});
+        CHECK(frame["write_ms"].get<double>() > 0);
+        render_ms += frame["total_ms"].get<double>(), write_ms += frame["write_ms"].get<double>();
         CHECK(frame["frame"] == f);
         CHECK(kept_in(frame) == (f == 0 ? Words{} : Words{"rsm (key)", "rsm (sun)"}));
         for (const Json& s : frame["stages"]) {
@@ -125,6 +128,10 @@ TEST_CASE("frames: run.json and the text say what each reused", "[program][frame
             CHECK(s["saved_ms"].get<double>() > s["ms"].get<double>());
         }
     }
+    CHECK(json["render_ms"].get<double>() == Approx(render_ms));
+    CHECK(json["write_ms"].get<double>() == Approx(write_ms));
+    CHECK(json["read_ms"].get<double>() > 0);
+    CHECK(json["total_ms"].get<double>() > json["read_ms"].get<double>() + render_ms);
     CHECK(json["kept_stages"] == 4);
     CHECK(json["needed_stages"] == 30);
 

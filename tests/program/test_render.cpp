@@ -48,7 +48,12 @@ TEST_CASE("render: writes the contract's files, layers and keys", "[program][con
     CHECK(layers == Words{"rsm.sun.depth", "rsm.sun.flux", "rsm.sun.normal", "rsm.sun.position"});
 
     const Json json = Json::parse(read(out + "/run.json"));
-    CHECK(keys(json) == Words{"scene", "settings", "isa", "kernels", "threads", "stages", "total_ms", "peak_bytes"});
+    CHECK(keys(json) == Words{"scene", "settings", "isa", "kernels", "threads", "stages", "read_ms", "render_ms", "write_ms",
+                              "total_ms", "peak_bytes"});
+    for (const char* key : {"read_ms", "render_ms", "write_ms"}) CHECK(json[key].get<double>() > 0);
+    CHECK(json["total_ms"].get<double>() >=
+          json["read_ms"].get<double>() + json["render_ms"].get<double>() + json["write_ms"].get<double>());
+    for (const char* row : {"read scene", "write files"}) CHECK_THAT(r.out, Catch::Matchers::Contains(row));
     CHECK(json["isa"] == isa_name(best_isa()));
     CHECK(json["settings"]["rsm"]["samples"] == 37);
     int left_out = 0;

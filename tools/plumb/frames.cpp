@@ -37,12 +37,6 @@ Reuse reuse_of(const std::vector<FrameRun>& frames) {
     return sum;
 }
 
-double total_ms(const std::vector<FrameRun>& frames) {
-    double ms = 0;
-    for (const FrameRun& f : frames) ms += f.ms;
-    return ms;
-}
-
 }  // namespace
 
 std::string frame_name(const std::string& name, int frame) { return fmt::format("{}.{:04}", name, frame); }
@@ -53,21 +47,22 @@ Json frames_json(const FramesReport& report) {
         Json json = {{"frame", f.frame},
                      {"stages", stage_runs_json(f.stages)},
                      {"total_ms", f.ms},
+                     {"write_ms", f.write_ms},
                      {"saved_ms", reuse_of(f.stages).saved_ms}};
         if (!f.truth.is_null()) json["truth"] = f.truth;
         frames.push_back(std::move(json));
     }
     const Reuse all = reuse_of(report.frames);
-    return {{"scene", report.scene.name},
-            {"settings", settings_json(report.settings)},
-            {"isa", isa_name(report.options.isa)},
-            {"threads", thread_count(report.options.threads)},
-            {"frames", frames},
-            {"needed_stages", all.needed},
-            {"kept_stages", all.kept},
-            {"total_ms", total_ms(report.frames)},
-            {"saved_ms", all.saved_ms},
-            {"peak_bytes", report.peak_bytes}};
+    Json json = {{"scene", report.scene.name},
+                 {"settings", settings_json(report.settings)},
+                 {"isa", isa_name(report.options.isa)},
+                 {"threads", thread_count(report.options.threads)},
+                 {"frames", frames},
+                 {"needed_stages", all.needed},
+                 {"kept_stages", all.kept}};
+    add_times(report.times, json);
+    json["saved_ms"] = all.saved_ms, json["peak_bytes"] = report.peak_bytes;
+    return json;
 }
 
 std::string frames_text(const FramesReport& report) {
@@ -75,19 +70,19 @@ std::string frames_text(const FramesReport& report) {
     for (const FrameRun& f : report.frames) {
         const Reuse r = reuse_of(f.stages);
         const std::string what = r.kept == 0 ? "-" : r.kept == r.needed ? "everything" : r.labels;
-        rows.push_back({fmt::format("{}", f.frame), milliseconds_text(f.ms), milliseconds_text(r.saved_ms),
-                        fmt::format("{} of {}", r.kept, r.needed), what});
+        rows.push_back({fmt::format("{}", f.frame), milliseconds_text(f.ms), milliseconds_text(f.write_ms),
+                        milliseconds_text(r.saved_ms), fmt::format("{} of {}", r.kept, r.needed), what});
     }
     const Reuse all = reuse_of(report.frames);
     const int threads = thread_count(report.options.threads);
-    return format_table({{"frame", Align::right}, {"ms", Align::right}, {"saved", Align::right}, {"kept", Align::right}, {""}},
+    return format_table({{"frame", Align::right}, {"ms", Align::right}, {"write", Align::right}, {"saved", Align::right},
+                         {"kept", Align::right}, {""}},
                         rows) +
-           fmt::format("\nkept {} of {} stages, {} ms saved\n{} frames of {} x {} pixels in {} ms by {} on {} thread{}, "
+           fmt::format("\nkept {} of {} stages, {} ms saved\n{} frames of {} x {} pixels {}; by {} on {} thread{}, "
                        "at most {} MB of memory\n",
                        all.kept, all.needed, milliseconds_text(all.saved_ms), report.frames.size(),
-                       report.scene.frame_size.x, report.scene.frame_size.y, milliseconds_text(total_ms(report.frames)),
-                       isa_name(report.options.isa), threads, threads == 1 ? "" : "s",
-                       megabytes_text(report.peak_bytes));
+                       report.scene.frame_size.x, report.scene.frame_size.y, times_text(report.times),
+                       isa_name(report.options.isa), threads, threads == 1 ? "" : "s", megabytes_text(report.peak_bytes));
 }
 
 }  // namespace plumb::cli

@@ -11,7 +11,8 @@ namespace plumb::cli {
 struct FrameRun {
     int frame = 0;
     std::vector<frame::StageRun> stages;
-    double ms = 0;         // of the whole frame, with its plan and its keys; without writing files
+    double ms = 0;         // of making the frame, with its plan and its keys
+    double write_ms = 0;   // of encoding and writing its files
     Json truth = nullptr;  // truth_json(), where something was path traced
 };
 
@@ -20,6 +21,7 @@ struct FramesReport {
     const frame::Settings& settings;
     const RunOptions& options;
     const std::vector<FrameRun>& frames;
+    RunTimes times;
     std::size_t peak_bytes = 0;
 };
 

@@ -50,9 +50,21 @@ std::size_t peak_bytes() {
     return std::size_t(usage.ru_maxrss) * 1024;
 }
 
-double ms_since(std::chrono::steady_clock::time_point start) {
-    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+using Clock = std::chrono::steady_clock;
+double ms_since(Clock::time_point start) {
+    return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
+
+// What is rendered, how, and where to.
+struct Job {
+    const RenderOptions& given;
+    Clock::time_point start;
+    RunTimes times;
+    Scene scene;
+    frame::Settings settings;
+    Json chosen;  // what a budget chose, or null
+    Outputs outputs;
+};
 
 void warn(const frame::Frame& frame) {
     for (const std::string& warning : truth_warnings(frame)) std::fprintf(stderr, "plumb: %s\n", warning.c_str());
@@ -72,37 +84,43 @@ std::string files_text(const Outputs& outputs, const std::string& folder) {
     return text;
 }
 
-// run.json's text; `chosen`: what a budget chose, or null.
-std::string run_file(Json json, const Json& chosen) {
-    if (!chosen.is_null()) json["chosen"] = chosen;
-    return json_text(json);
+// Writes run.json, and lets all files appear; returns its text.
+std::string finish(Job& job, Json json) {
+    if (!job.chosen.is_null()) json["chosen"] = job.chosen;
+    const std::string text = json_text(json);
+    job.outputs.write("run.json", [&](const std::string& path) { io::write_text(path, text); });
+    job.outputs.commit();
+    return text;
 }
 
-int render_one(const RenderOptions& given, const Scene& scene, const frame::Settings& settings, const Json& chosen,
-               Outputs& outputs) {
+int render_one(Job& job) {
+    const RenderOptions& given = job.given;
+    const Scene& scene = job.scene;
+    const frame::Settings& settings = job.settings;
     const RunOptions options = given.common.run_options();
+    const Clock::time_point start = Clock::now();
     const frame::Plan plan = frame::plan(scene, settings);
     if (!given.common.json) print_notes(scene);
 
     // Render.
-    const auto start = std::chrono::steady_clock::now();
     const std::string cache = given.scene.no_cache ? "" : cache_folder();
     ReferenceFiles kept(cache);
     const frame::Frame frame = [&] {
         ProgressBar bar(plan);
         return frame::execute(scene, settings, plan, options, bar.callback(), cache.empty() ? nullptr : &kept);
     }();
-    const double ms = ms_since(start);
-
-    // Write.
+    job.times.render_ms = ms_since(start);
     const std::vector<TruthRow> rows = compare_layers(frame, given.common.threads);
     const Json truth = frame.traced.empty() ? Json(nullptr) : truth_json(frame, rows, kept.notes());
-    const RunReport report{scene, settings, options, frame.stages, ms, peak_bytes(), truth};
-    const std::string json = run_file(run_json(report), chosen);
-    write_pictures(scene, plan, frame, picture_name(scene), outputs);
-    if (given.dump) write_dump(scene, settings, plan, frame, options, outputs);
-    outputs.write("run.json", [&](const std::string& path) { io::write_text(path, json); });
-    outputs.commit();
+
+    // Write.
+    const Clock::time_point writing = Clock::now();
+    write_pictures(scene, plan, frame, picture_name(scene), job.outputs);
+    if (given.dump) write_dump(scene, settings, plan, frame, options, job.outputs);
+    job.times.write_ms = ms_since(writing);
+    job.times.total_ms = ms_since(job.start);
+    const RunReport report{scene, settings, options, frame.stages, job.times, peak_bytes(), truth};
+    const std::string json = finish(job, run_json(report));
 
     // Tell.
     warn(frame);
@@ -112,13 +130,15 @@ int render_one(const RenderOptions& given, const Scene& scene, const frame::Sett
     }
     std::string text = run_text(report) + "\n";
     if (!frame.traced.empty()) text += truth_text(frame, rows, kept.notes()) + "\n";
-    std::fputs((text + files_text(outputs, given.folder)).c_str(), stdout);
+    std::fputs((text + files_text(job.outputs, given.folder)).c_str(), stdout);
     return success;
 }
 
 // One frame after the other, each reusing what the one before has made. Files appear when all are there.
-int render_frames(const RenderOptions& given, Scene scene, const frame::Settings& settings, const Json& chosen,
-                  Outputs& outputs) {
+int render_frames(Job& job) {
+    const RenderOptions& given = job.given;
+    Scene& scene = job.scene;
+    const frame::Settings& settings = job.settings;
     const RunOptions options = given.common.run_options();
     if (!is_animated(scene))
         scene.notes.push_back("no [[keyframe]] in the file: nothing moves, and every frame is the same");
@@ -128,7 +148,7 @@ int render_frames(const RenderOptions& given, Scene scene, const frame::Settings
     frame::KeptStages kept;
     std::vector<FrameRun> runs;
     for (int f = given.first; f < given.first + given.frames; ++f) {
-        const auto start = std::chrono::steady_clock::now();
+        const Clock::time_point start = Clock::now();
         scene = posed(std::move(scene), f);
         const frame::Plan plan = frame::plan(scene, settings);
         const frame::Frame& frame = [&]() -> const frame::Frame& {
@@ -139,15 +159,17 @@ int render_frames(const RenderOptions& given, Scene scene, const frame::Settings
         FrameRun& run = runs.emplace_back(FrameRun{f, frame.stages, ms_since(start)});
         if (!frame.traced.empty())
             run.truth = truth_json(frame, compare_layers(frame, given.common.threads), references.notes());
-        write_pictures(scene, plan, frame, frame_name(picture_name(scene), f), outputs);
+        const Clock::time_point writing = Clock::now();
+        write_pictures(scene, plan, frame, frame_name(picture_name(scene), f), job.outputs);
+        run.write_ms = ms_since(writing);
+        job.times.render_ms += run.ms, job.times.write_ms += run.write_ms;
         warn(frame);
     }
-    const FramesReport report{scene, settings, options, runs, peak_bytes()};
-    const std::string json = run_file(frames_json(report), chosen);
-    outputs.write("run.json", [&](const std::string& path) { io::write_text(path, json); });
-    outputs.commit();
+    job.times.total_ms = ms_since(job.start);
+    const FramesReport report{scene, settings, options, runs, job.times, peak_bytes()};
+    const std::string json = finish(job, frames_json(report));
     std::fputs(given.common.json ? json.c_str()
-                                 : (frames_text(report) + "\n" + files_text(outputs, given.folder)).c_str(),
+                                 : (frames_text(report) + "\n" + files_text(job.outputs, given.folder)).c_str(),
                stdout);
     return success;
 }
@@ -165,26 +187,31 @@ void check_frames(const RenderOptions& given, Scene scene, const frame::Settings
     }
 }
 
+// Lets --budget choose the settings, and says which.
+void choose(Job& job) {
+    const RenderOptions& given = job.given;
+    const double budget_ms = parse_milliseconds("--budget", given.budget);
+    const Choice choice =
+        choose_by_budget(job.scene, given.scene, job.settings, budget_ms, given.common.run_options());
+    job.settings = choice.settings, job.chosen = choice.json;
+    const std::string place =
+        given.frames > 1 ? fmt::format("measured on frame {}, for all {} frames\n", given.first, given.frames) : "";
+    if (!given.common.json) std::fputs((place + choice.text).c_str(), stdout);
+    if (!choice.fits) std::fputs(choice.warning.c_str(), stderr);
+    if (given.frames > 0) check_frames(given, job.scene, job.settings);
+}
+
 int render(const RenderOptions& given) {
     if (given.frames > 0 && given.dump) throw InputError("--dump: dumps one frame: expected no --frames beside it");
+    const Clock::time_point start = Clock::now();
     Scene scene = posed(load(given.scene), given.first);
+    const double read_ms = ms_since(start);
     frame::Settings settings = settings_of(scene, given.scene);
     // All that can be wrong is found before anything is measured or rendered.
     check_frames(given, scene, settings);
-    Outputs outputs(given.folder);
-    Json chosen = nullptr;
-    if (!given.budget.empty()) {
-        const double budget_ms = parse_milliseconds("--budget", given.budget);
-        const Choice choice = choose_by_budget(scene, given.scene, settings, budget_ms, given.common.run_options());
-        settings = choice.settings, chosen = choice.json;
-        const std::string place =
-            given.frames > 1 ? fmt::format("measured on frame {}, for all {} frames\n", given.first, given.frames) : "";
-        if (!given.common.json) std::fputs((place + choice.text).c_str(), stdout);
-        if (!choice.fits) std::fputs(choice.warning.c_str(), stderr);
-        if (given.frames > 0) check_frames(given, scene, settings);
-    }
-    if (given.frames > 0) return render_frames(given, std::move(scene), settings, chosen, outputs);
-    return render_one(given, scene, settings, chosen, outputs);
+    Job job{given, start, {read_ms}, std::move(scene), std::move(settings), nullptr, Outputs(given.folder)};
+    if (!given.budget.empty()) choose(job);
+    return given.frames > 0 ? render_frames(job) : render_one(job);
 }
 
 }  // namespace
@@ -217,13 +244,16 @@ void add_render(CLI::App& program, Action& action) {
         "so on: px, nx, py, ny, pz, nz, but for faces that can see nothing), <scene>.png (tone mapped), run.json (time\n"
         "and memory by stage). On a surface, color = (albedo (direct + indirect) + emission) / pi. Equal pictures are\n"
         "equal files.\n"
+        "Times in run.json are wall time: read_ms of reading the scene, render_ms of planning and all stages, write_ms of\n"
+        "writing all files but run.json, total_ms of everything, with what --budget and comparing with the truth take.\n"
         "--truth adds the layers truth (outgoing radiance, all light), truth.direct and for rsm truth.indirect\n"
         "(irradiance, the lamps' light alone, as the method counts it), each with a layer .error, its standard error,\n"
         "<scene>.truth.png, and in run.json how far color, direct and indirect are from them. The method reference\n"
         "writes its color, truth.error and no direct and indirect.\n"
         "--frames reuses, frame by frame, what every stage made from what did not change: the maps of lights at rest,\n"
         "the G-buffer of a camera at rest, and so on. The pictures are those of N runs with --first F, bit for bit.\n"
-        "run.json has \"frames\" in place of \"stages\", each with its stages, what was kept and what that saved.\n"
+        "run.json has \"frames\" in place of \"stages\", each with its stages, what was kept and what that saved, its\n"
+        "total_ms without writing it, and write_ms.\n"
         "What was path traced is kept in $PLUMB_CACHE, else $XDG_CACHE_HOME/plumbline, else ~/.cache/plumbline, at\n"
         "most 4 GiB, those used last; the same scene and settings take it from there. Beside it lie the 256 sweeps that\n"
         "--budget used last, and nothing else. --budget: see plumb sweep; run.json says what was \"chosen\". Where no\n"

@@ -106,32 +106,45 @@ Json stage_runs_json(const std::vector<frame::StageRun>& stages) {
     return json;
 }
 
+void add_times(const RunTimes& times, Json& json) {
+    json["read_ms"] = times.read_ms, json["render_ms"] = times.render_ms;
+    json["write_ms"] = times.write_ms, json["total_ms"] = times.total_ms;
+}
+
+std::string times_text(const RunTimes& times) {
+    return fmt::format("in {} ms: {} reading, {} rendering, {} writing", milliseconds_text(times.total_ms),
+                       milliseconds_text(times.read_ms), milliseconds_text(times.render_ms),
+                       milliseconds_text(times.write_ms));
+}
+
 Json run_json(const RunReport& run) {
     Json kernels = Json::object();
     for (const frame::StageRun& s : run.stages)
         if (s.needed) kernels[s.label] = isa_name(s.isa);
     Json json = {{"scene", run.scene.name},
-            {"settings", settings_json(run.settings)},
-            {"isa", isa_name(run.options.isa)},
-            {"kernels", kernels},
-            {"threads", thread_count(run.options.threads)},
-            {"stages", stage_runs_json(run.stages)},
-            {"total_ms", run.total_ms},
-            {"peak_bytes", run.peak_bytes}};
+                 {"settings", settings_json(run.settings)},
+                 {"isa", isa_name(run.options.isa)},
+                 {"kernels", kernels},
+                 {"threads", thread_count(run.options.threads)},
+                 {"stages", stage_runs_json(run.stages)}};
+    add_times(run.times, json);
+    json["peak_bytes"] = run.peak_bytes;
     if (!run.truth.is_null()) json["truth"] = run.truth;
     return json;
 }
 
 std::string run_text(const RunReport& run) {
     std::vector<std::vector<std::string>> rows;
+    rows.push_back({"read scene", milliseconds_text(run.times.read_ms), "-", ""});
     for (const frame::StageRun& s : run.stages) {
         rows.push_back({s.label, s.needed ? milliseconds_text(s.ms) : "-", s.needed ? megabytes_text(s.bytes) : "-",
                         why_text(s)});
     }
+    rows.push_back({"write files", milliseconds_text(run.times.write_ms), "-", ""});
     const int threads = thread_count(run.options.threads);
     return format_table({{"stage"}, {"ms", Align::right}, {"MB", Align::right}, {"why"}}, rows) +
-           fmt::format("\n{} x {} pixels in {} ms by {} on {} thread{}, at most {} MB of memory\n",
-                       run.scene.frame_size.x, run.scene.frame_size.y, milliseconds_text(run.total_ms),
+           fmt::format("\n{} x {} pixels {}; by {} on {} thread{}, at most {} MB of memory\n",
+                       run.scene.frame_size.x, run.scene.frame_size.y, times_text(run.times),
                        isa_name(run.options.isa), threads, threads == 1 ? "" : "s", megabytes_text(run.peak_bytes));
 }
 

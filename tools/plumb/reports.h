@@ -15,13 +15,25 @@ using Json = nlohmann::ordered_json;
 // The object as one line-broken text that ends in a newline; bytes that are no UTF-8 are replaced.
 std::string json_text(const Json& json);
 
+// Wall time of a run, ms.
+struct RunTimes {
+    double read_ms = 0;    // reading the scene
+    double render_ms = 0;  // planning, and all stages
+    double write_ms = 0;   // encoding and writing all files but run.json
+    double total_ms = 0;   // from the start until run.json is made; with what else a run does, as --budget and comparing
+                           // with the truth. Less than the sum where frames are written while others are rendered
+};
+void add_times(const RunTimes& times, Json& json);
+// "in 120 ms: 5.0 reading, 98.0 rendering, 17.0 writing"
+std::string times_text(const RunTimes& times);
+
 // Everything that a run was made with and what it took.
 struct RunReport {
     const Scene& scene;
     const frame::Settings& settings;
     const RunOptions& options;
     const std::vector<frame::StageRun>& stages;
-    double total_ms = 0;
+    RunTimes times;
     std::size_t peak_bytes = 0;  // of the whole program
     Json truth = nullptr;        // truth_json(), where something was path traced
 };
