@@ -25,7 +25,7 @@ struct Layer {
 // The channel that holds a component: "R" for the layer "color" where it comes first, "layer.R" otherwise.
 std::string channel_name(const std::vector<Layer>& layers, std::size_t layer, std::size_t component);
 
-// EXR, 32-bit float, ZIP. Every bit arrives as it is, NaN and Inf included. Throws InputError.
+// EXR, 32-bit float, RLE. Every bit arrives as it is, NaN and Inf included. Throws InputError.
 void write_exr(const std::string& path, int width, int height, const std::vector<Layer>& layers);
 
 // PNG, 8 bits, RGB: rgb holds width * height * 3 bytes, encoded by the sRGB curve, first row on top. Throws InputError.

@@ -1,4 +1,8 @@
 // plumb render --frames: numbered pictures, each the same as one rendered alone; what was reused, and what that saved.
+#include <signal.h>
+#include <sys/resource.h>
+
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <filesystem>
 
@@ -161,6 +165,33 @@ TEST_CASE("frames: references of each frame are kept in the cache", "[program][f
         CHECK(again["frames"][f]["truth"]["cached"]);
     }
     CHECK(read(folder + "/a/small.0001.exr") == read(folder + "/b/small.0001.exr"));
+}
+
+TEST_CASE("frames: a later frame that does not fit leaves one line and no file", "[program][frames][robustness]") {
+    const std::string folder = fresh_folder("frames_full");
+    // Turns to the box from where nothing is: that frame's layers are constant, and its maps are not drawn.
+    const std::string scene = moving_scene(folder, "[[keyframe]]\nframe = 0\ncamera.look_at = [0, 0.995, 9]\n"
+                                                   "[[keyframe]]\nframe = 1\ncamera.look_at = [0, 0.995, 0]\n");
+    const Words words = {"render", scene, "-o", folder + "/out", "--frames", "2", "--size", "300x200"};
+    REQUIRE(run(words).exit == 0);
+    const auto size = [&](const char* name) { return std::filesystem::file_size(folder + "/out/" + name); };
+    const auto largest_of_first = std::max(size("small.0000.exr"), size("small.0000.png"));
+    REQUIRE(size("small.0001.exr") > 2 * largest_of_first);
+    std::filesystem::remove_all(folder + "/out");
+
+    // The program inherits both: a file that grows beyond the limit is an error of write(), as a full disk is.
+    rlimit before;
+    REQUIRE(getrlimit(RLIMIT_FSIZE, &before) == 0);
+    signal(SIGXFSZ, SIG_IGN);
+    const rlimit small{largest_of_first + 1000, before.rlim_max};
+    REQUIRE(setrlimit(RLIMIT_FSIZE, &small) == 0);
+    const Result r = run(words);
+    setrlimit(RLIMIT_FSIZE, &before);
+    signal(SIGXFSZ, SIG_DFL);
+    CHECK(r.exit == 2);
+    CHECK(r.err == "plumb: " + folder + "/out/small.0001.exr: cannot be written: File too large\n");
+    CHECK(r.out.empty());
+    CHECK_FALSE(std::filesystem::exists(folder + "/out"));
 }
 
 TEST_CASE("frames: what cannot be is one line, and nothing is written", "[program][frames][robustness]") {

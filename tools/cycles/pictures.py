@@ -28,9 +28,9 @@ def read_exr(path):
     width, height = x1 - x0 + 1, y1 - y0 + 1
     names = channel_names(attributes["channels"][1], path)
     compression = attributes["compression"][1][0]
-    lines = {0: 1, 2: 1, 3: 16}.get(compression)  # none, ZIPS, ZIP: scan lines a block
+    lines = {0: 1, 1: 1, 2: 1, 3: 16}.get(compression)  # none, RLE, ZIPS, ZIP: scan lines a block
     if lines is None:
-        raise ValueError(f"{path}: compression {compression} is not read; none, ZIPS and ZIP are")
+        raise ValueError(f"{path}: compression {compression} is not read; none, RLE, ZIPS and ZIP are")
 
     picture = numpy.empty((height, len(names), width), numpy.float32)
     blocks = -(-height // lines)
@@ -39,7 +39,7 @@ def read_exr(path):
         rows = picture[y - y0:y - y0 + lines]
         block = data[offset + 8:offset + 8 + length]
         if length < rows.nbytes:  # a block that does not shrink is stored as it is
-            block = unpredicted(zlib.decompress(block))
+            block = unpredicted(without_runs(block) if compression == 1 else zlib.decompress(block))
         rows[:] = numpy.frombuffer(block, "<f4").reshape(rows.shape)
     strings = {name: value.decode() for name, (kind, value) in attributes.items() if kind == "string"}
     return {name: picture[:, i] for i, name in enumerate(names)}, strings
@@ -56,7 +56,20 @@ def channel_names(data, path):
     return names
 
 
-# ZIP holds differences of bytes, first those at even places, then those at odd ones.
+# RLE counts: n below 0 before -n bytes as they are, others before a byte that is there n + 1 times.
+def without_runs(data):
+    parts, at = [], 0
+    while at < len(data):
+        n = data[at] - 256 if data[at] > 127 else data[at]
+        if n < 0:
+            parts.append(data[at + 1:at + 1 - n])
+        else:
+            parts.append(data[at + 1:at + 2] * (n + 1))
+        at += 1 - n if n < 0 else 2
+    return b"".join(parts)
+
+
+# RLE and ZIP hold differences of bytes, first those at even places, then those at odd ones.
 def unpredicted(data):
     steps = numpy.frombuffer(data, numpy.uint8).astype(numpy.uint64)
     steps[1:] -= numpy.uint64(128)
