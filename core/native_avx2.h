@@ -1,6 +1,8 @@
 // AVX2 and F16C: eight lanes.
 #pragma once
 
+#include <immintrin.h>
+
 #include "core/number.h"
 
 namespace plumb::PLUMB_ISA::native {

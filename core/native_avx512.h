@@ -1,6 +1,8 @@
 // AVX-512 F, DQ, BW, VL: sixteen lanes.
 #pragma once
 
+#include <immintrin.h>
+
 #include "core/number.h"
 
 namespace plumb::PLUMB_ISA::native {

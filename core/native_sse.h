@@ -1,6 +1,8 @@
 // SSE4.2: four lanes.
 #pragma once
 
+#include <immintrin.h>
+
 #include "core/number.h"
 
 namespace plumb::PLUMB_ISA::native {

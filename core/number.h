@@ -12,7 +12,7 @@
 // second place loses), round is to nearest even.
 #pragma once
 
-#include <immintrin.h>
+#include <emmintrin.h>
 
 #include <cstdint>
 #include <cstring>

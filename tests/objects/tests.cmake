@@ -2,14 +2,15 @@
 if(NOT PLUMB_SANITIZE)
   set(lists ${CMAKE_BINARY_DIR}/object_lists)
   function(plumb_list_objects name)
-    file(GENERATE OUTPUT ${lists}/${name}.list CONTENT "$<JOIN:${ARGN},\n>\n")
+    # A precompiled header is listed among its target's objects.
+    file(GENERATE OUTPUT ${lists}/${name}.list CONTENT "$<JOIN:$<FILTER:${ARGN},EXCLUDE,[.]gch$>,\n>\n")
   endfunction()
   foreach(isa IN LISTS PLUMB_ISAS)
     get_property(objects GLOBAL PROPERTY PLUMB_KERNEL_OBJECTS_${isa})
     plumb_list_objects(${isa} ${objects})
   endforeach()
   plumb_list_objects(host $<TARGET_OBJECTS:plumb_core> $<TARGET_OBJECTS:plumb_raster> $<TARGET_OBJECTS:plumb_gi>)
-  plumb_list_objects(io $<TARGET_OBJECTS:plumb_io> $<$<TARGET_EXISTS:plumb>:$<TARGET_OBJECTS:plumb>>)
+  plumb_list_objects(io $<TARGET_OBJECTS:plumb_io> $<TARGET_OBJECTS:plumb_parts> $<$<TARGET_EXISTS:plumb>:$<TARGET_OBJECTS:plumb>>)
   add_test(NAME objects COMMAND ${CMAKE_CURRENT_LIST_DIR}/check_objects.sh ${lists})
   add_test(NAME objects_self_test COMMAND ${CMAKE_CURRENT_LIST_DIR}/self_test.sh ${CMAKE_CXX_COMPILER})
 
