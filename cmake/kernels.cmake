@@ -8,6 +8,26 @@ set(PLUMB_ISA_FLAGS_avx512 -mavx512f -mavx512dq -mavx512bw -mavx512vl -mf16c -mn
   # GCC 12 warns of its own intrinsics (bug 105593).
   $<$<CXX_COMPILER_ID:GNU>:-Wno-uninitialized> $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
 
+option(PLUMB_FEW_ISAS "Compile kernels for scalar and the widest set of this machine alone" OFF)
+if(PLUMB_FEW_ISAS)
+  file(STRINGS /proc/cpuinfo flags REGEX "^flags" LIMIT_COUNT 1)
+  set(widest scalar)
+  if(flags MATCHES " avx512f " AND flags MATCHES " avx512dq " AND flags MATCHES " avx512bw " AND flags MATCHES " avx512vl ")
+    set(widest avx512)
+  elseif(flags MATCHES " avx2 ")
+    set(widest avx2)
+  elseif(flags MATCHES " sse4_2 ")
+    set(widest sse)
+  endif()
+  foreach(isa IN ITEMS sse avx2 avx512)
+    if(NOT isa STREQUAL widest)
+      list(REMOVE_ITEM PLUMB_ISAS ${isa})
+      # core/isa.h does not offer them.
+      target_compile_definitions(plumb_flags INTERFACE PLUMB_WITHOUT_${isa})
+    endif()
+  endforeach()
+endif()
+
 # plumb_add_kernels(<target> <file>...): adds one object library per instruction set to <target>.
 function(plumb_add_kernels target)
   if(NOT ARGN)

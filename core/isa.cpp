@@ -18,12 +18,14 @@ const char* isa_name(Isa isa) {
 
 std::vector<Isa> supported_isas() {
     std::vector<Isa> isas{Isa::scalar};
-    if (__builtin_cpu_supports("sse4.2")) isas.push_back(Isa::sse);
+    auto add = [&](Isa isa, bool supported) {
+        if (supported && has_kernels(isa)) isas.push_back(isa);
+    };
+    add(Isa::sse, __builtin_cpu_supports("sse4.2"));
     // f16c comes with every processor that has AVX2; GCC 12 cannot ask for it by name in clang's spelling.
-    if (__builtin_cpu_supports("avx2")) isas.push_back(Isa::avx2);
-    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw") &&
-        __builtin_cpu_supports("avx512vl"))
-        isas.push_back(Isa::avx512);
+    add(Isa::avx2, __builtin_cpu_supports("avx2"));
+    add(Isa::avx512, __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+                         __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vl"));
     return isas;
 }
 
@@ -34,6 +36,10 @@ std::atomic<Isa> dispatched{Isa::scalar};
 Isa last_dispatched_isa() { return dispatched; }
 void note_dispatch(Isa isa) { dispatched = isa; }
 
+void refuse_without_kernels(Isa isa) {
+    throw InputError(std::string("this program was built without kernels for ") + isa_name(isa));
+}
+
 Isa best_isa() { return supported_isas().back(); }
 
 Isa parse_isa(const std::string& name) {
@@ -42,6 +48,7 @@ Isa parse_isa(const std::string& name) {
         if (name != isa_name(isa)) continue;
         for (Isa supported : supported_isas())
             if (supported == isa) return isa;
+        if (!has_kernels(isa)) refuse_without_kernels(isa);
         throw InputError("--isa " + name + ": this processor does not have that instruction set");
     }
     throw InputError("--isa " + name + ": expected auto, scalar, sse, avx2 or avx512");

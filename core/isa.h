@@ -12,7 +12,22 @@ enum class Isa { scalar, sse, avx2, avx512 };
 
 const char* isa_name(Isa isa);
 
-// The sets this processor and its operating system support, widest last. scalar is always among them.
+// Whether this program has kernels for the set: for all of them, unless the build was told PLUMB_FEW_ISAS.
+constexpr bool has_kernels([[maybe_unused]] Isa isa) {
+#ifdef PLUMB_WITHOUT_sse
+    if (isa == Isa::sse) return false;
+#endif
+#ifdef PLUMB_WITHOUT_avx2
+    if (isa == Isa::avx2) return false;
+#endif
+#ifdef PLUMB_WITHOUT_avx512
+    if (isa == Isa::avx512) return false;
+#endif
+    return true;
+}
+
+// The sets that this program has kernels for and that the processor and its operating system support, widest last. scalar
+// is always among them.
 std::vector<Isa> supported_isas();
 Isa best_isa();
 
@@ -30,15 +45,27 @@ struct RunOptions {
 Isa last_dispatched_isa();
 void note_dispatch(Isa isa);
 
+[[noreturn]] void refuse_without_kernels(Isa isa);
+
+template <Isa isa, class F>
+decltype(auto) call_with(F&& f) {
+    if constexpr (has_kernels(isa)) {
+        return f(std::integral_constant<Isa, isa>{});
+    } else {
+        refuse_without_kernels(isa);
+        return f(std::integral_constant<Isa, Isa::scalar>{});  // for its type
+    }
+}
+
 // Calls f(std::integral_constant<Isa, isa>{}), so that f can name the kernel compiled for that set.
 template <class F>
 decltype(auto) dispatch(Isa isa, F&& f) {
     note_dispatch(isa);
     switch (isa) {
-        case Isa::avx512: return f(std::integral_constant<Isa, Isa::avx512>{});
-        case Isa::avx2: return f(std::integral_constant<Isa, Isa::avx2>{});
-        case Isa::sse: return f(std::integral_constant<Isa, Isa::sse>{});
-        default: return f(std::integral_constant<Isa, Isa::scalar>{});
+        case Isa::avx512: return call_with<Isa::avx512>(f);
+        case Isa::avx2: return call_with<Isa::avx2>(f);
+        case Isa::sse: return call_with<Isa::sse>(f);
+        default: return call_with<Isa::scalar>(f);
     }
 }
 

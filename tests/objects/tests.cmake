@@ -1,5 +1,5 @@
 # What the object code holds and what it must not: see check_objects.sh. Sanitizers add code of their own.
-if(NOT PLUMB_SANITIZE)
+if(NOT PLUMB_SANITIZE AND NOT PLUMB_FEW_ISAS)
   set(lists ${CMAKE_BINARY_DIR}/object_lists)
   function(plumb_list_objects name)
     # A precompiled header is listed among its target's objects.

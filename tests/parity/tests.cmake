@@ -24,8 +24,9 @@ if(TARGET test_parity)
   endif()
 else()
   add_test(NAME parity COMMAND ${CMAKE_COMMAND} -E echo "SKIPPED: built without Vulkan (libvulkan-dev)")
+  set(tests_parity parity)
 endif()
-set_tests_properties(parity PROPERTIES LABELS vulkan SKIP_REGULAR_EXPRESSION "SKIPPED: " TIMEOUT 3000)
+set_tests_properties(${tests_parity} PROPERTIES LABELS vulkan SKIP_REGULAR_EXPRESSION "SKIPPED: " TIMEOUT 3000)
 
 # Errors planted in twins, all of which the judge must find, and legal changes, none of which it may call wrong.
 if(TARGET plumb_mutants)
