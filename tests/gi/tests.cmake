@@ -7,3 +7,8 @@ if(PLUMB_COMPILE_TWINS AND GLSLANG AND SPIRV_DIS)
       COMMAND ${CMAKE_CURRENT_LIST_DIR}/check_precise.sh ${CMAKE_BINARY_DIR}/twins/tapped)
   endif()
 endif()
+
+# Fewer scenes under the sanitizers than without, but where they watch everything.
+if(PLUMB_SANITIZE AND NOT PLUMB_SANITIZE_TESTS)
+  target_compile_definitions(test_gi PRIVATE PLUMB_FEW_SCENES)
+endif()

@@ -1,4 +1,4 @@
-// A hash that cannot change proves nothing. This program is linked once with the library's kernels (PLUMB_PLANTED is
+// A hash that cannot change proves nothing. This program is linked once with the library's kernels (its argument is
 // "none": all sets agree) and once per instruction set with that set's object compiled with contraction to fma: that
 // set's hash differs from the others', which still agree.
 #include <cstdint>
@@ -77,8 +77,9 @@ std::uint64_t gathered(Isa isa) {
 
 }  // namespace
 
-int main() {
-    const std::string planted = PLUMB_PLANTED;
+int main(int argc, char** argv) {
+    if (argc != 2) return std::puts("usage: planted_<set> <set>"), 2;
+    const std::string planted = argv[1];
     bool planted_ran = planted == "none", right = true;
     if (!__builtin_cpu_supports("fma")) return std::puts("this machine has no fma to plant"), skipped;
 
@@ -91,7 +92,7 @@ int main() {
         right = right && (h != expected) == is_planted;
         planted_ran = planted_ran || is_planted;
     }
-    if (!planted_ran) return std::printf("this machine lacks %s\n", PLUMB_PLANTED), skipped;
+    if (!planted_ran) return std::printf("this machine lacks %s\n", planted.c_str()), skipped;
     std::puts(right ? "as planted" : "WRONG: not exactly the planted set differs");
     return right ? 0 : 1;
 }
