@@ -10,7 +10,8 @@ if(NOT PLUMB_SANITIZE AND NOT PLUMB_FEW_ISAS)
     plumb_list_objects(${isa} ${objects})
   endforeach()
   plumb_list_objects(host $<TARGET_OBJECTS:plumb_core> $<TARGET_OBJECTS:plumb_raster> $<TARGET_OBJECTS:plumb_gi>)
-  plumb_list_objects(io $<TARGET_OBJECTS:plumb_io> $<TARGET_OBJECTS:plumb_parts> $<$<TARGET_EXISTS:plumb>:$<TARGET_OBJECTS:plumb>>)
+  plumb_list_objects(io $<TARGET_OBJECTS:plumb_io> $<TARGET_OBJECTS:plumb_shared> $<TARGET_OBJECTS:plumb_parts>
+    $<$<TARGET_EXISTS:plumb>:$<TARGET_OBJECTS:plumb>> $<$<TARGET_EXISTS:plumb>:$<TARGET_OBJECTS:plumb_experiments>>)
   add_test(NAME objects COMMAND ${CMAKE_CURRENT_LIST_DIR}/check_objects.sh ${lists})
   add_test(NAME objects_self_test COMMAND ${CMAKE_CURRENT_LIST_DIR}/self_test.sh ${CMAKE_CXX_COMPILER})
 

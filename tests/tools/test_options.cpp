@@ -1,7 +1,7 @@
 #include <catch2/catch.hpp>
 
 #include "core/error.h"
-#include "tools/plumb/options.h"
+#include "tools/shared/options.h"
 
 using namespace plumb;
 using namespace plumb::cli;

@@ -13,8 +13,8 @@
 #include "core/content_hash.h"
 #include "gi/reference/ray_query.h"
 #include "io/file.h"
-#include "tools/plumb/reference_files.h"
-#include "tools/plumb/truth.h"
+#include "tools/shared/reference_files.h"
+#include "tools/shared/truth.h"
 
 using namespace plumb;
 using namespace plumb::cli;

@@ -3,9 +3,9 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "tools/plumb/progress.h"
-#include "tools/plumb/reports.h"
-#include "tools/plumb/table.h"
+#include "tools/shared/progress.h"
+#include "tools/shared/reports.h"
+#include "tools/shared/table.h"
 
 using namespace plumb;
 using namespace plumb::cli;

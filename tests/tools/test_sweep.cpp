@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
-#include "tools/plumb/sweep.h"
+#include "tools/shared/sweep.h"
 
 using namespace plumb;
 using namespace plumb::cli;

@@ -18,7 +18,7 @@
 #include "raster/light_view.h"
 #include "raster/workspace.h"
 #include "tools/bench_raster/measure.h"
-#include "tools/plumb/options.h"
+#include "tools/shared/options.h"
 #include "tools/vulkan/runner.h"
 
 namespace plumb::bench {

@@ -18,13 +18,13 @@
 #include "gi/compose/compose.h"
 #include "io/file.h"
 #include "io/image_file.h"
-#include "tools/plumb/batch_pov.h"
+#include "tools/experiments/isr.h"
 #include "tools/plumb/cli.h"
-#include "tools/plumb/experiment_isr.h"
-#include "tools/plumb/outputs.h"
-#include "tools/plumb/sweep.h"
-#include "tools/plumb/sweep_subject.h"
-#include "tools/plumb/table.h"
+#include "tools/shared/batch_pov.h"
+#include "tools/shared/outputs.h"
+#include "tools/shared/sweep.h"
+#include "tools/shared/sweep_subject.h"
+#include "tools/shared/table.h"
 
 namespace plumb::cli {
 

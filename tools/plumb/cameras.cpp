@@ -15,9 +15,9 @@
 #include "gi/frame/settings.h"
 #include "io/file.h"
 #include "tools/plumb/cli.h"
-#include "tools/plumb/options.h"
-#include "tools/plumb/outputs.h"
-#include "tools/plumb/reports.h"
+#include "tools/shared/options.h"
+#include "tools/shared/outputs.h"
+#include "tools/shared/reports.h"
 
 namespace plumb::cli {
 

@@ -15,9 +15,9 @@
 #include "io/file.h"
 #include "io/image_file.h"
 #include "tools/plumb/cli.h"
-#include "tools/plumb/outputs.h"
-#include "tools/plumb/reports.h"
-#include "tools/plumb/table.h"
+#include "tools/shared/outputs.h"
+#include "tools/shared/reports.h"
+#include "tools/shared/table.h"
 
 namespace plumb::cli {
 

@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
-#include "tools/plumb/reports.h"
-#include "tools/plumb/table.h"
+#include "tools/shared/reports.h"
+#include "tools/shared/table.h"
 #ifdef PLUMB_WITH_VULKAN
 #include "tools/vulkan/profile.h"
 #endif

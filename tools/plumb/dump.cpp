@@ -17,9 +17,9 @@
 #include "io/npy.h"
 #include "raster/light_view.h"
 #include "raster/surfaces.h"
-#include "tools/plumb/options.h"
 #include "tools/plumb/pictures.h"
-#include "tools/plumb/reports.h"
+#include "tools/shared/options.h"
+#include "tools/shared/reports.h"
 
 namespace plumb::cli {
 

@@ -14,10 +14,10 @@
 #include "tools/plumb/devices.h"
 #include "tools/plumb/explain_device.h"
 #include "tools/plumb/explain_dispatch.h"
-#include "tools/plumb/progress.h"
-#include "tools/plumb/reports.h"
-#include "tools/plumb/scene_command.h"
-#include "tools/plumb/table.h"
+#include "tools/shared/progress.h"
+#include "tools/shared/reports.h"
+#include "tools/shared/scene_command.h"
+#include "tools/shared/table.h"
 
 namespace plumb::cli {
 

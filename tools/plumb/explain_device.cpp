@@ -10,7 +10,7 @@
 #include "raster/light_view.h"
 #include "tools/plumb/devices.h"
 #include "tools/plumb/stage_case.h"
-#include "tools/plumb/table.h"
+#include "tools/shared/table.h"
 
 #ifdef PLUMB_WITH_VULKAN
 #include "tools/vulkan/profile.h"

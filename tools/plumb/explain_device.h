@@ -7,7 +7,7 @@
 
 #include "gi/frame/frame.h"
 #include "gi/parity/side_by_side.h"
-#include "tools/plumb/reports.h"
+#include "tools/shared/reports.h"
 
 namespace plumb::cli {
 

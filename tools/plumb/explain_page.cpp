@@ -9,7 +9,7 @@
 #include "tools/page/markup.h"
 #include "tools/plumb/explain_marks.h"
 #include "tools/plumb/explain_pictures.h"
-#include "tools/plumb/table.h"
+#include "tools/shared/table.h"
 
 namespace plumb::cli {
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tools/plumb/table.h"
+#include "tools/shared/table.h"
 
 namespace plumb::cli {
 

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "tools/plumb/table.h"
+#include "tools/shared/table.h"
 
 namespace plumb::cli {
 

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/parallel.h"
-#include "tools/plumb/table.h"
+#include "tools/shared/table.h"
 
 namespace plumb::cli {
 

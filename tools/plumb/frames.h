@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/plumb/reports.h"
+#include "tools/shared/reports.h"
 
 namespace plumb::cli {
 

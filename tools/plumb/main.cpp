@@ -1,6 +1,6 @@
 #include "core/fp_environment.h"
 #include "tools/plumb/cli.h"
-#include "tools/plumb/outputs.h"
+#include "tools/shared/outputs.h"
 
 int main(int argc, char** argv) {
     plumb::FpEnvironment environment;

@@ -8,8 +8,8 @@
 #include "core/error.h"
 #include "io/file.h"
 #include "tools/plumb/cli.h"
-#include "tools/plumb/outputs.h"
-#include "tools/plumb/reports.h"
+#include "tools/shared/outputs.h"
+#include "tools/shared/reports.h"
 
 namespace plumb::cli {
 namespace {

@@ -3,7 +3,7 @@
 #include "gi/compose/compose.h"
 #include "io/file.h"
 #include "raster/light_view.h"
-#include "tools/plumb/options.h"
+#include "tools/shared/options.h"
 
 namespace plumb::cli {
 

@@ -6,7 +6,7 @@
 
 #include "gi/frame/frame.h"
 #include "io/image_file.h"
-#include "tools/plumb/outputs.h"
+#include "tools/shared/outputs.h"
 
 namespace plumb::cli {
 

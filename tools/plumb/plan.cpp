@@ -4,8 +4,8 @@
 
 #include "gi/frame/refusals.h"
 #include "tools/plumb/cli.h"
-#include "tools/plumb/reports.h"
-#include "tools/plumb/scene_command.h"
+#include "tools/shared/reports.h"
+#include "tools/shared/scene_command.h"
 
 namespace plumb::cli {
 

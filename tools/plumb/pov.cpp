@@ -8,9 +8,9 @@
 #include "core/error.h"
 #include "io/file.h"
 #include "tools/plumb/cli.h"
-#include "tools/plumb/outputs.h"
-#include "tools/plumb/reports.h"
-#include "tools/plumb/scene_command.h"
+#include "tools/shared/outputs.h"
+#include "tools/shared/reports.h"
+#include "tools/shared/scene_command.h"
 
 namespace plumb::cli {
 namespace {

@@ -5,8 +5,8 @@
 #include <memory>
 
 #include "tools/plumb/devices.h"
-#include "tools/plumb/reports.h"
-#include "tools/plumb/table.h"
+#include "tools/shared/reports.h"
+#include "tools/shared/table.h"
 #ifdef PLUMB_WITH_VULKAN
 #include "tools/vulkan/probe.h"
 #include "tools/vulkan/profile.h"

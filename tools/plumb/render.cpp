@@ -12,14 +12,14 @@
 #include "io/file.h"
 #include "tools/plumb/cli.h"
 #include "tools/plumb/frames.h"
-#include "tools/plumb/outputs.h"
 #include "tools/plumb/pictures.h"
-#include "tools/plumb/progress.h"
-#include "tools/plumb/reference_files.h"
-#include "tools/plumb/reports.h"
-#include "tools/plumb/scene_command.h"
 #include "tools/plumb/sweep_choose.h"
-#include "tools/plumb/truth.h"
+#include "tools/shared/outputs.h"
+#include "tools/shared/progress.h"
+#include "tools/shared/reference_files.h"
+#include "tools/shared/reports.h"
+#include "tools/shared/scene_command.h"
+#include "tools/shared/truth.h"
 
 namespace plumb::cli {
 

@@ -4,9 +4,9 @@
 
 #include "io/file.h"
 #include "tools/plumb/cli.h"
-#include "tools/plumb/progress.h"
 #include "tools/plumb/stability_report.h"
-#include "tools/plumb/table.h"
+#include "tools/shared/progress.h"
+#include "tools/shared/table.h"
 
 namespace plumb::cli {
 

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "tools/page/page.h"
-#include "tools/plumb/table.h"
+#include "tools/shared/table.h"
 
 namespace plumb::cli {
 

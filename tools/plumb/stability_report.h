@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "gi/stability/run.h"
-#include "tools/plumb/reports.h"
+#include "tools/shared/reports.h"
 
 namespace plumb::cli {
 

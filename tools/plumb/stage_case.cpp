@@ -14,8 +14,8 @@
 #include "io/scene_file.h"
 #include "raster/light_view.h"
 #include "tools/plumb/coverage.h"
-#include "tools/plumb/options.h"
 #include "tools/plumb/slot_array.h"
+#include "tools/shared/options.h"
 
 namespace plumb::cli {
 

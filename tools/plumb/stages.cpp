@@ -4,7 +4,7 @@
 
 #include "gi/frame/frame.h"
 #include "tools/plumb/cli.h"
-#include "tools/plumb/reports.h"
+#include "tools/shared/reports.h"
 
 namespace plumb::cli {
 

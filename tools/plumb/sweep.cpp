@@ -8,10 +8,10 @@
 #include "core/error.h"
 #include "io/file.h"
 #include "tools/plumb/cli.h"
-#include "tools/plumb/outputs.h"
-#include "tools/plumb/sweep.h"
 #include "tools/plumb/sweep_choose.h"
 #include "tools/plumb/sweep_page.h"
+#include "tools/shared/outputs.h"
+#include "tools/shared/sweep.h"
 
 namespace plumb::cli {
 

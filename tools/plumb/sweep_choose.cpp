@@ -13,8 +13,8 @@
 #include "core/error.h"
 #include "core/parallel.h"
 #include "io/file.h"
-#include "tools/plumb/reference_files.h"
-#include "tools/plumb/table.h"
+#include "tools/shared/reference_files.h"
+#include "tools/shared/table.h"
 
 namespace plumb::cli {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/plumb/sweep.h"
+#include "tools/shared/sweep.h"
 
 namespace plumb::cli {
 

@@ -6,7 +6,7 @@
 #include "tools/page/markup.h"
 #include "tools/page/page.h"
 #include "tools/plumb/sweep_page.h"
-#include "tools/plumb/table.h"
+#include "tools/shared/table.h"
 
 namespace plumb::cli {
 

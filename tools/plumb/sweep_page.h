@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "tools/plumb/sweep.h"
+#include "tools/shared/sweep.h"
 
 namespace plumb::cli {
 

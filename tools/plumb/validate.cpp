@@ -11,12 +11,12 @@
 #include "io/image_file.h"
 #include "io/manifest.h"
 #include "tools/plumb/cli.h"
-#include "tools/plumb/options.h"
-#include "tools/plumb/outputs.h"
 #include "tools/plumb/stage_case.h"
 #include "tools/plumb/validate_init.h"
 #include "tools/plumb/verdict_picture.h"
 #include "tools/plumb/verdict_report.h"
+#include "tools/shared/options.h"
+#include "tools/shared/outputs.h"
 
 namespace plumb::cli {
 

@@ -13,9 +13,9 @@
 #include "io/file.h"
 #include "io/manifest.h"
 #include "tools/plumb/cli.h"
-#include "tools/plumb/reports.h"
 #include "tools/plumb/slot_array.h"
-#include "tools/plumb/table.h"
+#include "tools/shared/reports.h"
+#include "tools/shared/table.h"
 
 namespace plumb::cli {
 

@@ -6,8 +6,8 @@
 #include "io/file.h"
 #include "tools/page/markup.h"
 #include "tools/page/page.h"
-#include "tools/plumb/table.h"
 #include "tools/plumb/verdict_report.h"
+#include "tools/shared/table.h"
 
 namespace plumb::cli {
 

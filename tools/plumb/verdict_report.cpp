@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "io/file.h"
-#include "tools/plumb/table.h"
+#include "tools/shared/table.h"
 
 namespace plumb::cli {
 

@@ -8,7 +8,7 @@
 #include "core/tap.h"
 #include "gi/parity/verdict.h"
 #include "io/manifest.h"
-#include "tools/plumb/reports.h"
+#include "tools/shared/reports.h"
 
 namespace plumb::cli {
 

@@ -1,0 +1,13 @@
+// The experiments behind `plumb experiment`, a file each.
+#pragma once
+
+#include "tools/shared/command.h"
+
+namespace plumb::cli {
+
+void add_closed_forms(CLI::App& experiment, Action& action);
+void add_one_bounce(CLI::App& experiment, Action& action);
+void add_vrsm(CLI::App& experiment, Action& action);
+void add_isr(CLI::App& experiment, Action& action);
+
+}  // namespace plumb::cli

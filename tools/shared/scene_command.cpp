@@ -1,0 +1,54 @@
+#include "tools/shared/scene_command.h"
+
+#include <optional>
+
+#include "io/scene_file.h"
+
+namespace plumb::cli {
+
+void add_scene_options(CLI::App& command, SceneOptions& options) {
+    command.add_option("scene", options.file, "the scene: .toml, or a bare .obj, .gltf or .glb")->required()->type_name("SCENE");
+    command.add_option("--method", options.method, "direct, rsm, isr or reference; the scene file's otherwise")
+        ->check(some_word())
+        ->type_name("M");
+    command.add_option("--set", options.sets, "table.key=value in place of the scene file's; may be repeated")
+        ->allow_extra_args(false)
+        ->type_name("T.K=V");
+    command.add_flag("--no-pruning", options.no_pruning, "run every stage, needed or not: the picture is the same");
+}
+
+void add_size_option(CLI::App& command, SceneOptions& options) {
+    command.add_option("--size", options.size, "pixels, 1024x768 say, in place of the scene's own")
+        ->check(some_word())
+        ->type_name("WxH");
+}
+
+void add_truth_options(CLI::App& command, SceneOptions& options) {
+    command.add_flag("--truth", options.truth, "also path trace the scene, and say how far the picture is from it");
+    command.add_option("--spp", options.samples, "paths a pixel: reference.samples")
+        ->check(some_word())
+        ->type_name("N");
+    command.add_option("--until-error", options.until_error,
+                       "in place of --spp: until the standard error is this part of the mean, 0.01 say")
+        ->check(some_word())
+        ->type_name("E");
+    command.add_option("--rays", options.rays, "native (faster) or exact (the same bits everywhere): reference.rays")
+        ->check(some_word())
+        ->type_name("R");
+}
+
+Scene load(const SceneOptions& options) {
+    // A wrong size is told before a large scene is read.
+    const std::optional<glm::ivec2> size =
+        options.size.empty() ? std::nullopt : std::optional(parse_size("--size", options.size));
+    Scene scene = io::load_scene(options.file, frame::method_tables());
+    if (size) scene.frame_size = *size;
+    return scene;
+}
+
+void print_notes(const Scene& scene) {
+    for (const std::string& note : scene.notes) std::printf("note: %s\n", note.c_str());
+    if (!scene.notes.empty()) std::printf("\n");
+}
+
+}  // namespace plumb::cli
