@@ -351,7 +351,8 @@ int run_batch(const BatchOptions& given) {
 
 void add_batch(CLI::App& program, Action& action) {
     auto given = std::make_shared<BatchOptions>();
-    CLI::App* command = program.add_subcommand("batch", "render the views of camera lists, their models, and compare");
+    CLI::App* command =
+        program.add_subcommand("batch", "render the views of camera lists and their models, and compare");
     command->add_option("list", given->lists, "camera lists (plumb cameras)")
         ->required()
         ->check(some_word())

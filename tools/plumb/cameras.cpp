@@ -121,7 +121,7 @@ int run_cameras(const Given& given) {
 
 void add_cameras(CLI::App& program, Action& action) {
     auto given = std::make_shared<Given>();
-    CLI::App* command = program.add_subcommand("cameras", "write a list of views: drawn at random, or recorded");
+    CLI::App* command = program.add_subcommand("cameras", "write a list of views, drawn at random or recorded");
     command->add_option("scene", given->scenes, "scene files, or generated scenes: NAME[:TRIANGLES[:SEED]]")
         ->required()
         ->check(some_word())

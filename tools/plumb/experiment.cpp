@@ -5,7 +5,8 @@
 namespace plumb::cli {
 
 void add_experiment(CLI::App& program, Action& action) {
-    CLI::App* command = program.add_subcommand("experiment", "repeat what is known: closed-forms, one-bounce, vrsm, isr");
+    CLI::App* command =
+        program.add_subcommand("experiment", "repeat what is known or published: closed-forms, one-bounce, vrsm, isr");
     command->require_subcommand(1);
     command->footer(
         "Experiments:\n"

@@ -301,7 +301,7 @@ int explain(const ExplainOptions& given) {
 
 void add_explain(CLI::App& program, Action& action) {
     auto given = std::make_shared<ExplainOptions>();
-    CLI::App* command = program.add_subcommand("explain", "every named value of one pixel, with its equation");
+    CLI::App* command = program.add_subcommand("explain", "list every named value of one pixel, with its equation");
     add_scene_options(*command, given->scene);
     add_size_option(*command, given->scene);
     command->add_option("--stage", given->stage, "a name of `plumb stages`; all but rsm otherwise")->type_name("S");

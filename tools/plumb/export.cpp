@@ -284,7 +284,8 @@ int run_export(const ExportOptions& given) {
 
 void add_export(CLI::App& program, Action& action) {
     auto given = std::make_shared<ExportOptions>();
-    CLI::App* command = program.add_subcommand("export", "a stage's inputs, and what it should write, for a GPU test");
+    CLI::App* command =
+        program.add_subcommand("export", "write a stage's inputs, and what it should write, for a GPU test");
     add_scene_options(*command, given->scene);
     add_size_option(*command, given->scene);
     command->add_option("--stage", given->stage, "a name of `plumb stages`, or all: every dispatch of the frame")

@@ -35,7 +35,8 @@ int plan(const SceneOptions& given, const Common& common) {
 void add_plan(CLI::App& program, Action& action) {
     auto common = std::make_shared<Common>();
     auto given = std::make_shared<SceneOptions>();
-    CLI::App* command = program.add_subcommand("plan", "say which stages a scene needs, and why not; renders nothing");
+    CLI::App* command =
+        program.add_subcommand("plan", "say which stages a scene needs, which not and why; renders nothing");
     add_scene_options(*command, *given);
     add_size_option(*command, *given);
     add_truth_options(*command, *given);

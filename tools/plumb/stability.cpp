@@ -65,7 +65,7 @@ int run_stability(const Given& given) {
 void add_stability(CLI::App& program, Action& action) {
     auto given = std::make_shared<Given>();
     CLI::App* command =
-        program.add_subcommand("stability", "every stage in stiff and extreme cases: float against double");
+        program.add_subcommand("stability", "hold float against double, every stage in stiff and extreme cases");
     command->add_option("--stage", given->filter.stage, "of this stage alone; all otherwise")
         ->check(some_word())
         ->type_name("S");

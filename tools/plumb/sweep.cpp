@@ -149,7 +149,7 @@ int sweep(const SweepOptions& given) {
 
 void add_sweep(CLI::App& program, Action& action) {
     auto given = std::make_shared<SweepOptions>();
-    CLI::App* command = program.add_subcommand("sweep", "error against run time, over methods and settings");
+    CLI::App* command = program.add_subcommand("sweep", "measure error against run time, over methods and settings");
     command->add_option("scenes", given->scenes, "scenes: .toml, or bare .obj, .gltf or .glb")
         ->required()
         ->type_name("SCENE");

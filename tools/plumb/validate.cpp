@@ -108,7 +108,7 @@ int run_validate(const ValidateOptions& given) {
 void add_validate(CLI::App& program, Action& action) {
     auto given = std::make_shared<ValidateOptions>();
     CLI::App* command =
-        program.add_subcommand("validate", "one verdict per GPU pass, from its dumped inputs and outputs");
+        program.add_subcommand("validate", "judge every GPU pass by its dumped inputs and outputs");
     CLI::Option* manifest =
         command->add_option("manifest", given->manifest, "TOML or JSON that says what was dumped: io/README.md")
             ->type_name("MANIFEST");
