@@ -49,7 +49,7 @@ inline std::string png(const std::string& chunks) { return "\x89PNG\r\n\x1a\n" +
 struct BadPng {
     const char* kind;
     std::string bytes;
-    std::string says;  // in the message
+    std::string message;  // a part of it
 };
 
 // Pictures of 2 x 2: each row is a filter byte and two RGB pixels, or what stands in their place.

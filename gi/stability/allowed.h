@@ -1,4 +1,4 @@
-// How much error is allowed: what both evaluate.cpp and unbound_look.cpp hold float against. See README.md.
+// Bounds the error of float, for evaluate.cpp and unbound_look.cpp. See README.md.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@ inline constexpr double eps = 0x1p-23, largest_float = 0x1.fffffep127, least_nor
 
 inline bool is_float(double x) { return std::abs(x) <= largest_float; }
 
-// What stands for 1 of C: the error that the inputs explain. Never less than what makes C of it 2^-126: a device may
+// The unit of C: the error that the inputs explain. Never less than what makes C of it 2^-126: a device may
 // flush any denormal to 0, so an error up to there is no error of the stage.
 inline double allowed_error(double explained, double budget) { return std::max(explained, least_normal / budget); }
 inline bool by_the_floor(double explained, double budget) { return explained < least_normal / budget; }

@@ -17,7 +17,7 @@ void put(std::span<float> texels, std::size_t i, const glm::vec3& v) {
 }
 std::size_t hashed(std::size_t i, std::size_t n) { return std::size_t(std::uint32_t(pcg(std::int32_t(i)))) % n; }
 
-// Where the dispatch measures distances from, by pixel: a texel of its map, or one of its lights.
+// The point that the dispatch measures distances from, by pixel: a texel of its map, or one of its lights.
 std::span<float> anchors(StageData& d) {
     if (d.stage == "direct") return input_floats(d, "lights");
     return input_floats(d, "rsm_position");
@@ -47,7 +47,7 @@ bool at_distance(StageData& d, float distance) {
     return true;
 }
 
-// Of a raster stage: triangles of that size around the origin, seen where they were before.
+// Scales the triangles of a raster stage about the origin; they are seen where they were before.
 bool vertices_times(StageData& d, float factor) {
     const std::span<float> vertices = input_floats(d, "vertices");
     for (std::size_t v = 0; v < vertices.size() / 8; ++v)

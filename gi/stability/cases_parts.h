@@ -1,4 +1,4 @@
-// What the cases are built from: a room with three lights, and ways to change it. Parts of cases.cpp.
+// Builds the scene of the cases, a room with three lights, and changes it.
 #pragma once
 
 #include <array>

@@ -9,7 +9,7 @@
 #include "core/host_math.h"
 #include "core/parallel.h"
 #include "gi/stability/allowed.h"
-#include "gi/stability/moves.h"
+#include "gi/stability/moved_inputs.h"
 #include "gi/stability/stability.h"
 
 namespace plumb::stability {
@@ -145,7 +145,7 @@ void end_input(Look& look) {
     for (std::size_t c = 0; c < look.change.size(); ++c) look.change[c] += look.of_input[c];
 }
 
-// What was handed to this pixel alone.
+// The values that were handed to this pixel alone.
 void Evaluation::move_given(const BoundStage& stage, Look& look) const {
     for (std::size_t g = 0; g < look.tape.given.size(); ++g) {
         const float own = look.tape.given[g];
@@ -176,7 +176,7 @@ void Evaluation::measure_condition(const BoundStage& stage) {
     }
 }
 
-// What an error is held against in the report: of x, y and z the vector's length.
+// The size that an error is reported relative to: of x, y and z the vector's length.
 double scale_of(const Evaluation& e, const Look& look, std::size_t c) {
     const Component& component = e.components[c];
     if (component.slot->channels != 4 || component.channel == 3) return std::abs(look.own[c].exact);

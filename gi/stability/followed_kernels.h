@@ -1,4 +1,4 @@
-// What kernels that trace rays ask of Followed (core/followed.h): rays go through the scene once, as float sends them,
+// Gives Followed (core/followed.h) what kernels that trace rays ask of a number type: rays go through the scene once, as float sends them,
 // and what they met is on the tape for who follows. Only unbound_*.cpp include it, before the kernels.
 #pragma once
 

@@ -25,16 +25,16 @@ namespace {
 constexpr int full_dispatches = 8, least_pixels = 4, most_dispatches = 32;
 
 // "rsm: light "key": ..." is what the stage rsm says of itself; "raster: ..." says the rasterizer that it draws with.
-bool says(const std::string& stage, const std::string& message) {
+bool is_own_refusal(const std::string& stage, const std::string& message) {
     auto starts = [&](const std::string& prefix) { return message.compare(0, prefix.size(), prefix) == 0; };
     return starts(stage + ":") || ((stage == "gbuffer" || stage == "rsm") && starts("raster:"));
 }
 
 // A cell of a stage that computed nothing: it refused, as its own message says, or it failed.
-Cell told(const std::string& stage, const std::string& own_name, const std::exception& error) {
+Cell cell_without_result(const std::string& stage, const std::string& own_name, const std::exception& error) {
     Cell cell;
     cell.stage = stage;
-    cell.refused = cell.ok = dynamic_cast<const InputError*>(&error) && says(own_name, error.what());
+    cell.refused = cell.ok = dynamic_cast<const InputError*>(&error) && is_own_refusal(own_name, error.what());
     cell.reason = cell.refused ? error.what() : std::string("failed: ") + error.what();
     if (!cell.refused) cell.used = std::numeric_limits<double>::infinity();
     return cell;
@@ -54,7 +54,7 @@ struct Drawn {
     std::vector<Cell> cells;  // of stages that refused or failed
 };
 
-// What frame::plan() refuses for a whole frame is left to the stages: each says for itself what it cannot serve.
+// Plans without refusing anything for the whole frame: each stage refuses for itself what it cannot serve.
 frame::Plan plan_of(const Scene& scene, const frame::Settings& settings) {
     return frame::plan(scene, settings, frame::rules());
 }
@@ -73,7 +73,7 @@ Drawn draw(const Scene& scene, const frame::Settings& settings, const RunOptions
             if (label.empty()) throw;
             drawn.whole = false;
             for (frame::PlannedStage& s : drawn.plan.stages) {
-                if (s.label == label) drawn.cells.push_back(told(s.name, s.name, error));
+                if (s.label == label) drawn.cells.push_back(cell_without_result(s.name, s.name, error));
                 if (s.label == label || (s.name != "gbuffer" && s.name != "rsm")) s.needed = false;
             }
         }
@@ -185,7 +185,7 @@ void look(const Case& c, const Scene& scene, const frame::Settings& settings, co
         try {
             out.add(evaluate(parity::find_binding(data.stage, data.label), data, share));
         } catch (const std::exception& error) {
-            out.add(told(data.stage, data.label, error));
+            out.add(cell_without_result(data.stage, data.label, error));
         }
     }
 }

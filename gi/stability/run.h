@@ -9,12 +9,12 @@
 
 namespace plumb::stability {
 
-// Of which stage and which case; empty: all.
+// Chooses a stage and a case; empty: all.
 struct Filter {
     std::string stage, case_name;
 };
 
-// What a case is called and means: those of cases.h, then those that have no frame (unbound.h).
+// The name of a case and its meaning: those of cases.h, then those that have no frame (unbound.h).
 struct CaseInfo {
     std::string name, group, meaning;
 };

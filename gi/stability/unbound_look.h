@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/followed.h"
-#include "gi/stability/moves.h"
+#include "gi/stability/moved_inputs.h"
 #include "gi/stability/stability.h"
 
 namespace plumb::stability {

@@ -37,7 +37,7 @@ const std::vector<std::size_t> xyz_columns{0, 1, 2};
 
 float* floats(Buffer<Vertex>& vertices) { return &vertices.data()->position.x; }
 
-// What a path reads of its scene. Tables of probabilities stay: they are multiples of 2^-24, and random numbers are
+// The scene as a path reads it. Tables of probabilities stay: they are multiples of 2^-24, and random numbers are
 // compared with them.
 void add_scene(reference::PathScene& s, std::vector<Input>& out) {
     add_columns("vertices", floats(s.geometry.vertices), s.geometry.vertices.size(), 8, {0, 1, 2, 3, 4, 5, 6, 7}, out);

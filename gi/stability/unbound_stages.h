@@ -10,14 +10,14 @@
 
 namespace plumb::stability {
 
-// What is drawn: the world-space geometry of a scene and its materials.
+// The world-space geometry of a scene and its materials, as they are drawn.
 struct Drawable {
     Geometry geometry;
     raster::Surfaces surfaces;
 };
 Drawable drawable(const Scene& scene);
 
-// Of `count` numbers, `wanted` in the order of a hash.
+// Picks `wanted` of `count` numbers in the order of a hash.
 std::vector<std::size_t> picked(std::size_t count, int wanted);
 
 // Coverage has no double: it is exact, in integers. What is looked at are depth and barycentrics against extended
@@ -38,7 +38,7 @@ Cell all_rays_cell(rsm::GatherInputs inputs, const std::vector<raster::Rsm>& map
 // Paths with the same random numbers and the same hits in double: of pixels of a camera.
 Cell paths_cell(reference::PathScene& scene, const reference::PathParams& params, const Camera& camera, glm::ivec2 size,
                 const Effort& effort);
-// Of given points.
+// The same, of given points.
 Cell points_cell(reference::PathScene& scene, const reference::PathParams& params, const Image4& position,
                  const Image4& normal, const Effort& effort);
 

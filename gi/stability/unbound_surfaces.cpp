@@ -57,7 +57,7 @@ bool window_at(const raster::ScreenTriangles& screen, const raster::ScreenTriang
     return true;
 }
 
-// What lies at the pixel's centre, in extended precision: of the pieces of `triangle` the nearest.
+// Finds the point at the pixel's centre, in extended precision: of the pieces of `triangle` the nearest.
 bool truth_at(const Geometry& geometry, const raster::ScreenTriangles& screen, const Buffer<glm::vec4>& clip,
               bool reversed_z, std::int32_t triangle, glm::ivec2 pixel, Window& out) {
     const glm::uvec3& v = geometry.triangles[std::size_t(triangle)];

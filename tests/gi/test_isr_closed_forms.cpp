@@ -12,14 +12,14 @@ using namespace plumb::isr;
 
 namespace {
 
-// What a camera sees, at a coarse pixel each.
-struct Seen {
+// A camera's coarse pixels: surface and radiosity.
+struct CoarseView {
     CoarseCamera camera;
     Image4 surface, radiosity;
 
     // surface_at(ray, normal): eye depth along a ray of depth 1 m, and the normal there; 0 where nothing is.
     template <class SurfaceAt>
-    Seen(const CoarseCamera& c, SurfaceAt surface_at)
+    CoarseView(const CoarseCamera& c, SurfaceAt surface_at)
         : camera(c), surface(c.size.x, c.size.y), radiosity(c.size.x, c.size.y) {
         for (int y = 0; y < c.size.y; ++y)
             for (int x = 0; x < c.size.x; ++x) {
@@ -42,36 +42,36 @@ IsrParams every_pixel(int size) {
     return params;
 }
 
-// One receiver at pixel p of what is seen: depth z, normal n.
-Image4 receiver(const Seen& seen, glm::ivec2 p, double z, const glm::dvec3& n) {
-    Image4 image(seen.surface.width, seen.surface.height);
+// One receiver at pixel p of a view: depth z, normal n.
+Image4 receiver(const CoarseView& view, glm::ivec2 p, double z, const glm::dvec3& n) {
+    Image4 image(view.surface.width, view.surface.height);
     image(p.x, p.y) = glm::vec4(glm::vec3(n), float(z));
     return image;
 }
 
-glm::vec4 gathered_at(const Seen& seen, const Image4& receivers, glm::ivec2 p, float least_cosine = 1e-3f) {
-    IsrParams params = every_pixel(seen.surface.width);
+glm::vec4 gathered_at(const CoarseView& view, const Image4& receivers, glm::ivec2 p, float least_cosine = 1e-3f) {
+    IsrParams params = every_pixel(view.surface.width);
     params.least_cosine = least_cosine;
     const Pattern pattern = gather_pattern(params);
     GatherInputs in;
-    in.surface = &receivers, in.source_surface = &seen.surface, in.source_radiosity = &seen.radiosity;
-    in.camera = seen.camera, in.pattern = &pattern;
+    in.surface = &receivers, in.source_surface = &view.surface, in.source_radiosity = &view.radiosity;
+    in.camera = view.camera, in.pattern = &pattern;
     Image4 out;
     run(params, in, {}, out);
     return out(p.x, p.y);
 }
 
 // The kernel at one pixel, with every other pixel as a sample: more rings than parameters allow.
-double gathered_from_all(const Seen& seen, glm::ivec2 p) {
-    const int n = seen.surface.width;
+double gathered_from_all(const CoarseView& view, glm::ivec2 p) {
+    const int n = view.surface.width;
     IsrParams params;
     params.rings = 1, params.spacing = 1, params.least_cosine = 1e-3f;
     const Pattern one = gather_pattern(params);
     GatherInputs in;
-    in.surface = in.source_surface = &seen.surface, in.source_radiosity = &seen.radiosity;
-    in.camera = seen.camera, in.pattern = &one;
-    GatherInputsView view{uniforms(params, in), &seen.surface.data()->x, &seen.surface.data()->x,
-                          &seen.radiosity.data()->x, nullptr, nullptr, nullptr};
+    in.surface = in.source_surface = &view.surface, in.source_radiosity = &view.radiosity;
+    in.camera = view.camera, in.pattern = &one;
+    GatherInputsView view{uniforms(params, in), &view.surface.data()->x, &view.surface.data()->x,
+                          &view.radiosity.data()->x, nullptr, nullptr, nullptr};
     view.u.rings = n;
     std::vector<std::int32_t> offsets;
     for (int dy = -n; dy <= n; ++dy)
@@ -83,11 +83,11 @@ double gathered_from_all(const Seen& seen, glm::ivec2 p) {
     return gather<double>(view, p.x, p.y, SourceImages<double>{view, p.x, p.y, 0}, tap).x;
 }
 
-double occlusion_at(const Seen& seen, const Image4& receivers, glm::ivec2 p) {
-    const IsrParams params = every_pixel(seen.surface.width);
+double occlusion_at(const CoarseView& view, const Image4& receivers, glm::ivec2 p) {
+    const IsrParams params = every_pixel(view.surface.width);
     const Pattern pattern = ssao_pattern(params);
     SsaoInputs in;
-    in.surface = &receivers, in.source_surface = &seen.surface, in.camera = seen.camera, in.pattern = &pattern;
+    in.surface = &receivers, in.source_surface = &view.surface, in.camera = view.camera, in.pattern = &pattern;
     Image4 out;
     run(params, in, {}, out);
     return 1 - double(out(p.x, p.y).w);
@@ -101,8 +101,8 @@ Camera above_the_corner() {
     return camera;
 }
 
-Seen floor_and_wall(const CoarseCamera& c) {
-    return Seen(c, [&](const glm::dvec3& ray, glm::dvec3& normal, double& sent) {
+CoarseView floor_and_wall(const CoarseCamera& c) {
+    return CoarseView(c, [&](const glm::dvec3& ray, glm::dvec3& normal, double& sent) {
         const double to_floor = -c.eye.y / ray.y, to_wall = -c.eye.z / ray.z;
         const glm::dvec3 on_floor = c.eye + ray * to_floor, on_wall = c.eye + ray * to_wall;
         if (to_floor > 0 && std::abs(on_floor.x) <= 0.5 && on_floor.z >= 0 && on_floor.z <= 1)
@@ -126,18 +126,18 @@ double wall_to_floor(int n, double height) {
     const glm::ivec2 p(int(std::lround(glm::dot(d, c.f_u) / footprint2)), int(std::lround(glm::dot(d, c.f_v) / footprint2)));
     const glm::dvec3 moved = target - (c.f_o + double(p.x) * c.f_u + double(p.y) * c.f_v) * z - c.eye;
     camera.position += moved, camera.look_at += moved;
-    const Seen seen = floor_and_wall(coarse_camera(camera, size));
-    return gathered_from_all(seen, p);
+    const CoarseView view = floor_and_wall(coarse_camera(camera, size));
+    return gathered_from_all(view, p);
 }
 
 // The camera is 100 m away and sees a disc of radius 0.5 m, or a unit square on the xy plane, head-on.
 template <class Inside>
-Seen head_on(int n, Inside inside) {
+CoarseView head_on(int n, Inside inside) {
     Camera camera;
     camera.position = {0, 0, 100}, camera.look_at = {0, 0, 0}, camera.near = 1, camera.far = 200;
     camera.fov_y_deg = 0.7;
     const CoarseCamera c = coarse_camera(camera, glm::ivec2(2 * n));
-    return Seen(c, [&](const glm::dvec3& ray, glm::dvec3& normal, double& sent) {
+    return CoarseView(c, [&](const glm::dvec3& ray, glm::dvec3& normal, double& sent) {
         if (!inside(c.eye + ray * 100.0)) return 0.0;
         return normal = {0, 0, 1}, sent = 1, 100.0;
     });
@@ -169,19 +169,19 @@ TEST_CASE("isr.gather: a wall next to a lit floor, form factors against the clos
 
 TEST_CASE("isr.gather: a disc seen head-on has the form factor a^2 / (a^2 + d^2)", "[isr][ISR 4.4][analytic]") {
     // The image cuts the disc along pixels: its area is off by the pixels on its rim, of which half fall either way.
-    const Seen seen = head_on(127, [](const glm::dvec3& x) { return x.x * x.x + x.y * x.y <= 0.25; });
+    const CoarseView view = head_on(127, [](const glm::dvec3& x) { return x.x * x.x + x.y * x.y <= 0.25; });
     for (double distance : {0.25, 0.5, 1.0, 2.0}) {
         CAPTURE(distance);
         const double expected = 0.25 / (0.25 + distance * distance);
-        const Image4 receivers = receiver(seen, {63, 63}, 100 - distance, {0, 0, -1});
-        CHECK(double(gathered_at(seen, receivers, {63, 63}).x) == Approx(expected).epsilon(0.005));
+        const Image4 receivers = receiver(view, {63, 63}, 100 - distance, {0, 0, -1});
+        CHECK(double(gathered_at(view, receivers, {63, 63}).x) == Approx(expected).epsilon(0.005));
     }
 }
 
 TEST_CASE("isr.ssao: spheres on a disc and on a wall occlude what their integral says", "[isr][ISR (26)][analytic]") {
     // Each pixel is a sphere of r^2 = A / pi that covers r^2 cos / d^2 of the receiver's hemisphere: over a disc seen from
     // its axis, integral of cos_p / (pi d^2) dA = 2 (1 - d / sqrt(d^2 + a^2)).
-    const Seen disc = head_on(127, [](const glm::dvec3& x) { return x.x * x.x + x.y * x.y <= 0.25; });
+    const CoarseView disc = head_on(127, [](const glm::dvec3& x) { return x.x * x.x + x.y * x.y <= 0.25; });
     for (double distance : {0.5, 1.0, 2.0}) {
         CAPTURE(distance);
         const double expected = 2 * (1 - distance / std::sqrt(distance * distance + 0.25));
@@ -190,7 +190,8 @@ TEST_CASE("isr.ssao: spheres on a disc and on a wall occlude what their integral
     }
     // A wall of 1 m x 1 m, a point before the middle of its foot: 2 / pi (asinh(1 / 2 a) - asinh(1 / (2 sqrt(1 + a^2)))).
     // The receiver is the pixel whose ray passes by the foot's middle, within half a pixel: 0.5 % of a metre.
-    const Seen wall = head_on(127, [](const glm::dvec3& x) { return std::abs(x.x) <= 0.5 && std::abs(x.y) <= 0.5; });
+    const CoarseView wall =
+        head_on(127, [](const glm::dvec3& x) { return std::abs(x.x) <= 0.5 && std::abs(x.y) <= 0.5; });
     for (double a : {0.25, 0.5, 1.0}) {
         CAPTURE(a);
         const glm::ivec2 foot(63, int(std::lround(63 + 0.5 / (100 * wall.camera.footprint))));
@@ -209,7 +210,7 @@ TEST_CASE("isr.ssao: spheres on a disc and on a wall occlude what their integral
 TEST_CASE("isr.ssao: published, (26) as printed on one small sphere over its share", "[isr][ISR (26)][analytic]") {
     // (26) on a distant small sphere is (2 pi / N) (r^2 / 2 d^2) d cos_p in the limit, d in metres: what it should be,
     // r^2 / d^2 cos_p, times pi d / N. So it depends on the scene's unit, and on N.
-    const Seen one = head_on(33, [](const glm::dvec3& x) { return x.x * x.x + x.y * x.y <= 1e-4; });
+    const CoarseView one = head_on(33, [](const glm::dvec3& x) { return x.x * x.x + x.y * x.y <= 1e-4; });
     IsrParams params = every_pixel(33);
     params.variant = Variant::published;
     const Pattern pattern = ssao_pattern(params);

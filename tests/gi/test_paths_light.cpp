@@ -192,15 +192,15 @@ TEST_CASE("rsm.paths: elevation is measured along the light's axis", "[rsm][path
     const rsm::Pattern pattern = rsm::pattern_of(params, map.size, 1);
     const rsm::GatherInputs in{&points.position, &points.normal, &map, &pattern, 1};
     glm::dvec3 x_p(0);
-    int told = 0;
+    int checked = 0;
     for (const TapValue& v : rsm::explain(params, in, {0, 0})) {
         if (v.name == "x_p") x_p = {v.value[0], v.value[1], v.value[2]};
         if (v.name != "dz") continue;
         // Up along (1, 0, 1) / sqrt 2, towards the sun.
         CHECK(v.value[0] == Approx((x_p.x - 0.5 + x_p.z - 0.3) / std::sqrt(2.0)).margin(1e-6));
-        ++told;
+        ++checked;
     }
-    CHECK(told == 150);
+    CHECK(checked == 150);
 }
 
 TEST_CASE("rsm.paths: a wall hides the patch behind it, the better the finer", "[rsm][paths][VRSM 3.3][analytic]") {

@@ -7,7 +7,7 @@
 #include "gi/frame/frame.h"
 #include "gi/parity/stages.h"
 #include "gi/stability/cases_parts.h"
-#include "gi/stability/moves.h"
+#include "gi/stability/moved_inputs.h"
 #include "gi/stability/stability.h"
 #include "tests/gi/formulas.h"
 #include "tests/parity/twin_data.h"

@@ -379,7 +379,7 @@ TEST_CASE("dump files: malformed PNG are refused as pictures are", "[io][dump][r
     for (const png_bytes::BadPng& bad : png_bytes::bad_pngs()) {
         CAPTURE(bad.kind);
         require_message(error_of([&] { read_dump(picture(folder.put("a.png", bad.bytes))); }),
-                        {"a.png: ", bad.says, "m.toml: line 7"});
+                        {"a.png: ", bad.message, "m.toml: line 7"});
     }
 }
 

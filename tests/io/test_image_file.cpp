@@ -246,10 +246,10 @@ TEST_CASE("picture: malformed files are named with the cause", "[io][robustness]
 
 TEST_CASE("png: what decoding finds amiss is named", "[io][robustness]") {
     const Folder folder;
-    for (const auto& [kind, bytes, says] : png_bytes::bad_pngs()) {
+    for (const auto& [kind, bytes, message] : png_bytes::bad_pngs()) {
         INFO(kind);
         const std::string path = folder.put("a.png", bytes);
-        require_message(error_of([&] { read_picture(path); }), {"a.png: PNG: ", says});
+        require_message(error_of([&] { read_picture(path); }), {"a.png: PNG: ", message});
     }
 }
 

@@ -28,17 +28,18 @@ using raster::test::Random;
 bool full() { return std::getenv("PLUMB_FULL") != nullptr; }
 
 // The first device whose rasterizer is known, and its profile.
-struct Known {
+struct KnownDevice {
     std::string device;
     DeviceProfile profile;
 };
-std::optional<Known> known_device() {
+std::optional<KnownDevice> known_device() {
     const char* caps = std::getenv("GALLIUM_OVERRIDE_CPU_CAPS");
     const bool fused = !caps && __builtin_cpu_supports("fma");
     for (const std::string& name : vulkan::device_names()) {
         if (name.find("llvmpipe") != std::string::npos)
-            return Known{"llvmpipe", find_profile(fused ? "lavapipe-22.3-fma" : "lavapipe-22.3-sse4.1", "test")};
-        if (name.find("SwiftShader") != std::string::npos) return Known{"SwiftShader", find_profile("swiftshader", "test")};
+            return KnownDevice{"llvmpipe", find_profile(fused ? "lavapipe-22.3-fma" : "lavapipe-22.3-sse4.1", "test")};
+        if (name.find("SwiftShader") != std::string::npos)
+            return KnownDevice{"SwiftShader", find_profile("swiftshader", "test")};
     }
     std::cout << "SKIPPED: neither lavapipe (mesa-vulkan-drivers) nor SwiftShader here\n";
     return std::nullopt;
@@ -266,7 +267,7 @@ Corners mesh(Random& random, glm::ivec2 size, int cells) {
 }
 
 TEST_CASE("device raster: random triangles are the device's to the bit", "[parity][raster]") {
-    const std::optional<Known> known = known_device();
+    const std::optional<KnownDevice> known = known_device();
     if (!known) return;
     const vulkan::Device device({.name = known->device});
     std::int64_t drawn = 0, covered = 0;
@@ -296,7 +297,7 @@ TEST_CASE("device raster: random triangles are the device's to the bit", "[parit
 // ---- scenes -----------------------------------------------------------------------------------------------------------
 
 TEST_CASE("device raster: scenes are the device's to the bit", "[parity][raster]") {
-    const std::optional<Known> known = known_device();
+    const std::optional<KnownDevice> known = known_device();
     if (!known) return;
     const vulkan::Device device({.name = known->device});
     std::vector<std::string> names = {"cornell", "box"};
@@ -355,7 +356,7 @@ std::int64_t cut_away(const Geometry& geometry, const raster::Surfaces& surfaces
 // The atrium has leaves that an alpha mask cuts out: their fragments, judged through l1 and l2, have to fall away in the
 // same pixels.
 TEST_CASE("device raster: whole passes are the device's to the bit", "[parity][raster]") {
-    const std::optional<Known> known = known_device();
+    const std::optional<KnownDevice> known = known_device();
     if (!known) return;
     const vulkan::Device device({.name = known->device});
     std::vector<std::string> names = {"cornell", "atrium"};

@@ -271,26 +271,26 @@ TEST_CASE("experiment vrsm: the thesis' numbers stand beside the atrium alone", 
 TEST_CASE("experiment vrsm: what it cannot do is refused before anything is measured or written", "[program]") {
     const std::string folder = fresh_folder("experiment_vrsm_refused"), scene = small_scene(folder),
                       out = folder + "/out";
-    auto says = [&](const Words& more) { return refused(scene, out, more); };
-    CHECK_THAT(says({"--size", "15"}), Contains("--size"));
-    CHECK_THAT(says({"--size", "many"}), Contains("--size"));
-    CHECK_THAT(says({"--repeats", "0"}), Contains("--repeats"));
-    for (const char* rays : {"nan", "-1", "few"}) CHECK_THAT(says({"--truth-rays", rays}), Contains("--truth-rays"));
-    CHECK_THAT(says({"--slots", "1"}), Contains("--slots"));
-    CHECK_THAT(says({"--slots", "5,33"}), Contains("--slots"));
-    CHECK_THAT(says({"--slots", "5,5"}), Equals("--slots: expected each larger than the one before"));
-    CHECK_THAT(says({"--rays", "some"}), Contains("--rays"));
+    auto message = [&](const Words& more) { return refused(scene, out, more); };
+    CHECK_THAT(message({"--size", "15"}), Contains("--size"));
+    CHECK_THAT(message({"--size", "many"}), Contains("--size"));
+    CHECK_THAT(message({"--repeats", "0"}), Contains("--repeats"));
+    for (const char* rays : {"nan", "-1", "few"}) CHECK_THAT(message({"--truth-rays", rays}), Contains("--truth-rays"));
+    CHECK_THAT(message({"--slots", "1"}), Contains("--slots"));
+    CHECK_THAT(message({"--slots", "5,33"}), Contains("--slots"));
+    CHECK_THAT(message({"--slots", "5,5"}), Equals("--slots: expected each larger than the one before"));
+    CHECK_THAT(message({"--rays", "some"}), Contains("--rays"));
     for (const char* key : {"rsm.slots=4", "rsm.gather=disc", "rsm.visibility=none", "indirect.resolution=full"})
-        CHECK_THAT(says({"--set", key}), Contains("the experiment chooses it"));
+        CHECK_THAT(message({"--set", key}), Contains("the experiment chooses it"));
     const std::vector<float> pattern(std::size_t(3) * 150, 1.0f);
     plumb::io::write_npy(folder + "/own.npy", plumb::DType::f32, {150, 3}, pattern.data());
-    CHECK_THAT(says({"--set", "rsm.pattern=" + folder + "/own.npy"}), Contains("expected --no-beyond"));
-    CHECK_THAT(says({"--set", "rsm.radiu=1"}), Contains("radius"));
-    CHECK_THAT(says({"--set", "rsm.directions=0"}), Contains("directions"));
-    CHECK_THAT(says({"--scene", scene}), Contains("given twice"));
+    CHECK_THAT(message({"--set", "rsm.pattern=" + folder + "/own.npy"}), Contains("expected --no-beyond"));
+    CHECK_THAT(message({"--set", "rsm.radiu=1"}), Contains("radius"));
+    CHECK_THAT(message({"--set", "rsm.directions=0"}), Contains("directions"));
+    CHECK_THAT(message({"--scene", scene}), Contains("given twice"));
     CHECK_THAT(refused(folder + "/missing.toml", out, {}), Contains("missing.toml"));
     write(scene, read(scene).substr(0, read(scene).find("[[light]]")));
-    CHECK_THAT(says({}), Contains("no light of it is gathered"));
+    CHECK_THAT(message({}), Contains("no light of it is gathered"));
     const Result none = run({"experiment", "vrsm"});
     CHECK(none.exit == 2);
     CHECK_THAT(none.err, Contains("-o") || Contains("--output"));

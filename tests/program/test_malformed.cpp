@@ -160,9 +160,9 @@ std::vector<Bad> bad_gltf() {
 // Textures that only decoding finds out.
 std::vector<Bad> bad_png() {
     std::vector<Bad> bad;
-    for (const auto& [kind, bytes, says] : plumb::png_bytes::bad_pngs()) {
+    for (const auto& [kind, bytes, message] : plumb::png_bytes::bad_pngs()) {
         const std::string name = "a" + std::to_string(bad.size());
-        bad.push_back({kind, name + ".obj", "mtllib " + name + ".mtl\nusemtl a\n" + triangle_obj, says,
+        bad.push_back({kind, name + ".obj", "mtllib " + name + ".mtl\nusemtl a\n" + triangle_obj, message,
                        {{name + ".png", bytes}, {name + ".mtl", "newmtl a\nmap_Kd " + name + ".png\n"}}});
     }
     return bad;

@@ -132,29 +132,29 @@ std::set<std::string> options_of(const std::string& help) {
     return options;
 }
 
-// What the program knows beside its options.
-struct Known {
+// The names that the program takes beside its options.
+struct ProgramNames {
     std::set<std::string> stages;
     std::string scene;  // that settings are tried on
     std::map<std::string, std::string> refused;  // settings that were tried: why not, or empty
 };
-Known known_of_program() {
-    Known known;
-    for (const Json& stage : Json::parse(run({"stages", "--json"}).out)) known.stages.insert(stage.at("name"));
-    known.scene = small_scene(fresh_folder("readme"));
-    return known;
+ProgramNames program_names() {
+    ProgramNames names;
+    for (const Json& stage : Json::parse(run({"stages", "--json"}).out)) names.stages.insert(stage.at("name"));
+    names.scene = small_scene(fresh_folder("readme"));
+    return names;
 }
 
 // Whether --set takes it, or --vary its first value.
-std::string refusal_of(const std::string& setting, Known& known) {
-    const auto found = known.refused.find(setting);
-    if (found != known.refused.end()) return found->second;
-    const Result r = run({"plan", known.scene, "--set", setting});
-    return known.refused[setting] = r.exit == 0 ? "" : r.err;
+std::string refusal_of(const std::string& setting, ProgramNames& names) {
+    const auto found = names.refused.find(setting);
+    if (found != names.refused.end()) return found->second;
+    const Result r = run({"plan", names.scene, "--set", setting});
+    return names.refused[setting] = r.exit == 0 ? "" : r.err;
 }
 
 // What is wrong with a call; empty: nothing.
-std::string fault_of(const Words& call, Known& known) {
+std::string fault_of(const Words& call, ProgramNames& names) {
     if (call.size() < 2) return "no command";
     Words command = {call[1]};
     std::size_t at = 2;
@@ -169,11 +169,11 @@ std::string fault_of(const Words& call, Known& known) {
         if (!options.count(name)) return "no such option: " + name;
         if (at + 1 == call.size()) continue;
         const std::string& value = call[at + 1];
-        if (name == "--stage" && value != "all" && !known.stages.count(value)) return "no such stage: " + value;
+        if (name == "--stage" && value != "all" && !names.stages.count(value)) return "no such stage: " + value;
         if (name == "--set") {
-            if (const std::string refusal = refusal_of(value, known); !refusal.empty()) return refusal;
+            if (const std::string refusal = refusal_of(value, names); !refusal.empty()) return refusal;
         } else if (name == "--vary") {
-            if (const std::string refusal = refusal_of(value.substr(0, value.find(',')), known); !refusal.empty())
+            if (const std::string refusal = refusal_of(value.substr(0, value.find(',')), names); !refusal.empty())
                 return refusal;
         }
     }
@@ -215,21 +215,21 @@ TEST_CASE("readme: every link to a file or a heading leads there", "[program][re
 }
 
 TEST_CASE("readme: command blocks name commands, options, stages and settings that there are", "[program][readme]") {
-    Known known = known_of_program();
+    ProgramNames names = program_names();
     std::size_t checked = 0;
     for (const fs::path& file : markdown_files())
         for (const Words& call : calls_of(read(file))) {
             std::string line;
             for (const std::string& word : call) line += word + " ";
             INFO(fs::relative(file, root).string() << ": " << line);
-            CHECK(fault_of(call, known) == "");
+            CHECK(fault_of(call, names) == "");
             ++checked;
         }
     CHECK(checked > 40);
     // What is not there is found.
-    CHECK(fault_of({"plumb", "rendr", "x"}, known) != "");
-    CHECK(fault_of({"plumb", "render", "x", "--trhuth"}, known) != "");
-    CHECK(fault_of({"plumb", "experiment", "vrsm", "--view", "8"}, known) != "");
-    CHECK(fault_of({"plumb", "explain", "x", "--stage", "no.stage"}, known) != "");
-    CHECK(fault_of({"plumb", "render", "x", "--set", "rsm.smaples=3"}, known) != "");
+    CHECK(fault_of({"plumb", "rendr", "x"}, names) != "");
+    CHECK(fault_of({"plumb", "render", "x", "--trhuth"}, names) != "");
+    CHECK(fault_of({"plumb", "experiment", "vrsm", "--view", "8"}, names) != "");
+    CHECK(fault_of({"plumb", "explain", "x", "--stage", "no.stage"}, names) != "");
+    CHECK(fault_of({"plumb", "render", "x", "--set", "rsm.smaples=3"}, names) != "");
 }

@@ -117,13 +117,13 @@ TEST_CASE("render: the layer depth is linear eye depth, zbuffer the depth buffer
 
     // explain's depth is that of the layer.
     const Json e = Json::parse(run({"explain", scene, "--stage", "gbuffer", "--pixel", "30,21", "--json"}).out);
-    int told = 0;
+    int found = 0;
     for (const Json& v : e["values"]) {
         if (v["name"] != "depth") continue;
-        ++told;
+        ++found;
         CHECK(v["value"].get<float>() == depth[21 * 61 + 30]);
     }
-    CHECK(told == 1);
+    CHECK(found == 1);
 }
 
 TEST_CASE("render: --json prints run.json and nothing else", "[program][contract]") {

@@ -135,7 +135,7 @@ TEST_CASE("traced layers: without a lamp nothing is traced of its light", "[tool
     }
 }
 
-// Two lights that chose the same texels would err alike: twice the error of one, and sqrt(2) times that which is told.
+// Two lights that chose the same texels would err alike: twice the error of one, and sqrt(2) times that which is stated.
 TEST_CASE("traced layers: the errors of two equal lights are independent", "[tools]") {
     Scene scene = tiny_cornell();
     scene.lights.push_back(scene.lights[0]);
@@ -145,7 +145,7 @@ TEST_CASE("traced layers: the errors of two equal lights are independent", "[too
     constexpr int runs = 48;
     const std::size_t pixels = std::size_t(scene.frame_size.x) * scene.frame_size.y;
     std::vector<double> sum(3 * pixels), squares(3 * pixels);
-    double told = 0, spread = 0;
+    double stated = 0, spread = 0;
     for (int run = 0; run < runs; ++run) {
         settings.seed = std::uint32_t(100 + run);
         const frame::Frame f = render(scene, settings);
@@ -155,11 +155,11 @@ TEST_CASE("traced layers: the errors of two equal lights are independent", "[too
                 const double v = f.indirect.texels[i][c], e = f.indirect_error.texels[i][c];
                 sum[3 * i + c] += v;
                 squares[3 * i + c] += v * v;
-                told += e * e / runs;
+                stated += e * e / runs;
             }
     }
     for (std::size_t i = 0; i < sum.size(); ++i) spread += (squares[i] - sum[i] * sum[i] / runs) / (runs - 1);
-    REQUIRE(told > 0);
+    REQUIRE(stated > 0);
     // 48 runs of 432 pixels: the ratio of the two is known to a few percent.
-    CHECK(std::sqrt(spread / told) == Approx(1).margin(0.1));
+    CHECK(std::sqrt(spread / stated) == Approx(1).margin(0.1));
 }

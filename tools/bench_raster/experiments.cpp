@@ -158,14 +158,14 @@ const char* comparison_columns =
     "of "
     "processor time | % of pixels that differ in coverage, position, normal, albedo";
 
-std::string told(const Times& t) {
+std::string times_text(const Times& t) {
     return fmt::format("{:.2f} ({:.2f}; {:.1f})", t.median(), t.least(), t.cpu_median());
 }
 
 void print_comparison(const Row& row) {
-    fmt::print("| {} | {} | {} x {} | {} | ", row.scene, row.triangles, row.size.x, row.size.y, told(row.ours));
+    fmt::print("| {} | {} | {} x {} | {} | ", row.scene, row.triangles, row.size.x, row.size.y, times_text(row.ours));
     if (const auto& a = row.agreement)
-        fmt::print("{} | **{:.2f}** | {:.2f} | {:.3f}, {:.3f}, {:.2f}, {:.2f} |\n", told(row.theirs), row.ratio(),
+        fmt::print("{} | **{:.2f}** | {:.2f} | {:.3f}, {:.3f}, {:.2f}, {:.2f} |\n", times_text(row.theirs), row.ratio(),
                    row.cpu_ratio(), 100 * a->coverage, 100 * a->position, 100 * a->normal, 100 * a->albedo);
     else
         fmt::print("| | | |\n");

@@ -1,5 +1,4 @@
-// plumb experiment closed-forms: light whose amount is known, against what path tracer, ambient occlusion and rsm.all
-// find.
+// plumb experiment closed-forms: holds path tracer, ambient occlusion and rsm.all against light whose amount is known.
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -64,8 +63,8 @@ std::vector<Row> measure_all(const ClosedFormsOptions& given) {
     return rows;
 }
 
-// What all cases say together: how many disagree, and the root mean square of the differences in standard errors, 1
-// where these are honest.
+// Sums up all cases: how many disagree, and the root mean square of the differences in standard errors, 1 where these
+// are honest.
 struct Summary {
     std::size_t cases = 0, disagreeing = 0, sampled = 0;
     double rms_sigmas = 0, seconds = 0;

@@ -105,7 +105,7 @@ struct IsrTime {
     IsrReach reach = {};  // at the size of figure 5.7
 };
 
-// Of a view that POV-Ray rendered.
+// A view that POV-Ray rendered, and how far direct light and ISR are from it.
 struct IsrPov {
     std::string name;
     std::string failed = {};  // why there is no picture

@@ -40,7 +40,7 @@ class Numbers {
     std::string table_, scene_, row_;
 };
 
-// What the thesis states of a group of views.
+// The figures that the thesis states of a group of views.
 struct Stated {
     Optional least_gain, largest_gain, mean_gain, median_gain, positive, direct_pearson, isr_pearson, improved;
 };

@@ -49,7 +49,7 @@ struct VrsmErrors {
     compare::SignedErrors errors = {};
 };
 
-// What errors are measured against.
+// The truth that errors are measured against.
 struct VrsmTruth {
     Image4 irradiance;                // W/m2
     compare::Plane luminance, error;  // error: of one standard deviation; empty where every texel was asked

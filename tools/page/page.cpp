@@ -40,7 +40,7 @@ std::string head_cell(const Cell& cell) {
                        cell.hint.empty() ? "" : fmt::format(" title=\"{}\"", escaped(cell.hint)), escaped(cell.text));
 }
 
-// Where it cannot be shown: nothing.
+// Null where the chart cannot show it.
 Json coordinate(double value, bool logarithmic) {
     return std::isfinite(value) && !(logarithmic && value < 0) ? Json(value) : Json(nullptr);
 }
@@ -79,7 +79,7 @@ Json chart_json(const Chart& chart) {
     return json;
 }
 
-// What the chart does not show as it is, said under it.
+// Names, under the chart, what it does not show as it is.
 std::string notes(const Chart& chart) {
     int left_out = 0, at_edge = 0;
     for (const ChartLine& line : chart.lines)

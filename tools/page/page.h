@@ -57,7 +57,7 @@ struct Cell {
     std::string key = "";    // of a row's first cell: what else has this data-key is pointed out with the row
 };
 
-// What is drawn over a picture, in its texels: (0, 0) is the top left corner of the first one, whose centre is at 0.5.
+// Marks over a picture, in its texels: (0, 0) is the top left corner of the first one, whose centre is at 0.5.
 struct Overlay {
     glm::dvec2 size{0};         // texels that the picture stands for; it may be kept smaller
     glm::dvec4 view{0};         // x, y, width, height of what is shown, texels; it may reach beyond the picture

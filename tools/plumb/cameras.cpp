@@ -66,18 +66,18 @@ FrameRange parse_frames(const std::string& text) {
 
 std::vector<io::ListedCamera> recorded_views(const Scene& scene, const std::string& word, const std::string& prefix,
                                              const FrameRange& range) {
-    const bool moves = is_animated(scene);
+    const bool animated = is_animated(scene);
     std::vector<io::ListedCamera> views;
     for (int f = range.first; f <= range.last; f += range.step) {
-        const Camera camera = moves ? scene_at(scene, f).camera : scene.camera;
+        const Camera camera = animated ? scene_at(scene, f).camera : scene.camera;
         io::ListedCamera listed;
         listed.scene = word, listed.name = fmt::format("{}_{:04}", prefix, f);
         listed.position = camera.position, listed.look_at = camera.look_at, listed.up = camera.up;
         listed.fov_y_deg = camera.fov_y_deg;
-        if (moves) listed.frame = f;
+        if (animated) listed.frame = f;
         views.push_back(listed);
         // What stands still is recorded once.
-        if (!moves) break;
+        if (!animated) break;
     }
     return views;
 }

@@ -91,7 +91,7 @@ std::string fields_text(const Probe& probe) {
         const std::vector<ProfileField> fields = vulkan::compare_fields(probe, d);
         for (std::size_t i = 0; i < fields.size(); ++i) {
             if (rows.size() <= i) rows.push_back({fields[i].name, fields[i].measured});
-            rows[i].push_back(fields[i].says + (fields[i].fits ? "" : " !"));
+            rows[i].push_back(fields[i].stated + (fields[i].fits ? "" : " !"));
         }
     }
     return format_table(columns, rows);
@@ -124,7 +124,7 @@ Json probe_json(const Probe& probe, const DeviceProfile* fitting) {
     for (const DeviceProfile& d : device_profiles()) {
         Json fields = Json::array();
         for (const ProfileField& f : vulkan::compare_fields(probe, d))
-            fields.push_back({{"field", f.name}, {"measured", f.measured}, {"says", f.says}, {"fits", f.fits}});
+            fields.push_back({{"field", f.name}, {"measured", f.measured}, {"says", f.stated}, {"fits", f.fits}});
         profiles[d.name] = fields;
     }
     return {{"device", probe.device},

@@ -231,12 +231,12 @@ std::string stability_text(const std::vector<Cell>& cells) {
     }
     std::string text = format_table(columns, rows);
     for (const bool ok : {true, false}) {
-        std::vector<std::vector<std::string>> told;
+        std::vector<std::vector<std::string>> reasons;
         for (const Cell& c : cells)
-            if (c.ok == ok && (c.refused || !ok)) told.push_back({c.case_name, c.stage, c.reason});
-        if (told.empty()) continue;
+            if (c.ok == ok && (c.refused || !ok)) reasons.push_back({c.case_name, c.stage, c.reason});
+        if (reasons.empty()) continue;
         text += ok ? "\nrefused in advance\n" : "\nnot ok\n";
-        text += format_table({{""}, {""}, {""}}, told, 2);
+        text += format_table({{""}, {""}, {""}}, reasons, 2);
     }
     std::vector<std::vector<std::string>> by_stage = summary_rows(cells);
     std::vector<Column> heads;

@@ -1,4 +1,4 @@
-// What long commands keep of their work, so that one that is cut goes on where it was.
+// Keeps results and files of long commands, so that one that is cut goes on where it was.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
-// The views of camera lists, one after the other, and their path traced truths: what plumb batch and plumb experiment
-// isr share.
+// Goes through the views of camera lists one after the other and keeps their path traced truths, for plumb batch and
+// plumb experiment isr.
 #pragma once
 
 #include <optional>
@@ -46,7 +46,7 @@ class BatchScenes {
     std::size_t triangles_ = 0;
 };
 
-// Of everything of a scene that sends, stops or reflects light.
+// Hashes everything of a scene that sends, stops or reflects light.
 std::uint64_t light_hash(const Scene& scene);
 
 // A truth of a view by the path tracer, all bounces, kept in a folder of its own under a key of the view, not of the

@@ -1,5 +1,4 @@
-// What every command and every experiment of the program starts from: exit codes, the options that all have, and checks
-// of what an option is given.
+// Names the exit codes, adds the options that every command and every experiment has, and checks their values.
 //
 // Exit codes: 0 success, 1 disagreement, 2 bad usage or bad input, 3 internal error.
 #pragma once
@@ -29,7 +28,7 @@ CLI::Validator number_within(double min, double max);
 // Anything but "".
 CLI::Validator some_word();
 
-// What to do once the whole command line has been read.
+// Runs a command once the whole command line has been read; returns the exit code.
 using Action = std::function<int()>;
 
 }  // namespace plumb::cli

@@ -1,4 +1,4 @@
-// Words of the command line and what they mean.
+// Reads words of the command line: settings, pixels, lights.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -28,7 +28,7 @@ glm::ivec2 parse_pixel(const std::string& text);
 // InputError that names the option.
 glm::ivec2 parse_size(const std::string& option, const std::string& text, int least = 1);
 
-// What a command that renders is told about the scene.
+// The scene of a command that renders, and what is set in place of its file's settings.
 struct SceneOptions {
     std::string file, method;
     std::string size;  // "WxH" in place of the scene's own; empty: its own

@@ -70,7 +70,7 @@ reference::Kept kept_of(const Bundle& bundle, std::uint64_t key, glm::ivec2 size
     return kept;
 }
 
-// What failed, in words.
+// Says in words what failed.
 std::string cause_of(const std::exception& e) {
     return dynamic_cast<const std::bad_alloc*>(&e) ? "out of memory" : e.what();
 }

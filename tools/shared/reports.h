@@ -1,4 +1,4 @@
-// What the commands print, as text for people and as JSON for scripts. The keys are a contract (README.md).
+// Prints the results of commands, as text for people and as JSON for scripts. The keys are a contract.
 #pragma once
 
 #include <nlohmann/json.hpp>

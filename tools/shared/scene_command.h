@@ -1,4 +1,5 @@
-// What render, plan and explain have in common: a scene and its settings.
+// Adds to a command the options that name a scene and its settings, and loads what they name: for render, plan, explain
+// and export.
 #pragma once
 
 #include "tools/shared/command.h"

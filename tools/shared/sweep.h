@@ -1,4 +1,4 @@
-// Error against run time: methods by settings by scenes, measured in turns. `plumb sweep`; see README.md.
+// Measures error against run time, methods by settings by scenes, in turns (`plumb sweep`; tools/plumb/README.md).
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@
 
 namespace plumb::cli {
 
-// What is swept: a method and the parameters that vary along its curve.
+// A curve of a sweep: a method and the parameters that vary along it.
 struct Variation {
     std::string table, key;           // by their names in scene files: rsm, samples
     std::vector<FieldValue> values;   // never empty
@@ -91,7 +91,7 @@ struct SweepPictures {
 };
 inline constexpr double difference_swing = 0.25;  // of the display's range
 
-// What a sweep is asked for.
+// The request for a sweep.
 struct SweepRequest {
     std::vector<SceneOptions> scenes;   // file and sets
     const Scene* loaded = nullptr;      // of the only scene, in place of its file: one that was moved to a frame
@@ -118,7 +118,7 @@ std::vector<SweptSettings> points_of(const SweptMethod& curve);
 // The settings of a point.
 frame::Settings apply(frame::Settings settings, frame::Method method, const std::vector<Setting>& changed);
 
-// Of all that the pictures of a scene depend on but the settings.
+// Hashes all that the pictures of a scene depend on but the settings.
 std::uint64_t scene_hash(const Scene& scene);
 // As the system calls it; "unknown" where it does not.
 std::string processor_name();
@@ -148,7 +148,7 @@ const SweepPoint* best_within(const Sweep& sweep, const std::string& scene, doub
 const SweepPoint* fastest_with(const Sweep& sweep, const std::string& scene, double error);
 const SweepPoint* fastest(const Sweep& sweep, const std::string& scene);
 
-// What changed beyond noise between two sweeps; see README.md.
+// A point that changed beyond noise between two sweeps; tools/plumb/README.md says how that is decided.
 struct Regression {
     const SweepPoint *before, *now;   // now: null where it was left out
     std::string what;                 // one sentence

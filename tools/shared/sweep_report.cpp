@@ -1,4 +1,4 @@
-// A sweep as JSON, CSV and text, and JSON as a sweep again. The keys are a contract (README.md).
+// Writes a sweep as JSON, CSV and text, and reads the JSON again. The keys are a contract.
 #include <fmt/format.h>
 
 #include <cmath>

@@ -135,7 +135,7 @@ std::vector<Job> jobs_of(const SweepRequest& request, const std::vector<Subject>
     return jobs;
 }
 
-// What only the run can refuse is left out, too.
+// Runs every job once, and leaves out what only the run can refuse.
 void warm_up_all(const std::vector<Subject>& subjects, std::vector<Job>& jobs, const RunOptions& options, Sweep& sweep,
                  const SweepPictures* pictures) {
     std::vector<std::string> refused(subjects.size());

@@ -1,4 +1,4 @@
-// What runs and errors say: medians, the Pareto front, the setting to take, and what changed beyond noise.
+// Takes medians, marks the Pareto front, picks a setting, and compares two sweeps beyond noise.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -16,7 +16,7 @@ namespace plumb::cli {
 
 namespace {
 
-// What a sweep varies and how well the truth is traced is no part of it.
+// Hashes a subject but for what a sweep varies and how well the truth is traced.
 std::uint64_t content_of(const Subject& subject) {
     frame::Settings settings = subject.settings;
     settings.reference = {};

@@ -96,7 +96,7 @@ const OperationFigures& operation(const Probe& probe, const std::string& name);
 
 // A field of DeviceProfile: what was measured, what a profile says, and whether it allows that.
 struct ProfileField {
-    std::string name, measured, says;
+    std::string name, measured, stated;
     bool fits;
 };
 std::vector<ProfileField> compare_fields(const Probe& probe, const DeviceProfile& profile);

@@ -1,4 +1,4 @@
-#include "gi/stability/moves.h"
+#include "gi/stability/moved_inputs.h"
 
 #include <fmt/format.h>
 

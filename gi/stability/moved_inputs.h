@@ -1,4 +1,4 @@
-// The inputs of a dispatch, each of which can be moved by one ULP.
+// Lists the inputs of a dispatch and moves each of them by one ULP.
 #pragma once
 
 #include <string>
