@@ -62,6 +62,7 @@ class DumpReader {
             std::vector<double> records(4 * std::size_t(std::min(source_.width, max_run)));
             for (int i = first; i < last; ++i) read_run(i % runs * max_run, i / runs, records.data());
         });
+        if (spec_.filling) find_unwritten(image);
         return image;
     }
 
@@ -112,6 +113,17 @@ class DumpReader {
             store(v, at);
             if (rounding_) store_rounding(from, v, rounding_ + at);
         }
+    }
+
+    void find_unwritten(DumpedImage& image) const {
+        image.absent = source_.absent;
+        std::vector<std::uint8_t> marks(std::size_t(source_.width) * std::size_t(source_.height));
+        for (int y = 0; y < source_.height; ++y) {
+            const int row = spec_.flip_y ? source_.height - 1 - y : y;
+            source_.mark_unwritten(0, y, source_.width, marks.data() + std::ptrdiff_t(row) * source_.width);
+        }
+        const bool any = std::any_of(marks.begin(), marks.end(), [](std::uint8_t mark) { return mark != 0; });
+        if (any) image.unwritten = std::move(marks);
     }
 
     void decode(const double* from, double* v) const {

@@ -1,10 +1,13 @@
 // Raw texels and DDS, read row by row.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstring>
+#include <optional>
 
 #include "io/dump_source.h"
 #include "io/file.h"
+#include "io/filling.h"
 #include "io/random_file.h"
 
 namespace plumb::io {
@@ -13,7 +16,8 @@ namespace {
 class RawSource : public DumpSource {
   public:
     RawSource(const DumpSpec& spec, const TexelFormat& format)
-        : format_(format), file_(spec.file.string()), offset_(spec.offset), pitch_(spec.row_pitch) {
+        : format_(format), offset_(spec.offset), pitch_(spec.row_pitch), filling_(spec.filling) {
+        open(spec);
         width = spec.count ? spec.count : spec.width, height = spec.count ? 1 : spec.height;
         channels = format.channels, kind = format.kind, is_depth = format.name[0] == 'D' || format.name[0] == 'X';
         const std::int64_t row = std::int64_t(width) * format.bytes;
@@ -28,23 +32,60 @@ class RawSource : public DumpSource {
         const std::string what = fmt::format("{} x {} texels of {}, {} bytes a row, from byte {} on", width, height,
                                              format.name, pitch_, offset_);
         if (too_large) fail_dump(spec, what + " are more than 2^63 bytes");
-        if (file_.size() < end)
-            fail_dump(spec, fmt::format("has {} bytes; {} end at byte {}", file_.size(), what, end));
-        if (file_.size() > padded_end && !spec.trailing)
+        if (bytes_ < end && !filling_)
+            fail_dump(spec, fmt::format("has {} bytes; {} end at byte {}", bytes_, what, end));
+        if (bytes_ > padded_end && !spec.trailing)
             fail_dump(spec, fmt::format("has {} bytes; {} end at byte {}; where that is meant, trailing = true",
-                                        file_.size(), what, end));
+                                        bytes_, what, end));
     }
 
     void read(int x, int y, int n, double* to) const override {
-        std::vector<unsigned char> bytes(std::size_t(n) * std::size_t(format_.bytes));
-        file_.read(offset_ + y * pitch_ + std::int64_t(x) * format_.bytes, bytes.size(), bytes.data());
-        decode_texels(format_, bytes.data(), n, to);
+        decode_texels(format_, bytes_at(x, y, n).data(), n, to);
+    }
+
+    // Texels of less than a word hold its bytes by chance: of these only the end of the file is told.
+    void mark_unwritten(int x, int y, int n, std::uint8_t* marks) const override {
+        if (!filling_) return;
+        const std::int64_t first = place_of(x, y), texel = format_.bytes;
+        const bool words = texel % 4 == 0 && first % 4 == 0;
+        const std::vector<unsigned char> bytes = bytes_at(x, y, n);
+        const std::vector<unsigned char> nothing = filled_bytes(*filling_, std::size_t(texel));
+        for (int i = 0; i < n; ++i) {
+            const unsigned char* at = bytes.data() + i * texel;
+            if (first + (i + 1) * texel > bytes_)
+                marks[i] = 2;
+            else if (words && std::memcmp(at, nothing.data(), nothing.size()) == 0)
+                marks[i] = 1;
+        }
     }
 
   private:
+    // A file with a filling of which nothing was written counts as empty, whatever its size.
+    void open(const DumpSpec& spec) {
+        if (filling_) {
+            FillingState state = look_for_filling(spec.file.string(), *filling_);
+            absent = std::move(state.why);
+            if (state.nothing) return;
+        }
+        file_.emplace(spec.file.string());
+        bytes_ = file_->size();
+    }
+
+    std::int64_t place_of(int x, int y) const { return offset_ + y * pitch_ + std::int64_t(x) * format_.bytes; }
+
+    // Zeros behind the end of the file.
+    std::vector<unsigned char> bytes_at(int x, int y, int n) const {
+        std::vector<unsigned char> bytes(std::size_t(n) * std::size_t(format_.bytes));
+        const std::int64_t there = std::clamp<std::int64_t>(bytes_ - place_of(x, y), 0, std::int64_t(bytes.size()));
+        if (there > 0) file_->read(place_of(x, y), std::size_t(there), bytes.data());
+        return bytes;
+    }
+
     const TexelFormat& format_;
-    RandomFile file_;
+    std::optional<RandomFile> file_;
+    std::int64_t bytes_ = 0;  // of the file that count
     std::int64_t offset_, pitch_;
+    std::optional<std::uint32_t> filling_;
 };
 
 struct DdsFormat {

@@ -25,6 +25,11 @@ class DumpSource {
     // n texels from (x, y) on, within the row: records of four numbers, those that are not there 0, 0, 0, 1. May be
     // called by several threads.
     virtual void read(int x, int y, int n, double* to) const = 0;
+
+    // Of a file with a filling, as DumpedImage::unwritten: marks of n texels from (x, y) on. Nothing of the others is
+    // marked.
+    virtual void mark_unwritten(int, int, int, std::uint8_t*) const {}
+    std::string absent;
 };
 
 // By `vk_format`, or else by the name's extension. Throws InputError; the sizes are those of the file, and those of raw

@@ -10,6 +10,7 @@
 #include "io/document.h"
 #include "io/dump_encoding.h"
 #include "io/file.h"
+#include "io/filling.h"
 
 namespace plumb::io {
 namespace {
@@ -29,7 +30,7 @@ class ManifestReader {
         const DocumentValue root = parse_document(path_, read_text(path_, max_manifest_bytes));
         if (root.kind != Kind::table) throw InputError(shown(path_), "", "expected an object with the key \"stage\"");
         DocumentReader top(root, path_, "");
-        top.allow({"device", "profile", "subpixel_bits", "max_ambiguous", "scene", "stage"});
+        top.allow({"device", "profile", "subpixel_bits", "max_ambiguous", "scene", "export", "stage"});
         manifest_.device = top.word("device", manifest_.device);
         manifest_.profile = top.filled("profile", manifest_.profile);
         manifest_.subpixel_bits = int(top.integer("subpixel_bits", 0, 1, 16));
@@ -38,6 +39,7 @@ class ManifestReader {
                                                   printable(manifest_.profile)));
         manifest_.max_ambiguous = top.number("max_ambiguous", manifest_.max_ambiguous, 0, 1);
         if (top.has("scene")) manifest_.scene = file_of(top.filled("scene", ""));
+        read_export(top);
         const auto stages = top.tables("stage");
         if (stages.empty()) throw InputError(shown(path_), "", "names no stage; expected at least one, [[stage]]");
         for (const DocumentValue* stage : stages) read_stage(*stage);
@@ -47,6 +49,32 @@ class ManifestReader {
   private:
     std::filesystem::path file_of(const std::string& name) const { return beside(path_, name); }
 
+    static bool is_hash(const DocumentValue& value) {
+        return value.kind == Kind::text && value.text.size() == 16 &&
+               value.text.find_first_not_of("0123456789abcdef") == std::string::npos;
+    }
+
+    // Names of files are relative and lead to no folder above: what is listed may be removed by another export.
+    void read_export(DocumentReader& top) {
+        const DocumentValue* table = top.table("export");
+        if (!table) return;
+        DocumentReader exported(*table, path_, "export");
+        exported.allow({"id", "files"});
+        const DocumentValue* id = exported.find("id");
+        if (!id || !is_hash(*id)) exported.fail("id", "expected 16 hexadecimal digits");
+        manifest_.exported.id = id->text;
+        const DocumentValue* files = exported.table("files");
+        if (!files) return;
+        DocumentReader names(*files, path_, "files of export");
+        for (const auto& [name, hash] : files->table) {
+            const std::filesystem::path path(name);
+            const bool inside = path.is_relative() && path.lexically_normal() == path && *path.begin() != "..";
+            if (name.empty() || !inside) names.fail(name, "expected the name of a file in the folder of the manifest");
+            if (!is_hash(hash)) names.fail(name, "expected a hash of 16 hexadecimal digits");
+            manifest_.exported.files.emplace(name, hash.text);
+        }
+    }
+
     void read_stage(const DocumentValue& table) {
         const std::string number = fmt::format("stage {}", manifest_.stages.size() + 1);
         DocumentReader reader(table, path_, number);
@@ -54,8 +82,8 @@ class ManifestReader {
         stage.stage = reader.filled("stage", "");
         const std::string name = stage.stage.empty() ? number : fmt::format("{} ({})", number, printable(stage.stage));
         reader.rename(name);
-        reader.allow({"stage", "label", "form", "light", "face", "size", "params", "uniforms", "input", "output",
-                      "choices", "coverage"});
+        reader.allow({"stage", "label", "form", "light", "face", "size", "block", "params", "uniforms", "input",
+                      "output", "choices", "coverage"});
         if (stage.stage.empty())
             reader.fail("stage", "is missing; expected a stage's name, as `plumb stages` lists them");
         stage.place = fmt::format("{}: {}", shown(path_), name);
@@ -66,6 +94,7 @@ class ManifestReader {
         constexpr std::array<std::string_view, 6> faces = {"px", "nx", "py", "ny", "pz", "nz"};
         if (!stage.face.empty() && std::find(faces.begin(), faces.end(), stage.face) == faces.end())
             reader.fail("face", "expected px, nx, py, ny, pz or nz");
+        if (reader.has("block")) stage.block = file_of(reader.filled("block", ""));
         read_size(reader, stage);
         read_params(reader, stage);
         read_uniforms(reader, stage);
@@ -170,6 +199,7 @@ class ManifestReader {
         std::vector<std::string> keys = {"file",     "vk_format", "width", "height",   "count",    "row_pitch", "offset",
                                          "trailing", "layer",     "channels", "encoding", "near_far", "flip_y"};
         if (coverage) keys.insert(keys.end(), {"above", "below"});
+        if (is_output) keys.insert(keys.end(), {"expected", "filling"});
         reader.allow(keys);
         DumpSpec spec;
         spec.place = fmt::format("{}: {}", reader.place(), name);
@@ -190,11 +220,19 @@ class ManifestReader {
         spec.channels = reader.filled("channels", "");
         spec.encoding = reader.filled("encoding", spec.encoding);
         spec.flip_y = reader.flag("flip_y", false);
+        if (is_output) read_filling(reader, spec);
         read_planes(reader, spec);
         if (coverage) read_limits(reader, *coverage);
         complete_size(reader, spec, stage, is_output);
         if (const auto fault = fault_of(spec)) reader.fail(fault->key, fault->cause);
         return spec;
+    }
+
+    void read_filling(DocumentReader& reader, DumpSpec& spec) {
+        if (reader.has("expected")) spec.expected = file_of(reader.filled("expected", ""));
+        if (!reader.has("filling")) return;
+        spec.filling = parse_filling(reader.filled("filling", ""));
+        if (!spec.filling) reader.fail("filling", "expected ffe00001 to fffffffe, as `plumb export` writes it");
     }
 
     static void read_limits(DocumentReader& reader, CoverageSpec& coverage) {

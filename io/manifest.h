@@ -20,6 +20,7 @@
 //     flip_y = false
 //     [stage.output.irradiance]
 //     ...
+//     expected = "expected/irradiance.bin"  # of an export: what it should hold; filling = "ffe1a2b3": what it held
 //     [stage.coverage]                  # optional: where its first component is not above 0 there is nothing
 //     file = "stencil.raw"
 #pragma once
@@ -28,6 +29,7 @@
 #include <filesystem>
 #include <limits>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -51,6 +53,10 @@ struct DumpSpec {
     std::string encoding = "plain";
     bool flip_y = false;           // the file's first row is the lowest
     std::vector<double> near_far;  // of encodings of depth, m; far may be infinite
+    // Of an exported output: the file that holds what should be written, and the word that stood in it until something
+    // was (io/filling.h). A raw file with a filling may be missing or end early.
+    std::filesystem::path expected;
+    std::optional<std::uint32_t> filling;
 };
 
 struct DumpedImage {
@@ -64,6 +70,10 @@ struct DumpedImage {
     // it.
     Array rounding;
     double lowest = -std::numeric_limits<double>::infinity(), highest = std::numeric_limits<double>::infinity();
+    // Of a raw file with a filling, [height][width]: 1 where a texel still holds it, 2 where the file has ended. Empty:
+    // all was written.
+    std::vector<std::uint8_t> unwritten;
+    std::string absent;  // why nothing at all was written: "is missing", ...; else ""
 };
 
 // Where a surface is seen: above < first component < below. Packed normals cannot say it.
@@ -78,10 +88,17 @@ struct ManifestStage {
     int width = 0, height = 0;
     std::map<std::string, std::vector<double>> uniforms;
     std::filesystem::path uniforms_file;
+    std::filesystem::path block;  // of an export: the block as a file, beside the values
     std::map<std::string, std::vector<std::string>> params;  // words as in a scene file
     std::map<std::string, DumpSpec> inputs, outputs;
     DumpSpec choices;  // file empty: none
     CoverageSpec coverage;
+};
+
+// What `plumb export` wrote beside the manifest.
+struct ExportRecord {
+    std::string id;                            // 16 hexadecimal digits, the same for the same scene and settings; "": none
+    std::map<std::string, std::string> files;  // hashes (core/content_hash.h) by names relative to the manifest
 };
 
 struct Manifest {
@@ -90,6 +107,7 @@ struct Manifest {
     int subpixel_bits = 0;  // of the profile "ideal", 1 to 16; 0: the profile's
     double max_ambiguous = 0.005;
     std::filesystem::path scene;  // empty: none
+    ExportRecord exported;
     std::vector<ManifestStage> stages;
 };
 
@@ -97,6 +115,9 @@ struct Manifest {
 // out, raw images and outputs get their stage's, and the stage its first output's.
 Manifest read_manifest(const std::filesystem::path& file);
 DumpedImage read_dump(const DumpSpec& spec);
+
+// The name of a file relative to the folder of manifest.file, as ExportRecord::files has it; "" where it lies elsewhere.
+std::string name_in(const Manifest& manifest, const std::filesystem::path& file);
 
 // TOML that read_manifest() reads back as it was; files are named relative to the folder of manifest.file.
 std::string manifest_text(const Manifest& manifest);

@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "io/filling.h"
 #include "io/manifest.h"
 
 namespace plumb::io {
@@ -66,6 +67,7 @@ class ManifestWriter {
         number_line("subpixel_bits", manifest_.subpixel_bits);
         out_ += "max_ambiguous = " + number_text(manifest_.max_ambiguous) + "\n";
         if (!manifest_.scene.empty()) text_line("scene", name_of(manifest_.scene), "");
+        write(manifest_.exported);
         for (const ManifestStage& stage : manifest_.stages) write(stage);
         return std::move(out_);
     }
@@ -79,6 +81,14 @@ class ManifestWriter {
     }
     void flag_line(const std::string& key, bool value) {
         if (value) out_ += key + " = true\n";
+    }
+
+    void write(const ExportRecord& exported) {
+        if (exported.id.empty()) return;
+        out_ += "\n[export]\n";
+        text_line("id", exported.id, "");
+        if (!exported.files.empty()) out_ += "[export.files]\n";
+        for (const auto& [name, hash] : exported.files) out_ += key_text(name) + " = " + quoted(hash) + "\n";
     }
 
     // Relative to the manifest's folder, if the file lies in it or both are relative.
@@ -99,6 +109,7 @@ class ManifestWriter {
         text_line("light", stage.light, "");
         text_line("face", stage.face, "");
         if (stage.width > 0) out_ += fmt::format("size = [{}, {}]\n", stage.width, stage.height);
+        if (!stage.block.empty()) text_line("block", name_of(stage.block), "");
         if (!stage.params.empty()) out_ += "[stage.params]\n";
         for (const auto& [key, words] : stage.params)
             out_ += key_text(key) + " = " + list_text(words, word_text) + "\n";
@@ -124,6 +135,8 @@ class ManifestWriter {
     void write(const std::string& header, const DumpSpec& spec) {
         out_ += header + "\n";
         text_line("file", name_of(spec.file), "");
+        if (!spec.expected.empty()) text_line("expected", name_of(spec.expected), "");
+        if (spec.filling) text_line("filling", filling_text(*spec.filling), "");
         text_line("vk_format", spec.vk_format, "");
         number_line("width", spec.width);
         number_line("height", spec.height);
@@ -143,6 +156,14 @@ class ManifestWriter {
 };
 
 }  // namespace
+
+std::string name_in(const Manifest& manifest, const std::filesystem::path& file) {
+    const std::filesystem::path folder = manifest.file.parent_path();
+    const std::filesystem::path from = folder.empty() ? "." : folder;
+    if (from.is_absolute() != file.is_absolute()) return "";
+    const std::filesystem::path name = file.lexically_normal().lexically_relative(from.lexically_normal());
+    return name.empty() || *name.begin() == ".." ? "" : name.string();
+}
 
 std::string manifest_text(const Manifest& manifest) { return ManifestWriter(manifest).text(); }
 

@@ -9,53 +9,17 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
+#include "gi/parity/pair.h"
 #include "gi/parity/stored.h"
 
 namespace plumb::parity {
 
 namespace {
 
-// One dumped output beside ours.
-struct Pair {
-    const Slot* slot;
-    const Dumped* dumped;
-    const unsigned char* expected;  // [height][width][channels]
-    int channels = 0;               // of ours
-    int dumped_channels = 0;        // of each texel of the dump
-    int first = 0;                  // of our channels among all components of all outputs
-
-    bool compared(int c) const { return (dumped->channels >> c & 1) && c < dumped_channels; }
-    double got(std::size_t pixel, int c) const {
-        return value(dumped->array.dtype, dumped->array.bytes.data(), pixel * std::size_t(dumped_channels) + c);
-    }
-    double ours(std::size_t pixel, int c) const {
-        return value(slot->dtype, expected, pixel * std::size_t(channels) + c);
-    }
-    // Everything that the dump may hold where the shader wrote one of [low, high].
-    StoredRange stored(std::size_t pixel, int c, double low, double high, double largest,
-                       const DeviceProfile& profile) const {
-        if (dumped->rounding.bytes.empty()) return stored_range(dumped->stored, c, low, high, largest, profile);
-        const double moved = value(DType::f32, dumped->rounding.bytes.data(), pixel * std::size_t(dumped_channels) + c);
-        return {std::clamp(low, dumped->lowest, dumped->highest) - moved,
-                std::clamp(high, dumped->lowest, dumped->highest) + moved};
-    }
-
-  private:
-    static double value(DType dtype, const unsigned char* p, std::size_t i) {
-        if (dtype == DType::f32) {
-            float f;
-            std::memcpy(&f, p + 4 * i, 4);
-            return f;
-        }
-        std::int32_t n;
-        std::memcpy(&n, p + 4 * i, 4);
-        return n;
-    }
-};
-
 struct Judged {
     Verdict verdict = Verdict::equal;
     WorstPixel worst;
+    bool unwritten = false;
 };
 
 class Judge {
@@ -68,12 +32,39 @@ class Judge {
         for (const Dumped& d : dumped) pairs_.push_back(pair(d));
         if (pairs_.empty()) throw InputError(data.label + ": no output was dumped");
         quantise_expected();
+        find_flags();
     }
 
     bool judged(glm::ivec2 pixel) const { return stage_->writes(pixel); }
 
+    bool expects_nothing(glm::ivec2 pixel) const {
+        return std::all_of(pairs_.begin(), pairs_.end(),
+                           [&](const Pair& p) { return p.expects_nothing(index(pixel)); });
+    }
+
+    // Where a dump says why nothing of it was written: ": irradiance ...".
+    std::string absent() const {
+        for (const Pair& p : pairs_)
+            if (!p.dumped->absent.empty()) return ": " + p.dumped->absent;
+        return "";
+    }
+
+    // Where the dump is the same at every pixel that was judged: "0" or "NaN"; else "".
+    std::string one_value() const {
+        bool zero = true, nan = true;
+        for (const Pair& p : pairs_)
+            for (int c = 0; c < p.channels; ++c)
+                for (std::size_t i = 0; i < pixels() && p.compared(c) && !(c == 3 && p.w_is_flag) && (zero || nan); ++i) {
+                    if (!judged(place(i))) continue;
+                    const double got = p.got(i, c);
+                    zero = zero && got == 0, nan = nan && got != got;
+                }
+        return zero ? "0" : nan ? "NaN" : "";
+    }
+
     Judged operator()(glm::ivec2 pixel) const {
-        const std::size_t at = std::size_t(pixel.y) * std::size_t(data_.size.x) + std::size_t(pixel.x);
+        const std::size_t at = index(pixel);
+        if (const Pair* p = unwritten(at)) return never_written(*p, at, pixel);
         if (same_bits(at)) return {};
         Judged j;
         j.worst.pixel = pixel;
@@ -113,6 +104,41 @@ class Judge {
     }
 
   private:
+    std::size_t index(glm::ivec2 pixel) const {
+        return std::size_t(pixel.y) * std::size_t(data_.size.x) + std::size_t(pixel.x);
+    }
+    std::size_t pixels() const { return std::size_t(data_.size.x) * std::size_t(data_.size.y); }
+    glm::ivec2 place(std::size_t i) const {
+        return {int(i % std::size_t(data_.size.x)), int(i / std::size_t(data_.size.x))};
+    }
+
+    // The output of which nothing was written at the pixel; a filling that is what was expected counts as written.
+    const Pair* unwritten(std::size_t at) const {
+        for (const Pair& p : pairs_)
+            if (p.unwritten(at) == 2 || (p.unwritten(at) == 1 && !same_bits(at))) return &p;
+        return nullptr;
+    }
+
+    Judged never_written(const Pair& p, std::size_t at, glm::ivec2 pixel) const {
+        int c = 0;
+        while (!p.compared(c)) ++c;
+        return {Verdict::wrong,
+                {pixel, Verdict::wrong, p.slot->name, c, p.ours(at, c), std::numeric_limits<double>::quiet_NaN(), 0,
+                 std::numeric_limits<double>::infinity()},
+                true};
+    }
+
+    // A w that is 1 wherever something may be written is a flag.
+    void find_flags() {
+        for (Pair& p : pairs_) {
+            bool others = false;
+            for (int c = 0; c < 3; ++c) others |= p.compared(c);
+            p.w_is_flag = others && p.channels == 4 && p.slot->dtype == DType::f32;
+            for (std::size_t i = 0; i < pixels() && p.w_is_flag; ++i)
+                if (judged(place(i)) && p.ours(i, 3) != 1) p.w_is_flag = false;
+        }
+    }
+
     Pair pair(const Dumped& d) {
         std::vector<std::string> names;
         int first = 0;
@@ -130,6 +156,11 @@ class Judge {
                                              data_.size.x, data_.size.y));
             Pair p{&slot, &d, plumb::at(expected_, slot.name).bytes.data(), slot.channels,
                    shape.size() == 3 ? int(shape[2]) : 1, first};
+            if (slot.dtype == DType::i32) p.nothing = -1;  // as make_outputs() has it
+            if (slot.kind == SlotKind::depth) p.nothing = data_.reversed_z ? 0 : 1;
+            if (!d.unwritten.empty() && d.unwritten.size() != pixels())
+                throw InputError(fmt::format("{}: output \"{}\": what was written of it has another size", data_.label,
+                                             d.output));
             if (!d.rounding.bytes.empty() && (d.rounding.dtype != DType::f32 || d.rounding.shape != shape))
                 throw InputError(fmt::format("{}: output \"{}\": its rounding is {}, expected {}", data_.label, d.output,
                                              shape_text(d.rounding.shape), shape_text(shape)));
@@ -272,19 +303,46 @@ void keep_worst(std::vector<WorstPixel>& worst, int most) {
     worst.resize(std::size_t(most));
 }
 
-void conclude(const JudgeOptions& options, StageVerdict& v) {
+double share_of(std::int64_t count, std::int64_t pixels) { return pixels > 0 ? double(count) / double(pixels) : 0; }
+
+// "; all that was written is 0".
+std::string one_value_text(const std::string& value) {
+    return value.empty() ? "" : "; all that was written is " + value;
+}
+
+std::string unwritten_text(const Judge& judge, const StageVerdict& v) {
+    if (v.unwritten == v.pixels) return "nothing was written" + judge.absent();
+    const std::int64_t others = v.count[int(Verdict::wrong)] - v.unwritten;
+    return fmt::format("{} of {} pixels were never written, in row{} {}{}{}", v.unwritten, v.pixels,
+                       v.unwritten_rows[0] == v.unwritten_rows[1] ? "" : "s", v.unwritten_rows[0],
+                       v.unwritten_rows[0] == v.unwritten_rows[1] ? "" : fmt::format(" to {}", v.unwritten_rows[1]),
+                       others > 0 ? fmt::format("; {} others are wrong", others) : "");
+}
+
+std::string ambiguous_text(double all, double nonzero, double most) {
+    return fmt::format("{:.3g} % of the pixels{} are ambiguous, more than {:.3g} %: the comparison decides too little",
+                       100 * (all > most ? all : nonzero), all > most ? "" : " that are not 0", 100 * most);
+}
+
+void conclude(const Judge& judge, const JudgeOptions& options, StageVerdict& v) {
     for (int i = 0; i < verdicts; ++i)
         if (v.count[std::size_t(i)] > 0) v.verdict = Verdict(i);
     const std::int64_t wrong = v.count[int(Verdict::wrong)], ambiguous = v.count[int(Verdict::ambiguous)];
-    const double share = v.pixels > 0 ? double(ambiguous) / double(v.pixels) : 0;
-    v.passed = wrong == 0 && !(share > options.max_ambiguous);
+    const double all = share_of(ambiguous, v.pixels);
+    const double nonzero = share_of(v.nonzero_count[int(Verdict::ambiguous)], v.nonzero);
+    v.passed = wrong == 0 && !(all > options.max_ambiguous) && !(nonzero > options.max_ambiguous);
+    v.decided = !v.passed || v.nonzero > 0;
     if (v.pixels == 0)
         v.reason = "this dispatch writes no pixel: nothing to judge";
+    else if (v.unwritten > 0)
+        v.reason = unwritten_text(judge, v);
     else if (wrong > 0)
-        v.reason = fmt::format("{} of {} pixels are wrong", wrong, v.pixels);
-    else if (share > options.max_ambiguous)
-        v.reason = fmt::format("{:.3g} % of the pixels are ambiguous, more than {:.3g} %: the comparison decides too "
-                               "little", 100 * share, 100 * options.max_ambiguous);
+        v.reason = fmt::format("{} of {} pixels are wrong{}", wrong, v.pixels, one_value_text(judge.one_value()));
+    else if (!v.passed)
+        v.reason = ambiguous_text(all, nonzero, options.max_ambiguous);
+    else if (v.nonzero == 0)
+        v.reason = fmt::format("all that is expected is 0, at each of its {} pixels: nothing to judge. Is something in its "
+                               "inputs or uniforms wrong, a matrix or a light?", v.pixels);
 }
 
 }  // namespace
@@ -304,7 +362,8 @@ StageVerdict judge(const StageBinding& binding, const StageData& data, const std
 
     // Each row counts for itself, so that the order of the worst depends on no thread.
     struct Row {
-        std::array<std::int64_t, verdicts> count{};
+        std::array<std::int64_t, verdicts> count{}, nonzero{};
+        std::int64_t unwritten = 0;
         std::vector<WorstPixel> worst;
     };
     std::vector<Row> rows(std::size_t(data.size.y));
@@ -316,18 +375,28 @@ StageVerdict judge(const StageBinding& binding, const StageData& data, const std
                 const Judged j = judge({x, y});
                 v.map(x, y) = std::uint8_t(j.verdict);
                 ++row.count[std::size_t(j.verdict)];
+                if (!judge.expects_nothing({x, y})) ++row.nonzero[std::size_t(j.verdict)];
+                row.unwritten += j.unwritten;
                 if (j.verdict == Verdict::equal) continue;
                 row.worst.push_back(j.worst);
                 if (int(row.worst.size()) >= 8 * options.worst + 64) keep_worst(row.worst, options.worst);
             }
     });
-    for (const Row& row : rows) {
-        for (std::size_t i = 0; i < verdicts; ++i) v.count[i] += row.count[i], v.pixels += row.count[i];
+    for (std::size_t y = 0; y < rows.size(); ++y) {
+        const Row& row = rows[y];
+        for (std::size_t i = 0; i < verdicts; ++i) {
+            v.count[i] += row.count[i], v.pixels += row.count[i];
+            v.nonzero_count[i] += row.nonzero[i], v.nonzero += row.nonzero[i];
+        }
+        if (row.unwritten > 0) {
+            if (v.unwritten == 0) v.unwritten_rows[0] = int(y);
+            v.unwritten += row.unwritten, v.unwritten_rows[1] = int(y);
+        }
         v.worst.insert(v.worst.end(), row.worst.begin(), row.worst.end());
     }
     std::sort(v.worst.begin(), v.worst.end(), worse);
     keep_worst(v.worst, options.worst);
-    conclude(options, v);
+    conclude(judge, options, v);
     v.ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     return v;
 }

@@ -4,7 +4,9 @@
 //     within_bound   another rounding, no farther away than the device's operations may err; on our branch or another
 //                    legal one whose outcome could be computed
 //     ambiguous      a comparison or a choice of texel fell inside the bound, and its outcomes cannot be told apart
-//     wrong          none of these; NaN on either side
+//     wrong          none of these; NaN on either side; a pixel that was never written
+//
+// Where all that is expected is 0, or no pixel is written, there is nothing to judge: that is no pass.
 #pragma once
 
 #include <array>
@@ -31,6 +33,10 @@ struct Dumped {
     // [lowest, highest] and moved by at most this. Empty: `stored` says it.
     Array rounding = {};
     double lowest = -HUGE_VAL, highest = HUGE_VAL;
+    // [height][width], or empty where all was written: 1 where the dump still holds what stood there before, 2 where its
+    // file has ended. `absent` says why nothing at all was written: "out/a.bin is missing".
+    std::vector<std::uint8_t> unwritten = {};
+    std::string absent = "";
 };
 
 struct WorstPixel {
@@ -47,9 +53,16 @@ struct StageVerdict {
     std::string stage, label, id;
     Verdict verdict = Verdict::equal;  // the worst of all pixels; ambiguous alone does not fail
     bool passed = false;               // nothing is wrong, and ambiguous is at most the limit
+    bool decided = false;              // false: there was nothing to judge, which is neither pass nor fail
     std::string reason;                // one sentence, where it did not pass, or decided nothing
     std::array<std::int64_t, verdicts> count{};
-    std::int64_t pixels = 0;           // that were judged; 0: the dispatch writes none, and passes
+    std::int64_t pixels = 0;           // that were judged; 0: the dispatch writes none
+    // Of these, where more is expected than what stands there before anything is drawn: 0, of a depth buffer what it is
+    // cleared to, of integers -1. A w that is 1 everywhere is a flag, and does not count.
+    std::array<std::int64_t, verdicts> nonzero_count{};
+    std::int64_t nonzero = 0;
+    std::int64_t unwritten = 0;        // wrong ones that were never written, and the first and last row that has some
+    std::array<int, 2> unwritten_rows{};
     std::vector<WorstPixel> worst;     // the worst of each verdict first; at most JudgeOptions::worst
     Image<std::uint8_t> map;           // [height][width]: Verdict; 255: not judged
     double ms = 0;
@@ -57,7 +70,7 @@ struct StageVerdict {
 
 struct JudgeOptions {
     DeviceProfile profile;
-    double max_ambiguous = 0.005;  // share of pixels
+    double max_ambiguous = 0.005;  // share of all pixels, and of those that are not 0
     int worst = 8;
     RunOptions run;
     std::vector<std::int32_t> choices;  // [height][width][n]: discrete choices that the device dumped, or empty

@@ -45,6 +45,7 @@ TEST_CASE("export: every dispatch of a frame, which validates as equal", "[progr
     // What lies in the files is what a GPU binds: 61 x 43 pixels of 16 bytes, maps of 48 x 48.
     using std::filesystem::file_size;
     CHECK(file_size(folder + "/compose/out/radiance.bin") == 61 * 43 * 16);
+    CHECK(file_size(folder + "/compose/expected/radiance.bin") == 61 * 43 * 16);
     CHECK(file_size(folder + "/rsm.disc.key/in/rsm_flux.bin") == 48 * 48 * 16);
     CHECK(file_size(folder + "/rsm.disc.key/block.bin") == 96);
     CHECK(file_size(folder + "/gbuffer/out/id.bin") == 61 * 43 * 8);
@@ -68,8 +69,10 @@ TEST_CASE("export: of any layout, and of point lights", "[program]") {
         write(scene, replaced(read(scene), "type = \"spot\"\nposition = [0, 1.97, 0]\ndirection = [0, -1, 0]\ncone_deg = [55, 60]",
                               "type = \"point\"\nposition = [0, 1, 0]"));
         REQUIRE(run({"export", scene, "--stage", "all", "-o", folder + "/dumps"}).exit == 0);
+        write_expected(folder + "/dumps");
         check_all_equal(validated(folder + "/dumps"), 1 + 3 * 6 + 3 + 3);
         REQUIRE(run({"export", scene, "--stage", "rsm.disc", "--light", "key", "--face", "ny", "-o", folder + "/one"}).exit == 0);
+        write_expected(folder + "/one");
         const Json one = validated(folder + "/one");
         check_all_equal(one, 1);
         CHECK(one["stages"][0]["id"] == "rsm.disc.key.ny");
@@ -79,6 +82,7 @@ TEST_CASE("export: of any layout, and of point lights", "[program]") {
         write(scene, "reversed_z = true\n" + read(scene));
         REQUIRE(run({"export", scene, "--stage", "gbuffer", "-o", folder + "/dumps"}).exit == 0);
         CHECK_THAT(read(folder + "/dumps/README.txt"), Contains("depth test greater"));
+        write_expected(folder + "/dumps");
         check_all_equal(validated(folder + "/dumps"), 1);
     }
 }
@@ -88,10 +92,12 @@ TEST_CASE("export: one stage, one light", "[program]") {
     const Result r = run({"export", scene, "--stage", "rsm.disc", "--light", "sun", "-o", folder + "/sun", "--json"});
     REQUIRE(r.exit == 0);
     CHECK(Json::parse(r.out)["stages"] == 1);
+    write_expected(folder + "/sun");
     check_all_equal(validated(folder + "/sun"), 1);
 
     // What the scene's method does not run is run all the same when it is asked for by name.
     REQUIRE(run({"export", scene, "--stage", "rsm.all", "--light", "sun", "-o", folder + "/all"}).exit == 0);
+    write_expected(folder + "/all");
     check_all_equal(validated(folder + "/all"), 1);
 }
 
@@ -143,6 +149,97 @@ TEST_CASE("export --choices: validate follows what the twin chose", "[program][v
     const Result wrong = run({"validate", folder + "/dumps/manifest.toml", "--json"});
     CHECK(wrong.exit == 1);
     CHECK(Json::parse(wrong.out)["stages"][0]["counts"]["wrong"] == 1);
+}
+
+namespace {
+
+std::vector<std::string> exported_stages(const std::string& folder) {
+    std::vector<std::string> names;
+    for (const Json& stage : Json::parse(run({"validate", folder + "/manifest.toml", "--json"}).out)["stages"])
+        names.push_back(stage["id"]);
+    return names;
+}
+
+std::string head_of(const std::string& manifest) { return manifest.substr(0, manifest.find("[export.files]")); }
+
+}  // namespace
+
+TEST_CASE("export: stage by stage into one folder is one manifest", "[program]") {
+    const std::string folder = fresh_folder("export_merged"), scene = small_scene(folder), to = folder + "/dumps";
+    REQUIRE(run({"export", scene, "--stage", "gbuffer", "-o", to}).exit == 0);
+    const std::string id = head_of(read(to + "/manifest.toml"));
+    write_expected(to);
+    // What a renderer has written to the other stages stays; another method's gather is run where it is asked for.
+    const Result second = run({"export", scene, "--stage", "rsm.disc", "-o", to});
+    CHECK(second.exit == 0);
+    CHECK_THAT(second.out, Contains("beside them, of the earlier export of the same scene and settings: gbuffer"));
+    REQUIRE(run({"export", scene, "--stage", "rsm.all", "--light", "sun", "-o", to}).exit == 0);
+    CHECK(head_of(read(to + "/manifest.toml")) == id);
+    CHECK(exported_stages(to) == Words{"gbuffer", "rsm.disc.key", "rsm.disc.sun", "rsm.all.sun"});
+    const Json before = Json::parse(run({"validate", to + "/manifest.toml", "--json"}).out);
+    CHECK(stage_of(before, "gbuffer")["verdict"] == "equal");
+    CHECK(stage_of(before, "rsm.disc (sun)")["unwritten"] == 61 * 43);
+    write_expected(to);
+    check_all_equal(validated(to), 4);
+    const std::string readme = read(to + "/README.txt");
+    for (const char* label : {"gbuffer", "rsm.disc (key)", "rsm.disc (sun)", "rsm.all (sun)"})
+        CHECK_THAT(readme, Contains(std::string("\n\n\n") + label + "\n---"));
+    CHECK_THAT(readme, Contains("gi/rsm/gather.comp") && Contains("colour target"));
+
+    // Once more: in its place, and filled anew.
+    REQUIRE(run({"export", scene, "--stage", "gbuffer", "-o", to}).exit == 0);
+    CHECK(exported_stages(to).size() == 4);
+    const Json again = Json::parse(run({"validate", to + "/manifest.toml", "--json"}).out);
+    CHECK(stage_of(again, "gbuffer")["unwritten"] == 61 * 43);
+    CHECK(stage_of(again, "rsm.all (sun)")["verdict"] == "equal");
+}
+
+TEST_CASE("export: of another scene it takes the place of what was there", "[program]") {
+    const std::string folder = fresh_folder("export_replaced"), scene = small_scene(folder), to = folder + "/dumps";
+    REQUIRE(run({"export", scene, "--stage", "all", "-o", to}).exit == 0);
+    write_expected(to);
+    write(to + "/gbuffer/mine.txt", "hers");
+    write(to + "/mine.bin", "hers");
+    const std::string changed = to + "/direct/in/visibility.bin";
+    write(changed, "hers");
+    write(scene, replaced(read(scene), "intensity = [10, 10, 10]", "intensity = [10, 10, 9]"));
+    const Result r = run({"export", scene, "--stage", "tonemap", "-o", to});
+    INFO(r.out << r.err);
+    CHECK(r.exit == 0);
+    CHECK_THAT(r.out, Contains("replaced: what was there was exported from another scene, or with other settings; gone: "
+                               "gbuffer, rsm (key)") &&
+                          Contains("kept: " + changed + ": has changed since it was exported"));
+    CHECK(files_in(to) == Words{"README.txt", "direct/in/visibility.bin", "gbuffer/mine.txt", "manifest.toml", "mine.bin",
+                                "tonemap/block.bin", "tonemap/expected/display.bin", "tonemap/in/radiance.bin",
+                                "tonemap/out/display.bin"});
+    CHECK(exported_stages(to) == Words{"tonemap"});
+    // Other settings are another export, too.
+    CHECK_THAT(run({"export", scene, "--stage", "gbuffer", "--set", "tonemap.exposure=2", "-o", to}).out,
+               Contains("gone: tonemap"));
+    CHECK_FALSE(std::filesystem::exists(to + "/tonemap"));
+}
+
+TEST_CASE("export: a manifest that no export wrote is not written over", "[program]") {
+    const std::string folder = fresh_folder("export_kept"), scene = small_scene(folder), to = folder + "/dumps";
+    const std::string mine = "[[stage]]\nstage = \"tonemap\"\n[stage.output.display]\nfile = \"mine.exr\"\n";
+    std::filesystem::create_directories(to);
+    write(to + "/manifest.toml", mine);
+    auto refused = [&] {
+        const Result r = run({"export", scene, "--stage", "tonemap", "-o", to});
+        CHECK(r.exit == 2);
+        CHECK(std::count(r.err.begin(), r.err.end(), '\n') == 1);
+        CHECK(files_in(to) == Words{"manifest.toml"});
+        return r.err;
+    };
+    CHECK_THAT(refused(), Contains("manifest.toml") && Contains("is there already"));
+    CHECK(read(to + "/manifest.toml") == mine);
+    // One that leads out of its folder is none.
+    const std::string outside = folder + "/outside.bin";
+    write(outside, "hers");
+    write(to + "/manifest.toml", "[export]\nid = \"0123456789abcdef\"\n[export.files]\n\"../outside.bin\" = "
+                                 "\"0123456789abcdef\"\n" + mine);
+    CHECK_THAT(refused(), Contains("../outside.bin"));
+    CHECK(read(outside) == "hers");
 }
 
 TEST_CASE("export: what cannot be exported", "[program]") {

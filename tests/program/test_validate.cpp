@@ -208,6 +208,7 @@ TEST_CASE("validate: a sample pattern of one's own", "[program]") {
     const std::string folder = fresh_folder("validate_pattern"), scene = small_scene(folder);
     REQUIRE(run({"export", scene, "--stage", "rsm.disc", "--light", "key", "--set", "rsm.rotations=1", "-o", folder})
                 .exit == 0);
+    write_expected(folder);
     const std::string manifest = read(folder + "/manifest.toml");
     const std::string offsets = read(folder + "/rsm.disc.key/in/offsets.bin");
     const std::string weights = read(folder + "/rsm.disc.key/in/weights.bin");
@@ -251,6 +252,7 @@ TEST_CASE("validate: a sample pattern of one's own", "[program]") {
 TEST_CASE("validate: a scene gives uniforms, patterns and geometry", "[program]") {
     const std::string folder = fresh_folder("validate_scene"), scene = small_scene(folder);
     REQUIRE(run({"export", scene, "--stage", "all", "-o", folder}).exit == 0);
+    write_expected(folder);
     std::string exported = read(folder + "/manifest.toml");
     // The images alone: an input or an output with the lines that belong to it.
     auto images = [&](const std::string& label) {
@@ -303,6 +305,7 @@ TEST_CASE("validate: a scene gives uniforms, patterns and geometry", "[program]"
 
     // A stage that runs more than once.
     REQUIRE(run({"export", scene, "--method", "isr", "--stage", "isr.blur", "-o", folder}).exit == 0);
+    write_expected(folder);
     exported = read(folder + "/manifest.toml");
     with("stage = \"isr.blur\"\nform = \"vertical\"\n", "isr.blur (vertical)");
     CHECK(report(folder, 0)["verdict"] == "equal");
@@ -511,7 +514,7 @@ TEST_CASE("validate: what was not judged is not called equal", "[program]") {
     CHECK(all["passed"] == false);
     CHECK(all["reason"] == "no pixel was judged");
     CHECK(all["stages"][0]["judged"] == 0);
-    CHECK(all["stages"][0]["verdict"] == "equal");
+    CHECK(all["stages"][0]["verdict"] == "nothing_to_judge");
     CHECK_THAT(validate(folder).out, Contains("nothing to judge") && Contains("disagree: no pixel was judged"));
     const Words files = {"--junit", folder + "/j.xml", "--html", folder + "/r.html"};
     CHECK(validate(folder, files).exit == 1);
@@ -521,6 +524,7 @@ TEST_CASE("validate: what was not judged is not called equal", "[program]") {
 
     // Beside a stage that was judged it is skipped.
     REQUIRE(run({"export", scene, "--stage", "gbuffer", "-o", folder + "/g"}).exit == 0);
+    write_expected(folder + "/g");
     std::string both = read(folder + "/g/manifest.toml");
     both = both.substr(both.find("[[stage]]"));
     for (std::size_t at = 0; (at = both.find("file = \"", at)) != both.npos; at += 10) both.insert(at + 8, "g/");

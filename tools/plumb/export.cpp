@@ -1,11 +1,9 @@
-// plumb export: the exact inputs of a stage, and what it should write, to feed a test on a GPU.
+// plumb export: the exact inputs of a stage, what it should write, and where to write it, to feed a test on a GPU.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <memory>
-#include <span>
 
 #include "core/content_hash.h"
 #include "core/error.h"
@@ -14,9 +12,12 @@
 #include "gi/frame/frame.h"
 #include "gi/parity/stages.h"
 #include "io/file.h"
+#include "io/filling.h"
 #include "io/manifest.h"
 #include "tools/plumb/cli.h"
 #include "tools/plumb/devices.h"
+#include "tools/plumb/export_files.h"
+#include "tools/plumb/export_merge.h"
 #include "tools/plumb/export_readme.h"
 #include "tools/plumb/stage_case.h"
 #include "tools/shared/options.h"
@@ -42,13 +43,6 @@ struct ExportOptions {
     bool choices = false;
 };
 
-// What a stage wrote; and its discrete choices, [height][width][n], where a twin told them.
-struct Made {
-    Bundle outputs;
-    std::vector<std::int32_t> choices = {};
-    int choices_a_pixel = 0;
-};
-
 // What makes the outputs: our kernels, or a twin on a device.
 struct Maker {
     const RunOptions& options;
@@ -72,7 +66,8 @@ struct Maker {
 #endif
     }
 
-    Made operator()(const StageBinding& binding, const StageData& data) const {
+    // What the twin wrote on the device; nothing without one.
+    MadeOutputs operator()(const StageBinding& binding, const StageData& data) const {
 #ifdef PLUMB_WITH_VULKAN
         try {
             if (device) {
@@ -85,9 +80,14 @@ struct Maker {
             throw InputError(fmt::format("{} on {}: {}", data.label, device->name(), error.what()));
         }
 #endif
-        Made made;
-        binding.bind(data)->run(options, profile, made.outputs);
-        return made;
+        return {};
+    }
+
+    // What our kernels make of it, whatever runs the outputs.
+    Bundle expected(const StageBinding& binding, const StageData& data) const {
+        Bundle outputs;
+        binding.bind(data)->run(options, profile, outputs);
+        return outputs;
     }
 
     // What the device says of itself, where no profile does; else 0.
@@ -106,68 +106,8 @@ struct Maker {
     }
 };
 
-// Files of one export. Inputs of equal bytes are one file: most stages read the same G-buffer.
-class Exporter {
-  public:
-    Exporter(Outputs& outputs, const std::string& folder) : outputs_(outputs), folder_(folder) {}
-
-    // The file of an array that a GPU binds as it is, with what a manifest says about it.
-    io::DumpSpec input(const std::string& id, const Slot& slot, const Array& array) {
-        const std::pair key(content_hash(array.bytes.data(), array.bytes.size()), array.bytes.size());
-        std::string& name = inputs_[key];
-        if (name.empty()) {
-            name = id + "/in/" + slot.name + ".bin";
-            write(name, array.bytes);
-        }
-        return spec(name, slot, array);
-    }
-    io::DumpSpec output(const std::string& id, const Slot& slot, const Array& array) {
-        const std::string name = id + "/out/" + slot.name + ".bin";
-        write(name, array.bytes);
-        return spec(name, slot, array);
-    }
-    // As many channels as a pixel has choices. Every stage that projects to a map makes two; the others none.
-    io::DumpSpec choices(const std::string& id, const Made& made, glm::ivec2 size) {
-        if (made.choices_a_pixel != 2) return {};
-        io::DumpSpec spec;
-        spec.vk_format = "R32G32_SINT";
-        spec.width = size.x, spec.height = size.y;
-        spec.file = write(id + "/out/choices.bin", std::as_bytes(std::span(made.choices)));
-        return spec;
-    }
-    template <class Bytes>
-    std::string write(const std::string& name, const Bytes& bytes) {
-        outputs_.write(name, [&](const std::string& path) {
-            io::write_file(path, {{reinterpret_cast<const char*>(bytes.data()), bytes.size()}});
-        });
-        bytes_ += bytes.size();
-        return folder_ + "/" + name;
-    }
-    std::size_t bytes() const { return bytes_; }
-
-  private:
-    io::DumpSpec spec(const std::string& name, const Slot& slot, const Array& array) const {
-        io::DumpSpec spec;
-        spec.file = folder_ + "/" + name;
-        spec.vk_format = vk_format(slot);
-        const std::int64_t texels = std::int64_t(array.bytes.size()) / (4 * slot.channels);
-        if (slot.kind == SlotKind::buffer) {
-            spec.count = int(texels);
-        } else {
-            spec.width = int(slot.kind == SlotKind::image_array ? array.shape[2] : array.shape[1]);
-            spec.height = int(texels / spec.width);  // layers lie one below the other
-        }
-        return spec;
-    }
-
-    Outputs& outputs_;
-    std::string folder_;
-    std::map<std::pair<std::uint64_t, std::size_t>, std::string> inputs_;
-    std::size_t bytes_ = 0;
-};
-
 io::ManifestStage export_stage(const StageBinding& binding, const StageData& data, const std::string& light,
-                               const Maker& maker, Exporter& files) {
+                               const Maker& maker, ExportFiles& files) {
     io::ManifestStage stage;
     stage.stage = data.stage;
     stage.label = data.label;
@@ -175,19 +115,20 @@ io::ManifestStage export_stage(const StageBinding& binding, const StageData& dat
     stage.face = face_of(data);
     stage.width = data.size.x;
     stage.height = data.size.y;
-    const std::string block = files.write(data.id + "/block.bin", data.uniforms);
+    stage.block = files.write(data.id + "/block.bin", data.uniforms.data(), data.uniforms.size());
     // By name, for people to read and to change; only the file holds what is not finite.
     for (const UniformMember& member : binding.uniforms) {
         const std::vector<double> value = uniform_value(binding, data, member.name);
-        if (!std::all_of(value.begin(), value.end(), [](double v) { return std::isfinite(v); })) stage.uniforms_file = block;
+        if (!std::all_of(value.begin(), value.end(), [](double v) { return std::isfinite(v); })) stage.uniforms_file = stage.block;
         stage.uniforms[member.name] = value;
     }
     if (!stage.uniforms_file.empty()) stage.uniforms.clear();
     if (data.reversed_z) stage.params["reversed_z"] = {"true"};
     for (const Slot& slot : binding.inputs) stage.inputs[slot.name] = files.input(data.id, slot, at(data.inputs, slot.name));
-    const Made made = maker(binding, data);
+    const Bundle expected = maker.expected(binding, data);
+    const MadeOutputs made = maker(binding, data);
     for (const Slot& slot : binding.outputs)
-        stage.outputs[slot.name] = files.output(data.id, slot, at(made.outputs, slot.name));
+        stage.outputs[slot.name] = files.output(data.id, slot, at(expected, slot.name), find(made.outputs, slot.name));
     stage.choices = files.choices(data.id, made, data.size);
     return stage;
 }
@@ -223,16 +164,35 @@ std::vector<frame::PlannedStage> chosen(const frame::Plan& plan, const ExportOpt
     return stages;
 }
 
+// The same whenever scene, settings, device and profile are: not of the time, the folder or what is exported of them.
+std::uint64_t export_id(const Scene& scene, const frame::Settings& settings, const Maker& maker) {
+    std::string text = json_text(settings_json(settings)) + maker.name() + "\n" + maker.profile.name;
+    for (const Light& light : scene.lights) text += fmt::format("\n{} {}", light.name, light.radius);
+    return content_hash(text, scene_hash(scene));
+}
+
+// What became of the export that was in the folder.
+void print_merge(const Merge& merge, const std::vector<std::string>& changed) {
+    if (!merge.kept.empty())
+        fmt::print("beside them, of the earlier export of the same scene and settings: {}\n", fmt::join(merge.kept, ", "));
+    if (!merge.removed.empty())
+        fmt::print("replaced: what was there was exported from another scene, or with other settings; gone: {}\n",
+                   fmt::join(merge.removed, ", "));
+    for (const std::string& file : changed) fmt::print("kept: {}: has changed since it was exported\n", io::shown(file));
+}
+
 int run_export(const ExportOptions& given) {
     const RunOptions options = given.common.run_options();
     const Maker maker(given, options);
     const Scene scene = load(given.scene);
     frame::Settings settings = settings_of(scene, given.scene);
+    const std::uint64_t id = export_id(scene, settings, maker);
     choose_method(settings, given.stage);
     settings.truth = false;
     const int light = given.light.empty() ? -1 : find_light(scene, given.light);
     const frame::Plan plan = frame::plan(scene, settings);
     const std::vector<frame::PlannedStage> stages = chosen(plan, given, light);
+    const std::optional<io::Manifest> earlier = earlier_export(given.folder);
     Outputs outputs(given.folder);
 
     // Render what the stages read, then write one after the other: a big frame's inputs are not held twice.
@@ -246,8 +206,9 @@ int run_export(const ExportOptions& given) {
     manifest.device = maker.name();
     manifest.profile = maker.profile.name;
     manifest.subpixel_bits = maker.subpixel_bits();
-    Exporter files(outputs, given.folder);
-    std::string readme = readme_head(scene.name, maker.name());
+    manifest.exported.id = hash_text(id);
+    ExportFiles files(outputs, given.folder, io::filling_word(id));
+    ExportReadme readme(scene.name, maker.name());
     std::vector<std::vector<std::string>> rows;
     bool any_face = false;
     for (const frame::PlannedStage& planned : stages) {
@@ -257,24 +218,33 @@ int run_export(const ExportOptions& given) {
             const StageBinding& binding = parity::find_binding(data.stage, data.label);
             const std::string name = planned.light >= 0 ? scene.lights[std::size_t(planned.light)].name : "";
             manifest.stages.push_back(export_stage(binding, data, name, maker, files));
-            readme += readme_stage(binding, data, manifest.stages.back(), given.folder);
+            readme.add(binding, data, manifest.stages.back(), given.folder);
             rows.push_back({data.label, fmt::format("{} x {}", data.size.x, data.size.y), data.id + "/"});
         }
     }
     if (manifest.stages.empty()) throw InputError(fmt::format("--face {}: expected px, nx, py, ny, pz or nz", given.face));
     if (!given.face.empty() && !any_face)
         throw InputError(fmt::format("--face {}: nothing that is exported has faces: expected a point light", given.face));
-    files.write("manifest.toml", io::manifest_text(manifest));
-    files.write("README.txt", readme);
+    manifest.exported.files = files.hashes();
+    Merge merge;
+    if (earlier) merge = merge_exports(*earlier, manifest);
+    if (earlier) readme.keep(given.folder + "/README.txt", merge.kept);
+    const std::string text = readme.text(), manifest_text = io::manifest_text(manifest);
+    files.write("README.txt", text.data(), text.size());
+    files.write("manifest.toml", manifest_text.data(), manifest_text.size());
     outputs.commit();
+    std::vector<std::string> changed;
+    if (earlier) changed = remove_stale(*earlier, merge);
 
     if (given.common.json) {
         std::fputs(json_text({{"manifest", manifest.file.string()}, {"stages", rows.size()}, {"bytes", files.bytes()},
-                              {"files", outputs.files()}}).c_str(), stdout);
+                              {"export", manifest.exported.id}, {"kept", merge.kept}, {"replaced", merge.removed},
+                              {"changed", changed}, {"files", outputs.files()}}).c_str(), stdout);
         return success;
     }
     print_notes(scene);
     std::fputs(format_table({{"stage"}, {"size", Align::right}, {"folder"}}, rows).c_str(), stdout);
+    print_merge(merge, changed);
     std::printf("\nwrote %s, %zu files, %s MB\n", manifest.file.string().c_str(), outputs.files().size(),
                 megabytes_text(files.bytes()).c_str());
     return success;
@@ -306,7 +276,9 @@ void add_export(CLI::App& program, Action& action) {
     add_common(*command, given->common);
     command->footer(
         "Buffers and images are raw, as a GPU binds them; README.txt lists the bindings, manifest.toml is what\n"
-        "`plumb validate` reads. Put your own outputs over those in out/ and validate.");
+        "`plumb validate` reads. out/ is filled with what no pass writes, expected/ holds the answer: write your outputs over\n"
+        "out/ and validate. What is exported of one scene with the same settings into the same folder stands in one\n"
+        "manifest; of another, or with others, it replaces what was there.");
     command->callback([given, &action] {
         action = [=] {
             if (given->choices && given->device.empty())

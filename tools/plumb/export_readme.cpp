@@ -2,11 +2,17 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
+
+#include "io/file.h"
 #include "tools/shared/table.h"
 
 namespace plumb::cli {
 
 namespace {
+
+// The last line's end before it, and two empty lines.
+const std::string section_start = "\n\n\n";
 
 const char* kind_text(SlotKind kind) {
     switch (kind) {
@@ -47,18 +53,31 @@ std::string vk_format(const Slot& slot) {
     return std::string(names[slot.channels]) + type;
 }
 
-std::string readme_head(const std::string& scene, const std::string& device) {
-    return fmt::format(
+ExportReadme::ExportReadme(const std::string& scene, const std::string& device) {
+    head_ = fmt::format(
         "Exported from {} by `plumb export`.\n\n"
         "Every file is raw, little-endian, rows from the top without padding: what a GPU binds. All of it is set 0.\n"
-        "in/ holds what a pass reads, out/ {}. Bind in/ and block.bin, run your pass, write its outputs\n"
-        "over those in out/ (or name your own files and their formats in manifest.toml), then\n\n"
-        "    plumb validate manifest.toml\n",
-        scene, device.empty() ? "what it should write" : "what the GLSL twin wrote on " + device);
+        "in/ holds what a pass reads, expected/ what it should write, out/ {}. Bind in/ and\n"
+        "block.bin, run your pass, write its outputs over those in out/ (or name your own files and their formats in\n"
+        "manifest.toml), then\n\n"
+        "    plumb validate manifest.toml\n\n",
+        scene, device.empty() ? "what no pass writes" : "what the GLSL twin wrote on " + device);
+    head_ += device.empty()
+                 ? "out/ is filled with one 32-bit word, `filling` in manifest.toml, which is in no expected output: read as\n"
+                   "a float it is a NaN that no arithmetic makes, as an integer it is less than -1. Where it still stands,\n"
+                   "where a file is missing, empty or ends early, the pixel was never written, and is wrong.\n"
+                 : "What the twin wrote is judged where you write nothing over it: `plumb validate` notes it.\n";
+    head_ +=
+        "Each export has a word of its own, so that out/ of another one is told. Told by their hashes are inputs and\n"
+        "blocks that have changed since. Not told is what an earlier run of your program wrote for this same export, if\n"
+        "the last one wrote nothing: before each run\n\n"
+        "    plumb validate --refill manifest.toml\n\n"
+        "fills out/ anew. A file in out/ whose time is before its export's is named in a note, and decides nothing: copies\n"
+        "and caches need not keep times. To see a pass agree, copy expected/ over out/.\n";
 }
 
-std::string readme_stage(const StageBinding& binding, const StageData& data, const io::ManifestStage& stage,
-                         const std::string& folder) {
+void ExportReadme::add(const StageBinding& binding, const StageData& data, const io::ManifestStage& stage,
+                       const std::string& folder) {
     std::string text = fmt::format("\n\n{}\n{}\n{}\n", data.label, std::string(data.label.size(), '-'), binding.info.source);
     text += fmt::format("  GLSL twin {}{}\n", binding.twin, binding.raster ? ".vert, .frag" : "");
     text += binding.raster ? raster_text(data)
@@ -76,7 +95,22 @@ std::string readme_stage(const StageBinding& binding, const StageData& data, con
     rows.clear();
     for (const UniformMember& m : binding.uniforms)
         rows.push_back({fmt::format("{}", m.offset), m.type, m.name, exact_text(uniform_value(binding, data, m.name))});
-    return text + "\n" + format_table({{"byte", Align::right}, {"type"}, {"uniform"}, {"value"}}, rows, 2);
+    stages_ += text + "\n" + format_table({{"byte", Align::right}, {"type"}, {"uniform"}, {"value"}}, rows, 2);
+}
+
+void ExportReadme::keep(const std::string& earlier, const std::vector<std::string>& labels) {
+    std::error_code error;
+    const std::string text = std::filesystem::is_regular_file(earlier, error) ? io::read_text(earlier) : "";
+    for (const std::string& label : labels) {
+        const std::size_t at = text.find(section_start + label + "\n---");
+        if (at == text.npos) {
+            kept_ += fmt::format("{}{}\n{}\nmanifest.toml has its files.\n", section_start.substr(1), label,
+                                 std::string(label.size(), '-'));
+            continue;
+        }
+        const std::size_t end = text.find(section_start, at + section_start.size());
+        kept_ += text.substr(at + 1, end == text.npos ? end : end - at);
+    }
 }
 
 }  // namespace plumb::cli

@@ -302,6 +302,8 @@ void read_outputs(const io::ManifestStage& stage, const StageBinding& binding, S
         fit_output(*slot, dump, out.data.size, place);
         parity::Dumped dumped{name, std::move(dump.array), dump.stored, dump.channels & ((1u << slot->channels) - 1)};
         if (dumped.channels == 0) throw InputError(place + ": none of the output's channels was dumped");
+        dumped.unwritten = std::move(dump.unwritten);
+        if (!dump.absent.empty()) dumped.absent = io::shown(spec.file.string()) + " " + dump.absent;
         dumped.rounding = std::move(dump.rounding), dumped.lowest = dump.lowest, dumped.highest = dump.highest;
         out.dumped.push_back(std::move(dumped));
     }

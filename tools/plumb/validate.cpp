@@ -13,6 +13,8 @@
 #include "tools/plumb/cli.h"
 #include "tools/plumb/stage_case.h"
 #include "tools/plumb/validate_init.h"
+#include "tools/plumb/validate_refill.h"
+#include "tools/plumb/validate_stale.h"
 #include "tools/plumb/verdict_picture.h"
 #include "tools/plumb/verdict_report.h"
 #include "tools/shared/options.h"
@@ -26,15 +28,17 @@ struct ValidateOptions {
     Common common;
     std::string manifest, junit, html, profile, folder, init;
     std::optional<double> max_ambiguous;
+    bool refill = false;
 
     bool pictures() const { return !folder.empty() || !html.empty(); }
 };
 
 // One row: the verdict; where not all is equal how our kernel comes to its value at the worst pixel; and the pictures.
 StageReport report_on(const StageCase& stage, const ValidateOptions& given, const parity::JudgeOptions& options) {
-    StageReport report{parity::judge(*stage.binding, stage.data, stage.dumped, options), stage.notes, {}, {}, {}};
+    StageReport report{parity::judge(*stage.binding, stage.data, stage.dumped, options), stage.notes, "", {}, {}, {}};
     const parity::StageVerdict& verdict = report.verdict;
-    const bool differs = verdict.verdict != parity::Verdict::equal && !verdict.worst.empty();
+    const bool written = verdict.unwritten < verdict.pixels;
+    const bool differs = verdict.verdict != parity::Verdict::equal && !verdict.worst.empty() && written;
     if (given.pictures()) report.map = verdict_picture(verdict);
     if (!differs) return report;
     const std::unique_ptr<BoundStage> bound = stage.binding->bind(stage.data);
@@ -90,6 +94,8 @@ int run_validate(const ValidateOptions& given) {
         options.choices_a_pixel = one.choices_a_pixel;
         try {
             report.stages.push_back(report_on(one, given, options));
+            StageReport& made = report.stages.back();
+            made.stale = find_stale(manifest, stage, made.notes);
         } catch (const InputError& error) {
             throw InputError(stage.place + ": " + error.what());
         }
@@ -115,6 +121,9 @@ void add_validate(CLI::App& program, Action& action) {
     command->add_option("--init", given->init, "write FOLDER/manifest.toml from the names of the dumps in it")
         ->excludes(manifest)
         ->type_name("FOLDER");
+    command->add_flag("--refill", given->refill, "judge nothing: fill the outputs of an export anew, before the next run\n"
+                      "of a renderer, so that what it does not write is told")
+        ->needs(manifest);
     command->add_option("--junit", given->junit, "also write JUnit XML, a test case a stage")
         ->check(some_word())
         ->type_name("FILE");
@@ -125,7 +134,8 @@ void add_validate(CLI::App& program, Action& action) {
         ->check(some_word())
         ->type_name("P");
     command->add_option("--max-ambiguous", given->max_ambiguous,
-                        "share of a stage's pixels that may be ambiguous; the manifest's otherwise")
+                        "share of a stage's pixels, and of those that are not 0, that may be\n"
+                        "ambiguous; the manifest's otherwise")
         ->check(number_within(0, 1))
         ->type_name("S");
     command->add_option("-o,--output", given->folder, "also write pictures of verdicts and errors")
@@ -135,13 +145,13 @@ void add_validate(CLI::App& program, Action& action) {
     command->footer(
         "Each stage is judged from its own dumped inputs, so that errors do not add up. A pixel is equal, within_bound\n"
         "(another rounding, within what the profile grants each operation), ambiguous (a comparison fell inside the\n"
-        "bound) or wrong. Exit code 1 if any is wrong, or too many are ambiguous, or no pixel\n"
-        "was judged.");
+        "bound) or wrong, as is one that was never written. Exit code 1 if any is wrong, or too many are ambiguous, or if\n"
+        "there was nothing to judge, or if the inputs are not those that were exported.");
     command->callback([given, &action] {
         action = [=] {
             if (!given->init.empty()) return init_manifest(given->init, given->common.json);
             if (given->manifest.empty()) throw InputError("validate: expected MANIFEST, or --init FOLDER");
-            return run_validate(*given);
+            return given->refill ? refill(given->manifest, given->common.json) : run_validate(*given);
         };
     });
 }

@@ -27,11 +27,13 @@ Cell verdict_cell(Verdict verdict) {
     return cell;
 }
 
-Cell verdict_cell(const StageVerdict& v) {
-    if (v.pixels > 0) return verdict_cell(v.verdict);
-    Cell cell{verdict_text(v)};
-    cell.badge = "none";
-    return cell;
+Cell nothing_cell() { return {.text = "nothing to judge", .badge = "none"}; }
+
+Cell verdict_cell(const StageReport& stage) {
+    const StageVerdict& v = stage.verdict;
+    const bool named = verdict_text(stage) == parity::verdict_name(v.verdict);
+    if (named) return verdict_cell(v.verdict);
+    return stage.decided() ? Cell{.text = verdict_text(stage), .badge = "bad"} : nothing_cell();
 }
 
 std::string badge(const Cell& cell) { return page::badge(cell.text, cell.badge); }
@@ -50,12 +52,13 @@ std::string bound_text(double bound) { return std::isfinite(bound) ? fmt::format
 
 void table_of_stages(Page& page, const ValidationReport& report) {
     std::vector<std::vector<Cell>> rows{
-        head({"stage", "verdict"}, {"equal", "within bound", "ambiguous", "wrong", "pixels", "ms"})};
+        head({"stage", "verdict"}, {"equal", "within bound", "ambiguous", "wrong", "pixels", "not 0", "ms"})};
     for (std::size_t i = 0; i < report.stages.size(); ++i) {
         const StageVerdict& v = report.stages[i].verdict;
-        rows.push_back({{v.label, false, -1, "", fmt::format("#stage{}", i)}, verdict_cell(v)});
+        rows.push_back({{v.label, false, -1, "", fmt::format("#stage{}", i)}, verdict_cell(report.stages[i])});
         for (std::int64_t count : v.count) rows.back().push_back(number(share_text(count, v.pixels)));
         rows.back().push_back(number(fmt::format("{}", v.pixels)));
+        rows.back().push_back(number(fmt::format("{}", v.nonzero)));
         rows.back().push_back(number(milliseconds_text(v.ms)));
     }
     page.table(rows);
@@ -97,10 +100,34 @@ void table_of_taps(Page& page, const StageReport& stage) {
     page.raw("</div>\n");
 }
 
+std::string worst_lines(const StageVerdict& v) {
+    std::string text;
+    for (const WorstPixel& w : v.worst)
+        if (w.verdict != Verdict::equal)
+            text += fmt::format("pixel {},{}: {}: {}: expected {}, got {}, may differ by {}\n", w.pixel.x, w.pixel.y,
+                                parity::verdict_name(w.verdict), component_text(w), exact_text(w.expected),
+                                exact_text(w.got), bound_text(w.bound));
+    return text;
+}
+
+// "2623 pixels: equal 100 %, ...; 1200 not 0: equal 100 %, ...".
+std::string shares_line(const StageVerdict& v) {
+    std::string text;
+    for (const bool nonzero : {false, true}) {
+        const std::int64_t pixels = nonzero ? v.nonzero : v.pixels;
+        text += fmt::format("{}{} {}", nonzero ? "; " : "", pixels, nonzero ? "not 0" : "pixels");
+        for (int i = 0; i < parity::verdicts && pixels > 0; ++i)
+            text += fmt::format("{} {} {}", i == 0 ? ":" : ",", parity::verdict_name(Verdict(i)),
+                                share_text((nonzero ? v.nonzero_count : v.count)[std::size_t(i)], pixels));
+    }
+    return text;
+}
+
 void section(Page& page, const StageReport& stage, std::size_t index) {
     const StageVerdict& v = stage.verdict;
-    page.raw(fmt::format("<h2 id=\"stage{}\">{} {}</h2>\n", index, escaped(v.label), badge(verdict_cell(v))));
-    if (!v.reason.empty()) page.paragraph(v.reason);
+    page.raw(fmt::format("<h2 id=\"stage{}\">{} {}</h2>\n", index, escaped(v.label), badge(verdict_cell(stage))));
+    if (!stage.reason().empty()) page.paragraph(stage.reason());
+    page.paragraph(shares_line(v));
     for (const std::string& note : stage.notes) page.raw(fmt::format("<p class=\"note\">{}</p>\n", escaped(note)));
     table_of_worst(page, v);
     figure(
@@ -126,26 +153,19 @@ std::string validation_junit(const ValidationReport& report) {
         seconds += v.ms * 1e-3;
         cases += fmt::format("  <testcase classname=\"{}\" name=\"{}\" time=\"{:.3f}\"", escaped(suite),
                              escaped(v.label), v.ms * 1e-3);
-        if (v.pixels == 0) {
+        if (!s.decided()) {
             const bool any = report.judged();
             ++(any ? skipped : failures);
-            cases += fmt::format(">\n    <{} message=\"{}\"/>\n  </testcase>\n", any ? "skipped" : "failure",
-                                 any ? verdict_text(v) : none_judged);
-            continue;
+            cases += fmt::format(">\n    <{} message=\"{}\"/>\n", any ? "skipped" : "failure",
+                                 escaped(any ? s.reason() : none_judged(report)));
+        } else if (s.failed()) {
+            ++failures;
+            cases += fmt::format(">\n    <failure type=\"{}\" message=\"{}\">{}</failure>\n", escaped(verdict_text(s)),
+                                 escaped(s.reason()), escaped(worst_lines(v)));
+        } else {
+            cases += ">\n";
         }
-        if (v.passed) {
-            cases += "/>\n";
-            continue;
-        }
-        ++failures;
-        std::string text;
-        for (const WorstPixel& w : v.worst)
-            if (w.verdict != Verdict::equal)
-                text += fmt::format("pixel {},{}: {}: {}: expected {}, got {}, may differ by {}\n", w.pixel.x,
-                                    w.pixel.y, parity::verdict_name(w.verdict), component_text(w),
-                                    exact_text(w.expected), exact_text(w.got), bound_text(w.bound));
-        cases += fmt::format(">\n    <failure type=\"{}\" message=\"{}\">{}</failure>\n  </testcase>\n",
-                             parity::verdict_name(v.verdict), escaped(v.reason), escaped(text));
+        cases += fmt::format("    <system-out>{}</system-out>\n  </testcase>\n", escaped(shares_line(v)));
     }
     return fmt::format(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites>\n<testsuite name=\"{}\" tests=\"{}\" failures=\"{}\" "
@@ -159,9 +179,9 @@ std::string validation_html(const ValidationReport& report) {
     page.raw(
         fmt::format("<p>{} {}, held against the profile {}. "
                     "At most {:g} % of a stage's pixels may be ambiguous.</p>\n",
-                    badge(verdict_cell(report.verdict())), escaped(device), escaped(profile_text(report)),
-                    100 * report.max_ambiguous));
-    if (!report.judged()) page.raw(fmt::format("<p><b>Failed: {}.</b></p>\n", none_judged));
+                    badge(report.judged() ? verdict_cell(report.verdict()) : nothing_cell()), escaped(device),
+                    escaped(profile_text(report)), 100 * report.max_ambiguous));
+    if (!report.judged()) page.raw(fmt::format("<p><b>Failed: {}.</b></p>\n", escaped(none_judged(report))));
     if (const StageReport* failed = report.first_failed())
         page.raw(
             fmt::format("<p>The first stage that fails: <b>{}</b>. "

@@ -16,6 +16,8 @@ using parity::StageVerdict;
 using parity::Verdict;
 using parity::WorstPixel;
 
+constexpr const char* nothing_to_judge = "nothing_to_judge";
+
 Json number_json(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 std::string number_text(double value) { return std::isfinite(value) ? fmt::format("{:.3g}", value) : "none"; }
@@ -69,29 +71,51 @@ Json worst_json(const WorstPixel& w) {
             {"excess", number_json(w.excess)}};
 }
 
+using Counts = std::array<std::int64_t, parity::verdicts>;
+
+double share_of(const Counts& counts, Verdict verdict, std::int64_t pixels) {
+    return pixels > 0 ? double(counts[std::size_t(verdict)]) / double(pixels) : 0.0;
+}
+
+Json counts_json(const Counts& counts) {
+    Json json;
+    for (int i = 0; i < parity::verdicts; ++i) json[parity::verdict_name(Verdict(i))] = counts[std::size_t(i)];
+    return json;
+}
+
+// Shares of the pixels where more than 0 is expected.
+Json nonzero_json(const StageVerdict& v) {
+    Json json;
+    for (int i = 0; i < parity::verdicts; ++i)
+        json[parity::verdict_name(Verdict(i))] = share_of(v.nonzero_count, Verdict(i), v.nonzero);
+    json["pixels"] = v.nonzero;
+    json["counts"] = counts_json(v.nonzero_count);
+    return json;
+}
+
 Json stage_json(const StageReport& stage) {
     const StageVerdict& v = stage.verdict;
-    auto share = [&](Verdict verdict) {
-        return v.pixels > 0 ? double(v.count[std::size_t(verdict)]) / double(v.pixels) : 0.0;
-    };
-    Json counts, worst_pixels = Json::array();
-    for (int i = 0; i < parity::verdicts; ++i) counts[parity::verdict_name(Verdict(i))] = v.count[std::size_t(i)];
+    auto share = [&](Verdict verdict) { return share_of(v.count, verdict, v.pixels); };
+    Json worst_pixels = Json::array();
     for (const WorstPixel& w : v.worst)
         if (w.verdict != Verdict::equal) worst_pixels.push_back(worst_json(w));
     const WorstPixel* worst = worst_of(v);
     Json json = {{"name", v.label},
                  {"stage", v.stage},
                  {"id", v.id},
-                 {"verdict", parity::verdict_name(v.verdict)},
-                 {"passed", v.passed},
-                 {"reason", v.reason},
+                 {"verdict", stage.decided() ? parity::verdict_name(v.verdict) : nothing_to_judge},
+                 {"passed", stage.passed()},
+                 {"reason", stage.reason()},
                  {"equal", share(Verdict::equal)},
                  {"within_bound", share(Verdict::within_bound)},
                  {"ambiguous", share(Verdict::ambiguous)},
                  {"wrong", share(Verdict::wrong)},
                  {"judged", v.pixels},
                  {"pixels", v.pixels},
-                 {"counts", counts},
+                 {"counts", counts_json(v.count)},
+                 {"nonzero", nonzero_json(v)},
+                 {"unwritten", v.unwritten},
+                 {"stale", stage.stale},
                  {"worst", worst ? worst_json(*worst) : Json(nullptr)},
                  {"worst_pixels", worst_pixels},
                  {"notes", stage.notes},
@@ -103,12 +127,16 @@ Json stage_json(const StageReport& stage) {
 
 }  // namespace
 
+std::string StageReport::reason() const {
+    return stale + (stale.empty() || verdict.reason.empty() ? "" : "; ") + verdict.reason;
+}
+
 bool ValidationReport::judged() const {
-    return std::any_of(stages.begin(), stages.end(), [](const StageReport& s) { return s.verdict.pixels > 0; });
+    return std::any_of(stages.begin(), stages.end(), [](const StageReport& s) { return s.decided(); });
 }
 
 bool ValidationReport::passed() const {
-    return judged() && std::all_of(stages.begin(), stages.end(), [](const StageReport& s) { return s.verdict.passed; });
+    return judged() && std::none_of(stages.begin(), stages.end(), [](const StageReport& s) { return s.failed(); });
 }
 
 Verdict ValidationReport::verdict() const {
@@ -118,12 +146,21 @@ Verdict ValidationReport::verdict() const {
 }
 
 const StageReport* ValidationReport::first_failed() const {
-    const auto at = std::find_if(stages.begin(), stages.end(), [](const StageReport& s) { return !s.verdict.passed; });
+    const auto at = std::find_if(stages.begin(), stages.end(), [](const StageReport& s) { return s.failed(); });
     return at == stages.end() ? nullptr : &*at;
 }
 
-std::string verdict_text(const StageVerdict& verdict) {
-    return verdict.pixels == 0 ? "nothing to judge" : parity::verdict_name(verdict.verdict);
+std::string verdict_text(const StageReport& stage) {
+    const StageVerdict& v = stage.verdict;
+    if (!stage.stale.empty()) return "stale";
+    if (!stage.decided()) return "nothing to judge";
+    return v.unwritten > 0 && v.unwritten == v.pixels ? "not written" : parity::verdict_name(v.verdict);
+}
+
+std::string none_judged(const ValidationReport& report) {
+    const bool any = std::any_of(report.stages.begin(), report.stages.end(),
+                                 [](const StageReport& s) { return s.verdict.pixels > 0; });
+    return any ? "nothing to judge: all that is expected is 0" : "no pixel was judged";
 }
 
 std::string profile_text(const ValidationReport& report) {
@@ -144,17 +181,32 @@ std::string component_text(const WorstPixel& w) {
     return w.channel < 0 || w.channel > 3 ? w.output : fmt::format("{}.{}", w.output, "xyzw"[w.channel]);
 }
 
+bool has_zeros(const StageVerdict& v) { return v.nonzero > 0 && v.nonzero < v.pixels; }
+
+namespace {
+
+// The shares once more, of the pixels where more than 0 is expected.
+std::vector<std::string> nonzero_row(const StageVerdict& v) {
+    std::vector<std::string> row = {"  where not 0", ""};
+    for (std::int64_t count : v.nonzero_count) row.push_back(share_text(count, v.nonzero));
+    row.insert(row.end(), {fmt::format("{}", v.nonzero), "", ""});
+    return row;
+}
+
+}  // namespace
+
 std::string validation_text(const ValidationReport& report) {
     std::vector<std::vector<std::string>> rows;
     for (const StageReport& s : report.stages) {
         const StageVerdict& v = s.verdict;
-        std::vector<std::string> row = {v.label, verdict_text(v)};
+        std::vector<std::string> row = {v.label, verdict_text(s)};
         for (std::int64_t count : v.count) row.push_back(share_text(count, v.pixels));
         row.push_back(fmt::format("{}", v.pixels));
         row.push_back(milliseconds_text(v.ms));
         const WorstPixel* worst = worst_of(v);
-        row.push_back(worst ? worst_text(*worst) : "");
+        row.push_back(worst && v.unwritten < v.pixels ? worst_text(*worst) : "");
         rows.push_back(std::move(row));
+        if (has_zeros(v)) rows.push_back(nonzero_row(v));
     }
     std::string text = fmt::format("{}, held against the profile {}\n\n",
                                    report.manifest.device.empty() ? io::shown(report.manifest.file.string())
@@ -173,20 +225,27 @@ std::string validation_text(const ValidationReport& report) {
     for (const StageReport& s : report.stages)
         for (const std::string& note : s.notes) text += fmt::format("note: {}: {}\n", s.verdict.label, note);
 
-    if (!report.judged()) return text + "\ndisagree: " + none_judged + "\n";
+    std::size_t undecided = 0;
+    for (const StageReport& s : report.stages)
+        if (!s.decided()) ++undecided, text += fmt::format("note: {}: {}\n", s.verdict.label, s.reason());
+    if (!report.judged()) return text + "\ndisagree: " + none_judged(report) + "\n";
 
     // The first stage that fails is the one to look at.
     const StageReport* failed = report.first_failed();
     if (!failed) {
         const bool equal = report.verdict() == Verdict::equal;
-        return text + (equal ? "\nagree: equal, to the bit\n" : "\nagree: nothing is wrong\n");
+        text += equal ? "\nagree: equal, to the bit" : "\nagree: nothing is wrong";
+        return text + (undecided > 0 ? fmt::format("; nothing to judge in {} of {} stages\n", undecided,
+                                                   report.stages.size())
+                                     : "\n");
     }
-    text += fmt::format("\nThe first stage that fails: {}\n{}", failed->verdict.label, worst_table(failed->verdict));
+    text += fmt::format("\nThe first stage that fails: {}\n", failed->verdict.label);
+    if (failed->verdict.unwritten < failed->verdict.pixels) text += worst_table(failed->verdict);
     if (const WorstPixel* worst = worst_of(failed->verdict); worst && !failed->explanation.empty())
         text += "\n" + explain_text({"explain: " + failed->verdict.label, worst->pixel, ends_of(failed->explanation)});
     text += "\n";
     for (const StageReport& s : report.stages)
-        if (!s.verdict.passed) text += fmt::format("disagree: {}: {}\n", s.verdict.label, s.verdict.reason);
+        if (s.failed()) text += fmt::format("disagree: {}: {}\n", s.verdict.label, s.reason());
     return text;
 }
 
@@ -194,9 +253,9 @@ Json validation_json(const ValidationReport& report) {
     Json stages = Json::array();
     for (const StageReport& s : report.stages) stages.push_back(stage_json(s));
     const StageReport* failed = report.first_failed();
-    return {{"verdict", parity::verdict_name(report.verdict())},
+    return {{"verdict", report.judged() ? parity::verdict_name(report.verdict()) : nothing_to_judge},
             {"passed", report.passed()},
-            {"reason", report.judged() ? "" : none_judged},
+            {"reason", report.judged() ? "" : none_judged(report)},
             {"manifest", report.manifest.file.string()},
             {"device", report.manifest.device},
             {"profile", report.profile},

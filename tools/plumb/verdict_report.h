@@ -15,9 +15,15 @@ namespace plumb::cli {
 struct StageReport {
     parity::StageVerdict verdict;
     std::vector<std::string> notes;     // what was assumed
+    std::string stale;                  // what is not of this export: the stage fails, whatever its verdict; else ""
     std::vector<TapValue> explanation;  // of the worst pixel, where not all is equal
     // Pictures, where they were asked for: of the verdicts; and of |got - expected|, where not all is equal.
     Image<std::uint32_t> map, error;
+
+    bool passed() const { return decided() && verdict.passed && stale.empty(); }
+    bool failed() const { return !verdict.passed || !stale.empty(); }
+    bool decided() const { return verdict.decided || !stale.empty(); }  // false: neither passed nor failed
+    std::string reason() const;
 };
 
 struct ValidationReport {
@@ -26,7 +32,7 @@ struct ValidationReport {
     double max_ambiguous = 0;
     std::vector<StageReport> stages;  // in the manifest's order
 
-    // False where not one pixel was judged in all of them, too.
+    // False where there was nothing to judge in any of them, too.
     bool passed() const;
     bool judged() const;
     parity::Verdict verdict() const;  // the worst of all stages
@@ -40,14 +46,17 @@ Json validation_json(const ValidationReport& report);
 std::string validation_junit(const ValidationReport& report);
 std::string validation_html(const ValidationReport& report);
 
-// "equal", "wrong" ...; of a stage of which no pixel was judged "nothing to judge".
-std::string verdict_text(const parity::StageVerdict& verdict);
+// "equal", "wrong" ...; or "nothing to judge", "not written", "stale".
+std::string verdict_text(const StageReport& stage);
 // "ideal", "ideal with 4 subpixel bits".
 std::string profile_text(const ValidationReport& report);
-inline constexpr const char* none_judged = "no pixel was judged";
+// Why a report that decided nothing is none: no pixel was judged, or all that was expected is 0.
+std::string none_judged(const ValidationReport& report);
 
 // "12.5 %"; what is there is never shown as 0, and what is not all never as 100.
 std::string share_text(std::int64_t count, std::int64_t of);
+// Whether some of the pixels that were judged, and not all, have no more than 0 expected.
+bool has_zeros(const parity::StageVerdict& verdict);
 // "irradiance.x"; of an output of one channel its name.
 std::string component_text(const parity::WorstPixel& worst);
 

@@ -1,0 +1,66 @@
+#include "tools/plumb/export_files.h"
+
+#include "core/content_hash.h"
+#include "io/file.h"
+#include "io/filling.h"
+#include "tools/plumb/export_readme.h"
+
+namespace plumb::cli {
+
+std::string ExportFiles::write(const std::string& name, const void* data, std::size_t bytes) {
+    outputs_.write(name, [&](const std::string& path) { io::write_file(path, {{static_cast<const char*>(data), bytes}}); });
+    hashes_[name] = hash_text(content_hash(data, bytes));
+    bytes_ += bytes;
+    return folder_ + "/" + name;
+}
+
+io::DumpSpec ExportFiles::input(const std::string& id, const Slot& slot, const Array& array) {
+    const std::pair key(content_hash(array.bytes.data(), array.bytes.size()), array.bytes.size());
+    std::string& name = inputs_[key];
+    if (name.empty()) {
+        name = id + "/in/" + slot.name + ".bin";
+        write(name, array.bytes.data(), array.bytes.size());
+    }
+    return spec(name, slot, array);
+}
+
+io::DumpSpec ExportFiles::output(const std::string& id, const Slot& slot, const Array& expected, const Array* device) {
+    const std::string file = slot.name + ".bin", name = id + "/out/" + file;
+    io::DumpSpec spec = this->spec(name, slot, expected);
+    spec.expected = write(id + "/expected/" + file, expected.bytes.data(), expected.bytes.size());
+    if (device) {
+        write(name, device->bytes.data(), device->bytes.size());
+        return spec;
+    }
+    std::uint32_t word = filling_;
+    while (io::holds_word(expected.bytes.data(), expected.bytes.size(), word)) word = io::next_filling(word);
+    const std::vector<unsigned char> nothing = io::filled_bytes(word, expected.bytes.size());
+    write(name, nothing.data(), nothing.size());
+    spec.filling = word;
+    return spec;
+}
+
+io::DumpSpec ExportFiles::choices(const std::string& id, const MadeOutputs& made, glm::ivec2 size) {
+    if (made.choices_a_pixel != 2) return {};
+    io::DumpSpec spec;
+    spec.vk_format = "R32G32_SINT";
+    spec.width = size.x, spec.height = size.y;
+    spec.file = write(id + "/out/choices.bin", made.choices.data(), made.choices.size() * sizeof made.choices[0]);
+    return spec;
+}
+
+io::DumpSpec ExportFiles::spec(const std::string& name, const Slot& slot, const Array& array) const {
+    io::DumpSpec spec;
+    spec.file = folder_ + "/" + name;
+    spec.vk_format = vk_format(slot);
+    const std::int64_t texels = std::int64_t(array.bytes.size()) / (4 * slot.channels);
+    if (slot.kind == SlotKind::buffer) {
+        spec.count = int(texels);
+    } else {
+        spec.width = int(slot.kind == SlotKind::image_array ? array.shape[2] : array.shape[1]);
+        spec.height = int(texels / spec.width);  // layers lie one below the other
+    }
+    return spec;
+}
+
+}  // namespace plumb::cli
