@@ -16,6 +16,12 @@ profile = "lavapipe-22.3-fma"
 max_ambiguous = 0.01
 scene = "scenes/cornell.toml"
 
+[export]
+id = "0123456789abcdef"
+[export.files]
+"a/block.bin" = "00112233445566ff"
+"a/out/irradiance.bin" = "ff00112233445566"
+
 [[stage]]
 stage = "rsm.disc"
 label = "my gather"
@@ -23,6 +29,7 @@ form = "bounce 2"
 light = "key"
 face = "px"
 size = [64, 32]
+block = "a/block.bin"
 [stage.params]
 samples = 400
 radius = 0.25
@@ -61,6 +68,8 @@ vk_format = "R32G32_SFLOAT"
 count = 100000
 [stage.output.irradiance]
 file = "out.exr"
+expected = "expected.bin"
+filling = "ffe1a2b3"
 [stage.choices]
 file = "choices.npy"
 [stage.coverage]
@@ -82,8 +91,11 @@ height = 8
 
 const std::string full_json = R"({
 "device": "A GPU, driver 1.2", "profile": "lavapipe-22.3-fma", "max_ambiguous": 0.01, "scene": "scenes/cornell.toml",
+"export": {"id": "0123456789abcdef",
+           "files": {"a/block.bin": "00112233445566ff", "a/out/irradiance.bin": "ff00112233445566"}},
 "stage": [{
   "stage": "rsm.disc", "label": "my gather", "form": "bounce 2", "light": "key", "face": "px", "size": [64, 32],
+  "block": "a/block.bin",
   "params": {"samples": 400, "radius": 0.25, "variant": "published", "visibility": true, "direction": [0, 1, 0.5]},
   "uniforms": {"intensity": [1, 2.5, 3], "count": 400, "flag": true, "map": {"to_texel_x": 0.5, "to_texel_y": -0.5}},
   "input": {
@@ -92,7 +104,7 @@ const std::string full_json = R"({
     "normal": {"file": "gbuffer.exr", "layer": "normal", "channels": "xy", "encoding": "octahedral"},
     "depth": {"file": "depth.raw", "vk_format": "D32_SFLOAT", "encoding": "reversed_depth", "near_far": [0.1, "inf"]},
     "offsets": {"file": "offsets.raw", "vk_format": "R32G32_SFLOAT", "count": 100000}},
-  "output": {"irradiance": {"file": "out.exr"}},
+  "output": {"irradiance": {"file": "out.exr", "expected": "expected.bin", "filling": "ffe1a2b3"}},
   "choices": {"file": "choices.npy"},
   "coverage": {"file": "stencil.raw", "vk_format": "R8_UINT", "above": 2, "below": 8}
 }, {
@@ -124,6 +136,8 @@ void require_equal(const DumpSpec& a, const DumpSpec& b) {
     CHECK(a.encoding == b.encoding);
     CHECK(a.flip_y == b.flip_y);
     CHECK(a.near_far == b.near_far);
+    CHECK(a.expected == b.expected);
+    CHECK(a.filling == b.filling);
 }
 
 void require_equal(const std::map<std::string, DumpSpec>& a, const std::map<std::string, DumpSpec>& b) {
@@ -142,6 +156,8 @@ void require_equal(const Manifest& a, const Manifest& b) {
     CHECK(a.subpixel_bits == b.subpixel_bits);
     CHECK(a.max_ambiguous == b.max_ambiguous);
     CHECK(a.scene == b.scene);
+    CHECK(a.exported.id == b.exported.id);
+    CHECK(a.exported.files == b.exported.files);
     REQUIRE(a.stages.size() == b.stages.size());
     for (std::size_t i = 0; i < a.stages.size(); ++i) {
         const ManifestStage &s = a.stages[i], &t = b.stages[i];
@@ -154,6 +170,7 @@ void require_equal(const Manifest& a, const Manifest& b) {
         CHECK(s.height == t.height);
         CHECK(s.uniforms == t.uniforms);
         CHECK(s.uniforms_file == t.uniforms_file);
+        CHECK(s.block == t.block);
         CHECK(s.params == t.params);
         require_equal(s.inputs, t.inputs);
         require_equal(s.outputs, t.outputs);
@@ -184,6 +201,9 @@ TEST_CASE("manifest: every key of TOML arrives", "[io][manifest]") {
     CHECK(m.profile == "lavapipe-22.3-fma");
     CHECK(m.max_ambiguous == 0.01);
     CHECK(m.scene == folder / "scenes/cornell.toml");
+    CHECK(m.exported.id == "0123456789abcdef");
+    CHECK(m.exported.files == std::map<std::string, std::string>{{"a/block.bin", "00112233445566ff"},
+                                                                 {"a/out/irradiance.bin", "ff00112233445566"}});
     REQUIRE(m.stages.size() == 2);
 
     const ManifestStage& s = m.stages[0];
@@ -210,7 +230,7 @@ TEST_CASE("manifest: every key of TOML arrives", "[io][manifest]") {
 
     const DumpSpec& position = s.inputs.at("position");
     CHECK(position.file == folder / "position.raw");
-    CHECK(position.place == folder / "m.toml" + ": line 25: input.position of stage 1 (rsm.disc)");
+    CHECK(position.place == folder / "m.toml" + ": line 32: input.position of stage 1 (rsm.disc)");
     CHECK(position.vk_format == "R16G16B16A16_SFLOAT");
     CHECK(position.width == 64);
     CHECK(position.height == 32);
@@ -231,6 +251,9 @@ TEST_CASE("manifest: every key of TOML arrives", "[io][manifest]") {
     CHECK(s.inputs.at("offsets").count == 100000);
     CHECK(s.inputs.at("offsets").width == 0);
     CHECK(s.outputs.at("irradiance").width == 64);
+    CHECK(s.outputs.at("irradiance").expected == folder / "expected.bin");
+    CHECK(s.outputs.at("irradiance").filling == 0xffe1a2b3u);
+    CHECK(s.block == folder / "a/block.bin");
     CHECK(s.choices.file == folder / "choices.npy");
     CHECK(s.coverage.dump.file == folder / "stencil.raw");
     CHECK(s.coverage.dump.width == 64);
@@ -263,6 +286,9 @@ TEST_CASE("manifest: what is left out has its default", "[io][manifest]") {
     CHECK(m.max_ambiguous == 0.005);
     CHECK(m.scene.empty());
     CHECK(m.stages.at(0).inputs.empty());
+    CHECK(m.exported.id == "");
+    CHECK_FALSE(m.stages.at(0).outputs.at("irradiance").filling);
+    CHECK(m.stages.at(0).outputs.at("irradiance").expected.empty());
     // The same stage may come twice: two frames, two of its dispatches.
     CHECK(read_manifest(folder.put("m", small("") + small(""))).stages.size() == 2);
 }
@@ -281,6 +307,27 @@ TEST_CASE("manifest: coverage is above 0, or above and below what is said", "[io
     CHECK(limits("below = 1\n") == std::pair(-inf, 1.0));
     CHECK(limits("above = 0\nbelow = 1\n") == std::pair(0.0, 1.0));
     require_message(error_of([&] { limits("above = 1\nbelow = 1\n"); }), {"coverage", "below = 1", "more than above"});
+}
+
+TEST_CASE("manifest: what an export wrote is named inside of its folder, with hashes", "[io][manifest]") {
+    const Folder folder;
+    const auto refused = [&](const std::string& lines, const std::string& output, std::initializer_list<const char*> words) {
+        const std::string text = small(lines.empty() ? "" : "[export]\n" + lines, "", output);
+        const std::string error = error_of([&] { read_manifest(folder.put("m.toml", text)); });
+        for (const char* word : words) CHECK_THAT(error, Catch::Contains(word));
+    };
+    const std::string id = "id = \"0123456789abcdef\"\n";
+    refused("files = {}\n", "", {"id", "16 hexadecimal digits"});
+    refused("id = \"0123456789ABCDEF\"\n", "", {"id", "16 hexadecimal digits"});
+    refused(id + "fils = {}\n", "", {"fils", "files"});
+    for (const char* name : {"../a.bin", "/etc/a.bin", "a/../../b.bin", "", ".."})
+        refused(id + "files = { \"" + name + "\" = \"0123456789abcdef\" }\n", "", {"in the folder of the manifest"});
+    refused(id + "files = { a = \"0123\" }\n", "", {"a = ", "hash"});
+    for (const char* word : {"ffe1a2b", "7fc00000", "ffe00000", "ffffffff", "ffe1a2b3f", "gfe1a2b3"})
+        refused("", "filling = \"" + std::string(word) + "\"\n", {"filling", "ffe00001 to fffffffe"});
+    // Of outputs alone.
+    const std::string input = small("") + "[stage.input.x]\nfile = \"b.exr\"\nfilling = \"ffe1a2b3\"\n";
+    CHECK_THAT(error_of([&] { read_manifest(folder.put("m.toml", input)); }), Catch::Contains("filling"));
 }
 
 TEST_CASE("manifest: an absolute name stays, a relative one is seen from the manifest", "[io][manifest]") {

@@ -153,10 +153,10 @@ TEST_CASE("export --choices: validate follows what the twin chose", "[program][v
 
 namespace {
 
-std::vector<std::string> exported_stages(const std::string& folder) {
-    std::vector<std::string> names;
-    for (const Json& stage : Json::parse(run({"validate", folder + "/manifest.toml", "--json"}).out)["stages"])
-        names.push_back(stage["id"]);
+Words exported_stages(const std::string& folder) {
+    const Json report = Json::parse(run({"validate", folder + "/manifest.toml", "--json"}).out);
+    Words names;
+    for (const Json& stage : report["stages"]) names.push_back(stage["id"]);
     return names;
 }
 
