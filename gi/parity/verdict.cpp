@@ -42,11 +42,14 @@ class Judge {
                            [&](const Pair& p) { return p.expects_nothing(index(pixel)); });
     }
 
-    // Where a dump says why nothing of it was written: ": irradiance ...".
+    // The first output of which a dump says why nothing was written, and how many there are: ": out/a.bin is missing".
     std::string absent() const {
-        for (const Pair& p : pairs_)
-            if (!p.dumped->absent.empty()) return ": " + p.dumped->absent;
-        return "";
+        const auto is_absent = [](const Pair& p) { return !p.dumped->absent.empty(); };
+        const auto first = std::find_if(pairs_.begin(), pairs_.end(), is_absent);
+        if (first == pairs_.end()) return "";
+        const auto all = std::count_if(pairs_.begin(), pairs_.end(), is_absent);
+        return ": " + first->dumped->absent +
+               (pairs_.size() > 1 ? fmt::format(" ({} of {} outputs)", all, pairs_.size()) : "");
     }
 
     // Where the dump is the same at every pixel that was judged: "0" or "NaN"; else "".
@@ -316,7 +319,7 @@ std::string unwritten_text(const Judge& judge, const StageVerdict& v) {
     return fmt::format("{} of {} pixels were never written, in row{} {}{}{}", v.unwritten, v.pixels,
                        v.unwritten_rows[0] == v.unwritten_rows[1] ? "" : "s", v.unwritten_rows[0],
                        v.unwritten_rows[0] == v.unwritten_rows[1] ? "" : fmt::format(" to {}", v.unwritten_rows[1]),
-                       others > 0 ? fmt::format("; {} others are wrong", others) : "");
+                       others > 0 ? fmt::format("; {} more {} wrong", others, others == 1 ? "is" : "are") : "");
 }
 
 std::string ambiguous_text(double all, double nonzero, double most) {

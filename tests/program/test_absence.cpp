@@ -93,6 +93,28 @@ TEST_CASE("absence: no file touched, of every stage of a frame", "[program][abse
     }
 }
 
+TEST_CASE("absence: one output of several", "[program][absence]") {
+    const std::string folder = exported("absence_one_of", {}, "gbuffer"), file = folder + "/gbuffer/out/albedo.bin";
+    const std::string filling = read(file);
+    CHECK_THAT(validate(folder).out, Contains("nothing was written: ") && Contains(" (6 of 6 outputs)"));
+    write_expected(folder);
+    CHECK(validate(folder).exit == 0);
+    write(file, filling);
+    const Result r = validate(folder);
+    CHECK(r.exit == 1);
+    CHECK_THAT(r.out, Contains("out/albedo.bin still holds what the export filled it with (1 of 6 outputs)"));
+}
+
+TEST_CASE("absence: a manifest that is guessed takes no answer for an output", "[program][absence]") {
+    const std::string folder = exported("absence_init");
+    fs::remove(folder + "/manifest.toml");
+    REQUIRE(run({"validate", "--init", folder}).exit == 0);
+    CHECK_THAT(read(folder + "/manifest.toml"), !Contains("expected/") && Contains("out/radiance.bin"));
+    CHECK(disagrees(folder, "2623 of 2623 pixels are wrong; all that was written is NaN")["unwritten"] == 0);
+    write_expected(folder);
+    CHECK_THAT(agreeing(validate(folder)), Contains("agree: equal, to the bit"));
+}
+
 TEST_CASE("absence: file deleted, empty file", "[program][absence]") {
     const std::string folder = exported("absence_deleted");
     write(folder + out_file, "");
@@ -125,7 +147,7 @@ TEST_CASE("absence: some pixels, and one channel", "[program][absence]") {
     // A texel of which some channels are written was written, and is wrong.
     bytes.replace(16 * (9 * width + 30), 4, filling.substr(0, 4));
     write(folder + out_file, bytes);
-    const Json stage = disagrees(folder, "1 of 2623 pixels were never written, in row 7; 1 others are wrong");
+    const Json stage = disagrees(folder, "1 of 2623 pixels were never written, in row 7; 1 more is wrong");
     CHECK(stage["unwritten"] == 1);
     CHECK(stage["counts"]["wrong"] == 2);
 }
