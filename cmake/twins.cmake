@@ -2,6 +2,10 @@
 # the build.
 find_program(GLSLANG glslangValidator)
 find_program(SPIRV_VAL spirv-val)
+if(NOT GLSLANG OR NOT SPIRV_VAL)
+  message(FATAL_ERROR "glslangValidator or spirv-val not found (glslang-tools, spirv-tools; tools/install-deps installs "
+    "them): binding numbers and block layouts are read from the twins' SPIR-V")
+endif()
 
 # The files that any twin may include.
 file(GLOB_RECURSE PLUMB_TWIN_INCLUDES CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/core/*.glsl
@@ -9,11 +13,7 @@ file(GLOB_RECURSE PLUMB_TWIN_INCLUDES CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/co
 
 # plumb_compile_twins(<target> <file>...): SPIR-V of each file, under <build>/twins, as part of the target ALL.
 function(plumb_compile_twins target)
-  if(NOT PLUMB_COMPILE_TWINS OR NOT ARGN)
-    return()
-  endif()
-  if(NOT GLSLANG OR NOT SPIRV_VAL)
-    message(WARNING "glslangValidator or spirv-val not found: the GLSL twins are not compiled")
+  if(NOT ARGN)
     return()
   endif()
   foreach(file IN LISTS ARGN)
@@ -28,6 +28,33 @@ function(plumb_compile_twins target)
     list(APPEND outputs ${spirv})
   endforeach()
   add_custom_target(${target} ALL DEPENDS ${outputs})
+endfunction()
+
+# plumb_twin_layouts(<target> <file>...): a header a twin with its bindings and its block (core/twin_layout.h), for
+# <target> to include as "twins/<folder>.<name>.h"; the twins of <target> are those that plumb_compile_twins() compiled.
+add_executable(plumb_twin_layout ${PROJECT_SOURCE_DIR}/tools/twins/layout.cpp)
+target_include_directories(plumb_twin_layout PRIVATE ${PROJECT_SOURCE_DIR})
+function(plumb_twin_layouts target)
+  foreach(file IN LISTS ARGN)
+    file(RELATIVE_PATH path ${PROJECT_SOURCE_DIR} ${file})
+    if(path MATCHES "\\.vert$")
+      continue()  # goes with its .frag
+    endif()
+    string(REPLACE "/" "." name ${path})
+    set(spirv ${CMAKE_BINARY_DIR}/twins/${name}.spv)
+    if(path MATCHES "\\.frag$")
+      string(REGEX REPLACE "\\.frag$" "" path ${path})
+      string(REGEX REPLACE "\\.frag$" "" name ${name})
+      list(PREPEND spirv ${CMAKE_BINARY_DIR}/twins/${name}.vert.spv)
+    endif()
+    set(header ${CMAKE_BINARY_DIR}/layouts/twins/${name}.h)
+    add_custom_command(OUTPUT ${header} COMMAND plumb_twin_layout ${path} ${header} ${spirv}
+      DEPENDS plumb_twin_layout ${spirv} VERBATIM)
+    list(APPEND headers ${header})
+  endforeach()
+  file(MAKE_DIRECTORY ${CMAKE_BINARY_DIR}/layouts/twins)
+  target_sources(${target} PRIVATE ${headers})
+  target_include_directories(${target} PRIVATE ${CMAKE_BINARY_DIR}/layouts)
 endfunction()
 
 # The same twin with its taps: preprocessed with TAP() left as it is, its sites numbered (tools/twins/number_taps.cpp),
@@ -54,10 +81,10 @@ function(plumb_choosing_twin file spirv)
 endfunction()
 
 # plumb_embed_twins(<target>): every twin of raster and gi and every probe, plain and tapped, as a source of the target:
-# what tools/vulkan/twins.h finds. Without a compiler for them the table is empty.
+# what tools/vulkan/twins.h finds. With PLUMB_COMPILE_TWINS off the table is empty.
 function(plumb_embed_twins target)
   set(source ${CMAKE_BINARY_DIR}/twins/embedded_twins.cpp)
-  if(NOT PLUMB_COMPILE_TWINS OR NOT GLSLANG OR NOT SPIRV_VAL)
+  if(NOT PLUMB_COMPILE_TWINS)
     set(source ${CMAKE_BINARY_DIR}/twins/no_twins.cpp)
     file(WRITE ${source} "#include \"tools/vulkan/embedded_twins.h\"\n\n"
       "std::span<const plumb::vulkan::EmbeddedTwin> plumb::vulkan::embedded_twins() { return {}; }\n")

@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <stdexcept>
 
 #include "core/error.h"
 #include "core/fields.h"
+#include "core/parallel.h"
 
 namespace plumb {
 
@@ -69,6 +71,7 @@ void check_slots(const StageBinding& binding, const StageData& data) {
                                  binding.uniform_bytes));
     for (const Slot& slot : binding.inputs) {
         const Array* array = find(data.inputs, slot.name);
+        if (!array && slot.optional) continue;
         if (!array) refuse(data, fmt::format("input \"{}\" is missing", slot.name));
         check_shape(slot, data, *array);
     }
@@ -115,11 +118,91 @@ const std::int32_t* ints(const StageData& data, const std::string& input) {
     return reinterpret_cast<const std::int32_t*>(at(data.inputs, input).bytes.data());
 }
 
+StageData begin_data(const StageBinding& binding, glm::ivec2 size, std::vector<unsigned char> uniforms) {
+    StageData d;
+    d.stage = d.label = binding.info.name;
+    d.size = size;
+    d.uniforms = std::move(uniforms);
+    return d;
+}
+
+StageData owned(const StageBinding& binding, StageData data) {
+    Bundle inputs;
+    for (const Slot& slot : binding.inputs) {
+        if (const Array* array = find(data.inputs, slot.name)) {
+            inputs.arrays.push_back(*array);
+            inputs.arrays.back().bytes.own();
+        } else {
+            add(inputs, slot.name, slot.dtype, expected_shape(slot, data));
+        }
+    }
+    data.inputs = std::move(inputs);
+    data.tiles = {};
+    return data;
+}
+
+namespace {
+
+bool reads(const StageData& data, const void* memory) {
+    for (const Array& array : data.inputs.arrays)
+        if (array.bytes.data() == memory) return true;
+    return false;
+}
+
+// Runs into memory that is lent to the bundle: into what `output` holds already where that fits and is not read, since
+// memory that is new to a process costs more than small stages.
+template <class T>
+void run_into(const StageBinding& binding, const StageData& data, const RunOptions& options, Image<T>& output, T fill) {
+    const std::unique_ptr<BoundStage> bound = binding.bind(data);
+    const bool fits = output.width == data.size.x && output.height == data.size.y && !reads(data, output.data());
+    Image<T> result = fits ? std::move(output) : Image<T>(data.size.x, data.size.y, fill);
+    if (fits && data.tiles.any) std::fill(result.texels.begin(), result.texels.end(), fill);
+    Bundle outputs;
+    const Shape shape = sizeof(T) == 16 ? Shape{data.size.y, data.size.x, 4} : Shape{data.size.y, data.size.x};
+    lend(outputs, binding.outputs.at(0).name, shape, reinterpret_cast<float*>(result.data()));
+    bound->run(options, {}, outputs);
+    output = std::move(result);
+}
+
+}  // namespace
+
+void run(const StageBinding& binding, const StageData& data, const RunOptions& options, Image4& output) {
+    run_into(binding, data, options, output, binding.outputs.at(0).unwritten);
+}
+void run(const StageBinding& binding, const StageData& data, const RunOptions& options, Image1& output) {
+    run_into(binding, data, options, output, binding.outputs.at(0).unwritten.x);
+}
+
+std::vector<TapValue> explain(const StageBinding& binding, const StageData& data, glm::ivec2 pixel) {
+    return binding.bind(data)->explain(pixel);
+}
+
+void run_double(const StageBinding& binding, const StageData& data, const RunOptions& options, Image<glm::dvec4>& output) {
+    const std::unique_ptr<BoundStage> bound = binding.bind(data);
+    output = Image<glm::dvec4>(data.size.x, data.size.y);
+    parallel_bands(data.size.y, 1, options, [&](int y, int) {
+        std::vector<double> value;
+        for (int x = 0; x < data.size.x; ++x) {
+            value.clear();
+            bound->in_double({x, y}, value);
+            for (std::size_t c = 0; c < std::min<std::size_t>(value.size(), 4); ++c) output(x, y)[int(c)] = value[c];
+        }
+    });
+}
+
+void BoundStage::in_double(glm::ivec2, std::vector<double>&) const {
+    throw std::logic_error("this stage has no form in double");
+}
+
 Bundle make_outputs(const StageBinding& binding, const StageData& data) {
     Bundle outputs;
     for (const Slot& slot : binding.outputs) {
         Array& array = add(outputs, slot.name, slot.dtype, expected_shape(slot, data));
         if (slot.dtype == DType::i32) std::fill(array.bytes.begin(), array.bytes.end(), 0xff);
+        if (slot.dtype == DType::f32 && slot.unwritten != glm::vec4(0)) {
+            float* p = reinterpret_cast<float*>(array.bytes.data());
+            for (std::size_t i = 0; i < array.bytes.size() / 4; ++i) p[i] = slot.unwritten[int(i % std::size_t(slot.channels))];
+        }
     }
     return outputs;
 }

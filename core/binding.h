@@ -17,6 +17,7 @@
 #include "core/device_profile.h"
 #include "core/followed.h"
 #include "core/isa.h"
+#include "core/kernel_rows.h"
 #include "core/stage.h"
 #include "core/tap.h"
 
@@ -27,6 +28,7 @@ enum class SlotKind : int {
     image_array,    // [layer][height][width]
     buffer,         // std430, read only: [n][channels], or any shape of that many elements
     storage_image,  // written by a compute stage
+    storage_buffer,  // written by a compute stage: [n][channels]
     target,         // written by a raster stage; `binding` is its location
     depth,          // the depth buffer of a raster stage
 };
@@ -41,6 +43,8 @@ struct Slot {
     bool frame = true;         // of the size of the outputs; else of a size of its own (maps, buffers)
     std::string unit = "", meaning = "";
     std::uint32_t fixed = 0;   // bit c: column c is a flag, a whole number or the rasteriser's: nothing rounds it
+    glm::vec4 unwritten{0};    // of an output: what an item holds that is not computed
+    bool optional = false;     // of an input: may be missing, and then is 0 everywhere
 };
 
 // A member of the uniform block; members of a struct are written with a dot: "map.to_texel_x".
@@ -59,6 +63,7 @@ struct StageData {
     std::vector<unsigned char> uniforms;  // the std140 block
     Bundle inputs;                        // by the names of StageBinding::inputs
     bool reversed_z = false;              // of a raster stage: depth test "greater", cleared to 0
+    Tiles tiles = {};                     // which squares of the outputs are wanted; others keep what they hold
 };
 
 // One component of what a stage may write at a pixel: every legal result is within `bound` of `shadow`.
@@ -96,12 +101,17 @@ class BoundStage {
     // whether it records or follows; who follows may be bound to data with other numbers, but with the same indices.
     virtual void follow(glm::ivec2 pixel, DecisionTape& tape, std::vector<Followed>& out) const = 0;
 
+    // The same invocation in double from the start, decisions included: all components of the outputs.
+    virtual void in_double(glm::ivec2 pixel, std::vector<double>& out) const;
+
     // Every named value of one invocation; what is seen at the pixel, and where in its triangle, follows the profile.
     virtual std::vector<TapValue> explain(glm::ivec2 pixel, const DeviceProfile& profile = {}) const = 0;
 };
 
 struct StageBinding {
     StageInfo info;
+    std::string domain = {};   // what an item is: "pixel", "texel", "receiver"
+    Cost cost = {};
     bool raster = false;
     std::string twin;  // SPIR-V is named after it: "gi/rsm/gather.comp"; of a raster stage without .vert, .frag
     std::vector<UniformMember> uniforms;
@@ -139,7 +149,25 @@ Uniforms uniforms_of(const StageData& data) {
 const float* floats(const StageData& data, const std::string& input);
 const std::int32_t* ints(const StageData& data, const std::string& input);
 
-// Outputs of zeros, and of -1 where they hold indices.
+// The binding of the stage whose kernel is Kernel: a line a stage, in its folder's stages.cpp.
+template <class Kernel>
+const StageBinding& stage();
+
+// Data of one dispatch without inputs: they are added, or lent.
+StageData begin_data(const StageBinding& binding, glm::ivec2 size, std::vector<unsigned char> uniforms);
+
+// As a device binds it and a file holds it: with copies of what is lent to it, and zeros for what is missing.
+StageData owned(const StageBinding& binding, StageData data);
+
+// Binds the data and runs the dispatch into its one output, which takes its size and starts as what is not computed.
+void run(const StageBinding& binding, const StageData& data, const RunOptions& options, Image4& output);
+void run(const StageBinding& binding, const StageData& data, const RunOptions& options, Image1& output);
+// Every named value of one item.
+std::vector<TapValue> explain(const StageBinding& binding, const StageData& data, glm::ivec2 pixel);
+// The whole output in double.
+void run_double(const StageBinding& binding, const StageData& data, const RunOptions& options, Image<glm::dvec4>& output);
+
+// Outputs of zeros, and of -1 where they hold indices; where the stage says so, of what is not computed.
 Bundle make_outputs(const StageBinding& binding, const StageData& data);
 
 }  // namespace plumb

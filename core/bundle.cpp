@@ -70,7 +70,7 @@ std::size_t element_count(const std::string& name, const Shape& shape) {
 Array& add(Bundle& bundle, const std::string& name, DType dtype, const Shape& shape) {
     if (find(bundle, name)) throw InputError(quoted(name) + " is there already");
     const std::size_t size = element_count(name, shape) * dtype_size(dtype);
-    return bundle.arrays.emplace_back(Array{name, dtype, shape, Buffer<unsigned char>(size)});
+    return bundle.arrays.emplace_back(Array{name, dtype, shape, Bytes(size)});
 }
 
 const Array* find(const Bundle& bundle, const std::string& name) {
@@ -94,6 +94,16 @@ void require(const Array& array, DType dtype, const Shape& expected) {
     if (array.bytes.size() != size)
         throw InputError(quoted(array.name) + ": expected " + std::to_string(size) + " bytes, got " +
                          std::to_string(array.bytes.size()));
+}
+
+Array& lend(Bundle& bundle, const std::string& name, const Image4& image) {
+    return lend(bundle, name, {image.height, image.width, 4}, image.empty() ? nullptr : &image.data()->x);
+}
+Array& lend(Bundle& bundle, const std::string& name, const Image1& image) {
+    return lend(bundle, name, {image.height, image.width}, image.data());
+}
+Array& lend_to_write(Bundle& bundle, const std::string& name, Image4& image) {
+    return lend(bundle, name, {image.height, image.width, 4}, image.empty() ? nullptr : &image.data()->x);
 }
 
 Array& add(Bundle& bundle, const std::string& name, const Image4& image) {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <cstring>
 #include <span>
 #include <string>
 #include <vector>
@@ -45,11 +46,58 @@ std::string shape_text(const Shape& shape);  // "[512, 512, 4]", any_extent as "
 // Product of the extents; throws InputError naming the array if one is negative or the product overflows.
 std::size_t element_count(const std::string& name, const Shape& shape);
 
+// The bytes of an array: its own, or lent by an image or a buffer that must outlive them. What is lent to be read is
+// copied when somebody writes to it; what is lent to be written takes what is written.
+class Bytes {
+  public:
+    Bytes() = default;
+    explicit Bytes(std::size_t n) : own_(n) {}
+    static Bytes lent(const void* data, std::size_t n) { return Bytes(data, n, false); }
+    static Bytes lent_to_write(void* data, std::size_t n) { return Bytes(data, n, true); }
+
+    std::size_t size() const { return lent_ ? size_ : own_.size(); }
+    bool empty() const { return size() == 0; }
+    const unsigned char* data() const { return lent_ ? lent_ : own_.data(); }
+    unsigned char* data() {
+        if (lent_ && !writable_) own();
+        return lent_ ? const_cast<unsigned char*>(lent_) : own_.data();
+    }
+    const unsigned char* begin() const { return data(); }
+    const unsigned char* end() const { return data() + size(); }
+    unsigned char* begin() { return data(); }
+    unsigned char* end() { return data() + size(); }
+    unsigned char operator[](std::size_t i) const { return data()[i]; }
+    unsigned char& operator[](std::size_t i) { return data()[i]; }
+    void resize(std::size_t n) {
+        own();
+        own_.resize(n);
+    }
+    void pop_back() { resize(size() - 1); }
+    // Copies what is lent.
+    void own() {
+        if (!lent_) return;
+        own_.assign(lent_, lent_ + size_);
+        lent_ = nullptr;
+    }
+    friend bool operator==(const Bytes& a, const Bytes& b) {
+        return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size()) == 0);
+    }
+
+  private:
+    Bytes(const void* data, std::size_t n, bool writable)
+        : lent_(static_cast<const unsigned char*>(data)), size_(n), writable_(writable) {}
+
+    Buffer<unsigned char> own_;
+    const unsigned char* lent_ = nullptr;
+    std::size_t size_ = 0;  // of what is lent
+    bool writable_ = false;
+};
+
 struct Array {
     std::string name;
     DType dtype = DType::f32;
     Shape shape;
-    Buffer<unsigned char> bytes;  // element_count * dtype_size of them
+    Bytes bytes;  // element_count * dtype_size of them
 };
 
 struct Bundle {
@@ -87,6 +135,23 @@ Array& add(Bundle& bundle, const std::string& name, const Shape& shape, const T*
     if (!array.bytes.empty()) std::memcpy(array.bytes.data(), data, array.bytes.size());
     return array;
 }
+
+// Appends an array that reads, or writes, where `data` points.
+template <class T>
+Array& lend(Bundle& bundle, const std::string& name, const Shape& shape, T* data) {
+    using Value = std::remove_const_t<T>;
+    Array& array = add(bundle, name, dtype_of<Value>, {0});
+    const std::size_t n = element_count(name, shape) * sizeof(Value);
+    array.shape = shape;
+    if constexpr (std::is_const_v<T>)
+        array.bytes = Bytes::lent(data, n);
+    else
+        array.bytes = Bytes::lent_to_write(data, n);
+    return array;
+}
+Array& lend(Bundle& bundle, const std::string& name, const Image4& image);
+Array& lend(Bundle& bundle, const std::string& name, const Image1& image);
+Array& lend_to_write(Bundle& bundle, const std::string& name, Image4& image);
 
 // Pictures of floats: [height, width, 4] and [height, width].
 Array& add(Bundle& bundle, const std::string& name, const Image4& image);

@@ -6,9 +6,9 @@
 #include <type_traits>
 #include <vector>
 
-namespace plumb {
+#include "core/isa_name.h"
 
-enum class Isa { scalar, sse, avx2, avx512 };
+namespace plumb {
 
 const char* isa_name(Isa isa);
 

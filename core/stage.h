@@ -20,6 +20,13 @@ struct Budget {
     std::string reason;  // where c is above 16
 };
 
+// What a million turns of a stage's inner loop take on one core with AVX-512, by the benchmarks; it orders stages by
+// cost and promises nothing.
+struct Cost {
+    double ms_per_million = 0;
+    std::string unit = {};  // of what is counted: "pixels", "samples"
+};
+
 struct ParamInfo {
     std::string name, type, unit, meaning, default_value, range;
 };
@@ -35,5 +42,7 @@ struct StageInfo {
 
 // The parameters' rows, from fields() of a default-constructed Params.
 std::vector<ParamInfo> describe(const std::vector<Field>& fields);
+// Of those named, in the fields' order. Throws std::logic_error for a name that is none of them.
+std::vector<ParamInfo> describe(const std::vector<Field>& fields, const std::vector<std::string>& names);
 
 }  // namespace plumb

@@ -6,8 +6,10 @@
 // its normal's length: the table of spatial weights has 0 in its place, and the sums begin with it.
 //
 // One template serves two ways to reach a pixel's neighbours: Texels is ImageTexels, the images as they are bound, or a
-// packet's view of them taken apart into planes (blur_rows.h).
+// packet's view of them taken apart into planes (BlurPlanes).
 #pragma once
+
+#include <cstddef>
 
 #include "gi/filter/weights_kernel.h"
 
@@ -94,5 +96,37 @@ PLUMB_INLINE vec4<F> blur(const BlurUniforms& u, const float* spatial, const Tex
     if (u.similarity == int(Similarity::plane)) return blur_by<F, true>(u, spatial, texels, tap);
     return blur_by<F, false>(u, spatial, texels, tap);
 }
+
+// The images around a band of rows, taken apart into planes: a packet then reads its neighbours side by side, where
+// fetch4() would collect and transpose them, which takes longer than their weights. Padding stands for what lies beyond
+// the border: no surface.
+struct BlurPlanes {
+    enum : int { red, green, blue, depth, normal_x, normal_y, normal_z, position_x, position_y, position_z, count };
+    static constexpr int padding = 16;  // floats before the first pixel and after the last; the largest radius is 16
+
+    float* planes;     // [row][count][stride]: rows first - radius_y .. last + radius_y
+    int stride;        // floats
+    int first_row;     // of the image: may lie above it
+
+    static int stride_of(int width) { return ((width + 15) & ~15) + 2 * padding; }
+    static std::size_t floats(int width, int rows, int radius_y) {
+        return std::size_t(rows + 2 * radius_y) * count * std::size_t(stride_of(width));
+    }
+    float* at(int plane, int y) const {
+        return planes + (std::ptrdiff_t(y - first_row) * count + plane) * stride + padding;
+    }
+};
+
+struct BlurKernel {
+    using View = BlurInputsView;
+    static constexpr int band = 32;  // each band reads the rows around it
+
+    template <class F, class Tap>
+    PLUMB_INLINE static vec4<F> item(const View& in, index_t<F> px, index_t<F> py, Tap& tap) {
+        return blur<F>(in.u, in.spatial, ImageTexels<F>{in, px, py}, tap);
+    }
+    static float* out(const View& in) { return in.blurred; }
+    static std::size_t scratch(const View& in, int rows) { return BlurPlanes::floats(in.u.width, rows, in.u.radius_y); }
+};
 
 }  // namespace plumb::filter

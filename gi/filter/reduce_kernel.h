@@ -32,4 +32,13 @@ PLUMB_INLINE vec4<F> reduce(const ReduceInputsView& in, index_t<F> px, index_t<F
     return value;
 }
 
+struct ReduceKernel {
+    using View = ReduceInputsView;
+    template <class F, class Tap>
+    PLUMB_INLINE static vec4<F> item(const View& in, index_t<F> px, index_t<F> py, Tap& tap) {
+        return reduce<F>(in, px, py, tap);
+    }
+    static float* out(const View& in) { return in.reduced; }
+};
+
 }  // namespace plumb::filter

@@ -126,4 +126,13 @@ PLUMB_INLINE vec4<F> upsample(const UpsampleInputsView& in, index_t<F> px, index
     return vec4<F>(irradiance, x.w);
 }
 
+struct UpsampleKernel {
+    using View = UpsampleInputsView;
+    template <class F, class Tap>
+    PLUMB_INLINE static vec4<F> item(const View& in, index_t<F> px, index_t<F> py, Tap& tap) {
+        return upsample<F>(in, px, py, tap);
+    }
+    static float* out(const View& in) { return in.upsampled; }
+};
+
 }  // namespace plumb::filter

@@ -130,7 +130,7 @@ struct Explainer {
             return with_stored(rsm::explain_maps(settings.rsm, in, frame.rsms[l], pixel), "irradiance",
                                settings.layout.indirect, settings.layout);
         }
-        if (stage.name == "filter.reduce") return filter::explain_reduce(reduce_input(frame, stage), pixel);
+        if (stage.name == "filter.reduce") return filter::explain(settings.indirect, filter::ReduceInputs{&reduce_input(frame, stage)}, pixel);
         if (stage.name == "filter.upsample") return filter::explain(settings.indirect, upsample_inputs(frame), pixel);
         if (stage.name == "filter.blur")
             return filter::explain(settings.indirect, blur_inputs(settings, frame, stage), pixel);

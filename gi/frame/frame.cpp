@@ -18,7 +18,7 @@ std::vector<StageInfo> frame_stages() {
             rsm::info_all(),       rsm::info_all_rays(),     direct::direct_info(),
             isr::info_downsample(), isr::info_gather(), isr::info_bounce(), isr::info_unseen(), isr::info_gather_camera(),
             isr::info_ssao(),      isr::info_blur(),      isr::info_upsample(),  isr::info_compose(),
-            filter::info_reduce(),  filter::info_upsample(), filter::info_blur(),
+            stage<filter::ReduceKernel>().info, stage<filter::UpsampleKernel>().info, stage<filter::BlurKernel>().info,
             compose::compose_info(), reference::info(),    compose::tonemap_info()};
 }
 

@@ -217,7 +217,7 @@ void filter_indirect(Context& c, const PlannedStage& stage, StageRun& run) {
     Frame& f = c.frame;
     Image4& result = filter_result(f, c.settings, stage);
     if (stage.name == "filter.reduce") {
-        filter::run_reduce(reduce_input(f, stage), c.options, result);
+        filter::run(c.settings.indirect, filter::ReduceInputs{&reduce_input(f, stage)}, c.options, result);
     } else {
         copy_depth(c);
         const raster::Covered tiles = tiles_to_shade(c.plan, f, stage, run);

@@ -4,12 +4,10 @@
 #include <cstddef>
 
 #include "core/isa.h"
-#include "gi/filter/filter_rows.h"
+#include "core/kernel_rows.h"
 #include "gi/isr/blur_kernel.h"
 
 namespace plumb::isr {
-
-using filter::Tiles;
 
 // The images around a band of rows, taken apart into planes: a packet then reads its neighbours side by side. What lies
 // beyond the border is in the padding: no surface, or (published) the border's pixel.

@@ -4,14 +4,12 @@
 #include <cstddef>
 
 #include "core/isa.h"
-#include "gi/filter/filter_rows.h"
+#include "core/kernel_rows.h"
 #include "gi/isr/bounce_kernel.h"
 #include "gi/isr/downsample_kernel.h"
 #include "gi/isr/ssao_kernel.h"
 
 namespace plumb::isr {
-
-using filter::Tiles;
 
 // The sources that a band of receivers reaches, taken apart into planes: without rotations the pixels of a packet read
 // samples that lie side by side, where fetch4() would collect and transpose them; and an area is computed

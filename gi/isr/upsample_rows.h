@@ -4,12 +4,10 @@
 #include <cstddef>
 
 #include "core/isa.h"
-#include "gi/filter/filter_rows.h"
+#include "core/kernel_rows.h"
 #include "gi/isr/upsample_kernel.h"
 
 namespace plumb::isr {
-
-using filter::Tiles;
 
 // The coarse rows that a band of full rows lies between, taken apart into planes of full width: at column x the coarse
 // pixel before x, and so at column x + 2 the one after it. Each is fetched once for the four rows that read it.

@@ -3,7 +3,7 @@
 #include "core/error.h"
 #include "gi/compose/bindings.h"
 #include "gi/direct/bindings.h"
-#include "gi/filter/bindings.h"
+#include "gi/filter/filter.h"
 #include "gi/frame/filters.h"
 #include "gi/frame/isr.h"
 #include "gi/isr/bindings.h"
@@ -166,7 +166,7 @@ struct Builder {
             data.id += std::string(".") + raster::face_names[map];
             data.label += std::string(" ") + raster::face_names[map];
         }
-        out.push_back(std::move(data));
+        out.push_back(owned(find_binding(data.stage, data.label), std::move(data)));  // what is lent here does not outlive the frame
     }
     // Of a stage of a view beside the frame.
     void name_view(const frame::PlannedStage& stage, std::size_t first) {
@@ -262,11 +262,11 @@ struct Builder {
                 keep(rsm::gather_data(settings.rsm, in), stage.label, l, face);
             });
         } else if (stage.name == "filter.reduce") {
-            keep_filter(filter::reduce_data(frame::reduce_input(filtered, stage)), stage);
+            keep_filter(filter::data_of(settings.indirect, filter::ReduceInputs{&frame::reduce_input(filtered, stage)}), stage);
         } else if (stage.name == "filter.upsample") {
-            keep_filter(filter::upsample_data(settings.indirect, frame::upsample_inputs(filtered)), stage);
+            keep_filter(filter::data_of(settings.indirect, frame::upsample_inputs(filtered)), stage);
         } else if (stage.name == "filter.blur") {
-            keep_filter(filter::blur_data(settings.indirect, frame::blur_inputs(settings, filtered, stage)), stage);
+            keep_filter(filter::data_of(settings.indirect, frame::blur_inputs(settings, filtered, stage)), stage);
         } else if (stage.name == "compose") {
             keep(compose::compose_data(settings.compose, {&normal, &albedo, &emission, &direct, &indirect,
                                                           scene.environment.radiance}),

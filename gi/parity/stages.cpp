@@ -5,7 +5,7 @@
 #include "core/error.h"
 #include "gi/compose/bindings.h"
 #include "gi/direct/bindings.h"
-#include "gi/filter/bindings.h"
+#include "gi/filter/filter.h"
 #include "gi/isr/bindings.h"
 #include "gi/rsm/bindings.h"
 #include "raster/bindings.h"
@@ -17,7 +17,7 @@ const std::vector<StageBinding>& bindings() {
         raster::gbuffer_binding(), raster::gbuffer_layer_binding(), raster::rsm_binding(),
         direct::log_blur_binding(), direct::shadow_binding(),  rsm::disc_binding(),        rsm::paths_binding(),       rsm::all_binding(),
         rsm::disc_continuous_binding(), rsm::paths_continuous_binding(),
-        filter::reduce_binding(), filter::upsample_binding(), filter::blur_binding(),
+        stage<filter::ReduceKernel>(), stage<filter::UpsampleKernel>(), stage<filter::BlurKernel>(),
         isr::downsample_binding(), isr::gather_binding(), isr::bounce_binding(), isr::unseen_binding(),
         isr::gather_camera_binding(), isr::ssao_binding(),
         isr::blur_binding(), isr::upsample_binding(), isr::compose_binding(),

@@ -6,7 +6,7 @@
 #include "core/bounded.h"
 #include "core/error.h"
 #include "core/hash.h"
-#include "gi/filter/bindings.h"
+#include "gi/filter/filter.h"
 #include "gi/filter/filter.h"
 
 using namespace plumb;
@@ -48,7 +48,7 @@ Image4 constant(glm::ivec2 size, glm::vec4 value) { return Image4(size.x, size.y
 
 Image4 reduced(const Image4& image) {
     Image4 out;
-    run_reduce(image, {}, out);
+    run(FilterParams{}, ReduceInputs{&image}, {}, out);
     return out;
 }
 
@@ -56,7 +56,7 @@ Image4 upsampled(const FilterParams& params, const Image4& coarse, const Image4&
                  const RunOptions& options = {}) {
     const Image4 x = reduced(position), n = reduced(normal);
     Image4 out;
-    run(params, {&coarse, &x, &n, &position, &normal}, options, out);
+    run(params, UpsampleInputs{&coarse, &x, &n, &position, &normal}, options, out);
     return out;
 }
 
@@ -295,7 +295,7 @@ TEST_CASE("filters: the same bits for every instruction set and thread count", "
                 RunOptions scalar;
                 scalar.isa = Isa::scalar, scalar.threads = 1;
                 Image4 small, first_small;
-                run_reduce(room.irradiance, scalar, first_small);
+                run(FilterParams{}, ReduceInputs{&room.irradiance}, scalar, first_small);
                 const Image4 up = upsampled(params, coarse, room.position, room.normal, scalar);
                 const Image4 full = blurred(params, Blur::full, room.irradiance, room.position, room.normal, scalar);
                 const Image4 separable =
@@ -305,7 +305,7 @@ TEST_CASE("filters: the same bits for every instruction set and thread count", "
                         CAPTURE(size.x, size.y, int(similarity), kernel, isa_name(isa), threads);
                         RunOptions options;
                         options.isa = isa, options.threads = threads;
-                        run_reduce(room.irradiance, options, small);
+                        run(FilterParams{}, ReduceInputs{&room.irradiance}, options, small);
                         CHECK(same_bits(small, first_small));
                         CHECK(same_bits(upsampled(params, coarse, room.position, room.normal, options), up));
                         CHECK(same_bits(blurred(params, Blur::full, room.irradiance, room.position, room.normal, options),
@@ -315,14 +315,14 @@ TEST_CASE("filters: the same bits for every instruction set and thread count", "
                             separable));
                     }
                 // The kernel on the images as they are bound, which the twin mirrors.
-                const StageData data = blur_data(params, {&room.irradiance, &room.position, &room.normal});
+                const StageData data = data_of(params, BlurInputs{&room.irradiance, &room.position, &room.normal});
                 Bundle outputs;
-                const auto stage = blur_binding().bind(data);
+                const auto stage = plumb::stage<BlurKernel>().bind(data);
                 stage->run(scalar, {}, outputs);
                 CHECK(std::memcmp(outputs.arrays[0].bytes.data(), full.data(), outputs.arrays[0].bytes.size()) == 0);
                 DecisionTape tape;
-                for (int y = 0; y < size.y; y += 3)
-                    for (int x = 0; x < size.x; x += 5) {
+                for (int y = 0; y < size.y; ++y)
+                    for (int x = 0; x < size.x; x += 2) {
                         std::vector<Followed> one;
                         tape.record();
                         stage->follow({x, y}, tape, one);
@@ -339,9 +339,10 @@ TEST_CASE("filters: float stays within its budget of double", "[filter][budget]"
     for (Similarity similarity : {Similarity::plane, Similarity::depth}) {
         FilterParams params = mode(Upsample::bilateral, similarity);
         params.sigma_depth = 0.05f;
-        const StageData datas[] = {upsample_data(params, {&coarse, &x, &n, &room.position, &room.normal}),
-                                   blur_data(params, {&room.irradiance, &room.position, &room.normal})};
-        const StageBinding* bindings[] = {&upsample_binding(), &blur_binding()};
+        const StageData datas[] = {
+            data_of(params, UpsampleInputs{&coarse, &x, &n, &room.position, &room.normal}),
+            data_of(params, BlurInputs{&room.irradiance, &room.position, &room.normal})};
+        const StageBinding* bindings[] = {&stage<UpsampleKernel>(), &stage<BlurKernel>()};
         for (int s = 0; s < 2; ++s) {
             const auto stage = bindings[s]->bind(datas[s]);
             DecisionTape tape;
@@ -374,10 +375,10 @@ TEST_CASE("filters: bad input is refused in one line", "[filter]") {
                       "filter.blur: kernel = 4: expected an odd number");
     params.kernel = 35;
     CHECK_THROWS_AS(run(params, BlurInputs{&image, &wall.position, &wall.normal}, {}, out), InputError);
-    CHECK_THROWS_WITH(run({}, BlurInputs{&image, &wall.position, &half}, {}, out),
-                      "filter.blur: normal is 2 x 2: expected 4 x 4, as irradiance");
-    CHECK_THROWS_WITH(run({}, UpsampleInputs{&image, &half, &half, &wall.position, &wall.normal}, {}, out),
-                      "filter.upsample: coarse_irradiance is 4 x 4: expected 2 x 2, half of position");
-    CHECK_THROWS_WITH(run({}, UpsampleInputs{&half, &half, nullptr, &wall.position, &wall.normal}, {}, out),
+    CHECK_THROWS_WITH(run(FilterParams{}, BlurInputs{&image, &wall.position, &half}, {}, out),
+                      "filter.blur: input \"normal\" is [2, 2, 4]: expected [4, 4, 4]");
+    CHECK_THROWS_WITH(run(FilterParams{}, UpsampleInputs{&image, &half, &half, &wall.position, &wall.normal}, {}, out),
+                      "filter.upsample: input \"coarse_irradiance\" is 4 x 4: expected 2 x 2, half of the outputs, rounded up");
+    CHECK_THROWS_WITH(run(FilterParams{}, UpsampleInputs{&half, &half, nullptr, &wall.position, &wall.normal}, {}, out),
                       "filter.upsample: coarse_normal must be bound");
 }

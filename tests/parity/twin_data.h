@@ -7,7 +7,7 @@
 #include "core/hash.h"
 #include "gi/compose/bindings.h"
 #include "gi/direct/bindings.h"
-#include "gi/filter/bindings.h"
+#include "gi/filter/filter.h"
 #include "gi/isr/bindings.h"
 #include "gi/rsm/bindings.h"
 #include "raster/light_view.h"
@@ -180,21 +180,28 @@ inline Image4 with_depth(Image4 image, const Image4& position) {
     return image;
 }
 
+// A copy of all that is lent.
+inline StageData owned_data(const StageData& data) {
+    return owned(parity::find_binding(data.stage, data.stage), data);
+}
+
 inline StageData reduce_case(glm::ivec2 size, const std::string& id) {
-    return named(filter::reduce_data(room({2 * size.x - 1, 2 * size.y}, 5).position), id);
+    const Points full = room({2 * size.x - 1, 2 * size.y}, 5);
+    return named(owned_data(filter::data_of({}, filter::ReduceInputs{&full.position})), id);
 }
 
 inline StageData upsample_case(glm::ivec2 size, filter::Upsample mode, filter::Similarity similarity,
                                const std::string& id) {
     const Points full = steps(size, 5);
     Points half;
-    filter::run_reduce(full.position, {}, half.position), filter::run_reduce(full.normal, {}, half.normal);
+    filter::FilterParams params;
+    filter::run(params, filter::ReduceInputs{&full.position}, {}, half.position);
+    filter::run(params, filter::ReduceInputs{&full.normal}, {}, half.normal);
     const Image4 irradiance =
         with_depth(noise_image({half.position.width, half.position.height}, 41, 0.1f, 3), half.position);
-    filter::FilterParams params;
     params.upsample = mode, params.similarity = similarity;
-    return named(filter::upsample_data(
-                     params, {&irradiance, &half.position, &half.normal, &full.position, &full.normal}), id);
+    const filter::UpsampleInputs in{&irradiance, &half.position, &half.normal, &full.position, &full.normal};
+    return named(owned_data(filter::data_of(params, in)), id);
 }
 
 inline StageData blur_case(glm::ivec2 size, int kernel, filter::Similarity similarity, filter::Direction direction,
@@ -203,7 +210,8 @@ inline StageData blur_case(glm::ivec2 size, int kernel, filter::Similarity simil
     const Image4 irradiance = with_depth(noise_image(size, 42, 0.1f, 3), p.position);
     filter::FilterParams params;
     params.kernel = kernel, params.similarity = similarity;
-    return named(filter::blur_data(params, {&irradiance, &p.position, &p.normal, direction}), id);
+    const filter::BlurInputs in{&irradiance, &p.position, &p.normal, direction};
+    return named(owned_data(filter::data_of(params, in)), id);
 }
 
 inline StageData compose_case(glm::ivec2 size, const std::string& id, const glm::vec3& shadow_color = glm::vec3(0)) {

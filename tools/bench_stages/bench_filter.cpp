@@ -25,8 +25,10 @@ struct Wall {
                 position(x, y) = {0.005f * float(x), 0.005f * float(y), 0.01f * float((7 * x + 3 * y) % 5), 2};
                 irradiance(x, y) = {float(x * y % 13), 1, 2, 2};
             }
-        filter::run_reduce(position, {}, half_position), filter::run_reduce(normal, {}, half_normal);
-        filter::run_reduce(irradiance, {}, half_irradiance);
+        const filter::FilterParams params;
+        filter::run(params, filter::ReduceInputs{&position}, {}, half_position);
+        filter::run(params, filter::ReduceInputs{&normal}, {}, half_normal);
+        filter::run(params, filter::ReduceInputs{&irradiance}, {}, half_irradiance);
     }
 };
 
@@ -37,9 +39,9 @@ void run(benchmark::State& state, const std::string& what, filter::FilterParams 
     Image4 out;
     for (auto _ : state) {
         if (what == "reduce")
-            filter::run_reduce(wall.position, options, out);
+            filter::run(params, filter::ReduceInputs{&wall.position}, options, out);
         else if (what == "upsample")
-            filter::run(params, {&wall.half_irradiance, &wall.half_position, &wall.half_normal, &wall.position, &wall.normal},
+            filter::run(params, filter::UpsampleInputs{&wall.half_irradiance, &wall.half_position, &wall.half_normal, &wall.position, &wall.normal},
                         options, out);
         else
             filter::run_blur(params, {&wall.irradiance, &wall.position, &wall.normal}, options, out);

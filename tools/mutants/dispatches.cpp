@@ -6,7 +6,7 @@
 
 #include "core/hash.h"
 #include "gi/compose/bindings.h"
-#include "gi/filter/bindings.h"
+#include "gi/filter/filter.h"
 #include "gi/frame/frame.h"
 #include "gi/parity/stages.h"
 #include "io/scene_file.h"
@@ -226,20 +226,20 @@ void append_surfaces(std::vector<Dispatch>& out) {
         }
     auto keep = [&](const std::string& name, StageData data) {
         data.label = data.id = data.stage;
-        out.push_back({"surfaces: " + name, std::move(data)});
+        out.push_back({"surfaces: " + name, owned(parity::find_binding(data.stage, name), std::move(data))});
     };
-    keep("reduce", filter::reduce_data(irradiance));
+    keep("reduce", filter::data_of({}, filter::ReduceInputs{&irradiance}));
     filter::FilterParams params;
     params.kernel = 5;
-    keep("blur", filter::blur_data(params, {&irradiance, &position, &normal}));
+    keep("blur", filter::data_of(params, filter::BlurInputs{&irradiance, &position, &normal}));
     Image4 coarse_irradiance, coarse_position, coarse_normal;
-    filter::run_reduce(irradiance, {}, coarse_irradiance);
-    filter::run_reduce(position, {}, coarse_position);
-    filter::run_reduce(normal, {}, coarse_normal);
+    filter::run(params, filter::ReduceInputs{&irradiance}, {}, coarse_irradiance);
+    filter::run(params, filter::ReduceInputs{&position}, {}, coarse_position);
+    filter::run(params, filter::ReduceInputs{&normal}, {}, coarse_normal);
     const filter::UpsampleInputs in{&coarse_irradiance, &coarse_position, &coarse_normal, &position, &normal};
-    keep("upsample", filter::upsample_data(params, in));
+    keep("upsample", filter::data_of(params, in));
     params.similarity = filter::Similarity::depth;
-    keep("upsample by depth", filter::upsample_data(params, in));
+    keep("upsample by depth", filter::data_of(params, in));
 }
 
 }  // namespace

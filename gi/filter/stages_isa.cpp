@@ -1,6 +1,7 @@
-#include "core/tap.h"
-#include "core/wide.h"
-#include "gi/filter/filter_rows.h"
+#include "core/shade_rows.h"
+#include "gi/filter/blur_kernel.h"
+#include "gi/filter/reduce_kernel.h"
+#include "gi/filter/upsample_kernel.h"
 
 namespace plumb::filter {
 
@@ -9,22 +10,6 @@ namespace {
 using F = PLUMB_ISA::Real;
 using N = number<F>;
 using I = index_t<F>;
-
-// As shade_rows() of gi/shade_rows.h, for kernels that write all four components: kernel(x, px, y, tap), x the packet's
-// first column.
-template <class Kernel>
-PLUMB_INLINE void filter_rows(int width, int first, int last, const Tiles& tiles, float* out, Kernel kernel) {
-    for (int x = 0; x < width; x += N::width) {
-        const I px = min(N::iota(x), I(width - 1));
-        for (int y = first; y < last; ++y) {
-            const std::uint8_t* row = tiles.row(y);
-            if (row && !row[x >> 4]) continue;
-            NoTap tap;
-            const vec4<F> value = kernel(x, px, y, tap);
-            N::store4(out, I(y * width) + px, value, N::iota(x) < I(width));
-        }
-    }
-}
 
 // The pixels around (x + lane, y), from planes.
 struct PlaneTexels {
@@ -69,26 +54,24 @@ void take_apart(const BlurInputsView& in, const BlurPlanes& planes, int y) {
 
 }  // namespace
 
-template <>
-void Rows<Isa::PLUMB_ISA>::reduce(const ReduceInputsView& in, int first, int last) {
-    filter_rows(in.u.width, first, last, {}, in.reduced,
-                [&](int, I px, int y, NoTap& tap) { return filter::reduce<F>(in, px, I(y), tap); });
-}
+}  // namespace plumb::filter
+
+namespace plumb {
+
+using namespace filter;
+
+template struct Rows<ReduceKernel, Isa::PLUMB_ISA>;
+template struct Rows<UpsampleKernel, Isa::PLUMB_ISA>;
 
 template <>
-void Rows<Isa::PLUMB_ISA>::upsample(const UpsampleInputsView& in, int first, int last, const Tiles& tiles) {
-    filter_rows(in.u.width, first, last, tiles, in.upsampled,
-                [&](int, I px, int y, NoTap& tap) { return filter::upsample<F>(in, px, I(y), tap); });
-}
-
-template <>
-void Rows<Isa::PLUMB_ISA>::blur(const BlurInputsView& in, int first, int last, float* scratch, const Tiles& tiles) {
+void Rows<BlurKernel, Isa::PLUMB_ISA>::run(const BlurInputsView& in, int first, int last, const Tiles& tiles,
+                                           float* scratch) {
     const BlurPlanes planes{scratch, BlurPlanes::stride_of(in.u.width), first - in.u.radius_y};
     for (int y = first - in.u.radius_y; y < last + in.u.radius_y; ++y) take_apart(in, planes, y);
     const bool plane = in.u.similarity == int(Similarity::plane);
-    filter_rows(in.u.width, first, last, tiles, in.blurred, [&](int x, I, int y, NoTap& tap) {
+    shade_packets<F>(in.u.width, first, last, tiles, in.blurred, [&](int x, I, int y, NoTap& tap) {
         return filter::blur<F>(in.u, in.spatial, PlaneTexels{planes, x, y, plane}, tap);
     });
 }
 
-}  // namespace plumb::filter
+}  // namespace plumb

@@ -1,0 +1,241 @@
+// A stage made of its kernel, its description and its twin's layout: KernelStage<Kernel> is what every compute stage is
+// bound as. Only a folder's stages.cpp includes it, a line a stage:
+//
+//     template <>
+//     const StageBinding& plumb::stage<isr::Bounce>() { return made<isr::Bounce, twins::gi_isr_bounce_comp>(); }
+#pragma once
+
+#include <fmt/format.h>
+
+#include <stdexcept>
+
+#include "core/binding.h"
+#include "core/bounded.h"
+#include "core/error.h"
+#include "core/fp_environment.h"
+#include "core/kernel_rows.h"
+#include "core/outcomes.h"
+#include "core/parallel.h"
+#include "core/stage_description.h"
+#include "core/twin_layout.h"
+
+namespace plumb {
+
+// The slots and members of a stage, from what it says and what its twin says. Throws std::logic_error where they differ:
+// an input that the twin does not bind, a binding that no input stands for.
+template <class View>
+StageBinding binding_of(const StageDescription<View>& d, const TwinLayout& twin);
+// Without View: what a description names, each with the channels of a sampled image.
+struct NamedSlot {
+    std::string name, unit, meaning;
+    std::uint32_t fixed;
+    int channels;
+    bool frame;
+    glm::vec4 unwritten;
+    bool optional;
+};
+void add_slots(StageBinding& binding, const TwinLayout& twin, const std::vector<NamedSlot>& inputs,
+               const std::vector<NamedSlot>& outputs,
+               const std::vector<std::pair<std::string, std::uint32_t>>& fixed_uniforms);
+
+template <class View>
+StageBinding binding_of(const StageDescription<View>& d, const TwinLayout& twin) {
+    StageBinding b;
+    b.info.name = d.name, b.info.source = d.source, b.info.params = d.params, b.info.budget = d.budget;
+    b.domain = d.domain, b.cost = d.cost;
+    std::vector<NamedSlot> inputs, outputs;
+    for (const Reads<View>& r : d.inputs)
+        inputs.push_back({r.name, r.unit, r.meaning, r.fixed, r.channels, !r.size && !r.read, glm::vec4(0), r.optional});
+    for (const Writes<View>& w : d.outputs) outputs.push_back({w.name, w.unit, w.meaning, w.fixed, 4, true, w.unwritten, false});
+    add_slots(b, twin, inputs, outputs, d.fixed_uniforms);
+    return b;
+}
+
+// Throws InputError for a member of the block that is out of range, for an image of another size than `size` (as `why`
+// says), or a buffer of fewer elements than `count`.
+void check_uniforms(const StageBinding& binding, const StageData& data, const std::vector<Within>& ranges);
+void check_size(const StageData& data, const std::string& input, glm::ivec2 size, const std::string& why);
+void check_count(const StageData& data, const Slot& slot, std::size_t count, const std::string& why);
+
+// All components of a value, in order.
+template <class F, class Each>
+void each_component(const F& value, Each each) {
+    each(value);
+}
+template <class F, class Each>
+void each_component(const vec4<F>& v, Each each) {
+    each(v.x), each(v.y), each(v.z), each(v.w);
+}
+template <class Value, class Each>
+    requires requires(const Value& v) { v.components([](const auto&) {}); }
+void each_component(const Value& v, Each each) {
+    v.components(each);
+}
+
+template <class Kernel>
+class KernelStage final : public BoundStage {
+    using View = typename Kernel::View;
+
+  public:
+    KernelStage(const StageBinding& binding, const StageDescription<View>& description, const StageData& data)
+        : binding_(binding), description_(description), data_(data) {
+        check_slots(binding, data);
+        check_uniforms(binding, data, description.uniforms);
+        view_.u = uniforms_of<decltype(view_.u)>(data);
+        if constexpr (requires { view_.u.width, view_.u.height; })  // whatever it says, the kernel walks the outputs
+            view_.u.width = data.size.x, view_.u.height = data.size.y;
+        if (description.refuses)
+            if (const std::string cause = description.refuses(view_, data.size); !cause.empty())
+                throw InputError(data.label + ": " + cause);
+        for (std::size_t i = 0; i < description.inputs.size(); ++i) bind(description.inputs[i], binding.inputs[i]);
+        if (description.prepare) description.prepare(view_, own_);
+    }
+
+    void run(const RunOptions& options, const DeviceProfile&, Bundle& outputs) const override {
+        if (!fits(outputs)) outputs = make_outputs(binding_, data_);
+        View view = view_;
+        for (std::size_t i = 0; i < outputs.arrays.size(); ++i)
+            description_.outputs[i].at.set(view, outputs.arrays[i].bytes.data());
+        const int band = std::min(band_of(), data_.size.y);
+        ScratchPool scratch(floats_of(view, band));
+        dispatch(options.isa, [&](auto isa) {
+            parallel_bands(data_.size.y, band, options, [&](int first, int last) {
+                Buffer<float> own = scratch.take();
+                Rows<Kernel, isa()>::run(view, first, last, data_.tiles, own.data());
+                scratch.give(std::move(own));
+            });
+        });
+    }
+
+    bool writes(glm::ivec2 pixel) const override {
+        if constexpr (masked) return Kernel::template writes<float>(view_, pixel.x, pixel.y);
+        return true;
+    }
+
+    void outcomes(glm::ivec2 pixel, const DeviceProfile& profile, std::span<const float>,
+                  std::span<const std::int32_t> choices, std::vector<Outcome>& out) const override {
+        const PrecisionScope precision(profile.precision);
+        auto one = [&](std::vector<Bounded>& values) { append<Bounded>(pixel, values); };
+        enumerate_outcomes(one, most_outcomes, out, choices);
+        // What a device left there that does not write the pixel could be anything.
+        if constexpr (masked)
+            if (!surely_writes(pixel))
+                out.push_back({std::vector<BoundedValue>(out.at(0).values.size(), {0, __builtin_inf()}), true});
+    }
+
+    void follow(glm::ivec2 pixel, DecisionTape& tape, std::vector<Followed>& out) const override {
+        FpEnvironment environment;
+        const FollowScope scope(tape);
+        out.clear();
+        append<Followed>(pixel, out);
+    }
+
+    void in_double(glm::ivec2 pixel, std::vector<double>& out) const override { append<double>(pixel, out); }
+
+    std::vector<TapValue> explain(glm::ivec2 pixel, const DeviceProfile&) const override {
+        FpEnvironment environment;
+        Recorder recorder;
+        Kernel::template item<float>(view_, pixel.x, pixel.y, recorder);
+        return recorder.values;
+    }
+
+  private:
+    static constexpr bool masked = requires(const View& v) { Kernel::template writes<float>(v, 0, 0); };
+
+    // Memory that bands take and give back, so that a thread touches its own again.
+    class ScratchPool {
+      public:
+        explicit ScratchPool(std::size_t floats) : floats_(floats) {}
+        Buffer<float> take() {
+            const std::lock_guard lock(mutex_);
+            if (free_.empty()) return Buffer<float>(floats_);
+            Buffer<float> one = std::move(free_.back());
+            free_.pop_back();
+            return one;
+        }
+        void give(Buffer<float> one) {
+            const std::lock_guard lock(mutex_);
+            free_.push_back(std::move(one));
+        }
+
+      private:
+        std::size_t floats_;
+        std::mutex mutex_;
+        std::vector<Buffer<float>> free_;
+    };
+
+    static int band_of() {
+        if constexpr (requires { Kernel::band; }) return Kernel::band;
+        return 16;
+    }
+    static std::size_t floats_of(const View& view, int rows) {
+        if constexpr (requires { Kernel::scratch(view, rows); }) return Kernel::scratch(view, rows);
+        return 0;
+    }
+
+    void bind(const Reads<View>& input, const Slot& slot) {
+        if (slot.optional && !find(data_.inputs, slot.name)) return;
+        if (slot.kind == SlotKind::buffer) {
+            if (input.count) check_count(data_, slot, input.count(view_), input.why);
+        } else if (input.read && !input.read(view_)) {
+            // A texel of nothing will do; what is bound may also be whole.
+            if (at(data_.inputs, slot.name).shape != Shape{1, 1, slot.channels} && input.size)
+                check_size(data_, slot.name, input.size(view_), input.why);
+        } else if (!slot.frame) {
+            check_size(data_, slot.name, input.size ? input.size(view_) : data_.size, input.why);
+        }
+        input.at.set(view_, at(data_.inputs, slot.name).bytes.data());
+    }
+
+    bool fits(const Bundle& outputs) const {
+        if (outputs.arrays.size() != binding_.outputs.size()) return false;
+        for (std::size_t i = 0; i < outputs.arrays.size(); ++i) {
+            const Array& array = outputs.arrays[i];
+            const Slot& slot = binding_.outputs[i];
+            const std::size_t n = std::size_t(data_.size.x) * std::size_t(data_.size.y) * std::size_t(slot.channels);
+            if (array.name != slot.name || array.dtype != slot.dtype || array.bytes.size() != n * dtype_size(slot.dtype))
+                return false;
+        }
+        return true;
+    }
+
+    template <class F>
+    void append(glm::ivec2 pixel, std::vector<F>& values) const {
+        NoTap tap;
+        each_component(Kernel::template item<F>(view_, pixel.x, pixel.y, tap),
+                       [&](const auto& component) { values.push_back(F(component)); });
+    }
+
+    // Of an item that is written: whether every device writes it.
+    bool surely_writes(glm::ivec2 pixel) const {
+        Decisions decisions;
+        decisions.widen = true;
+        const DecisionScope scope(decisions);
+        if constexpr (masked) (void)Kernel::template writes<Bounded>(view_, pixel.x, pixel.y);
+        return !decisions.ambiguous;
+    }
+
+    const StageBinding& binding_;
+    const StageDescription<View>& description_;
+    const StageData& data_;
+    Buffer<float> own_;
+    View view_{};
+};
+
+// The one binding of a stage. Twin: the struct of its generated header.
+template <class Kernel, class Twin>
+const StageBinding& made() {
+    using View = typename Kernel::View;
+    static_assert(Twin::template fits<decltype(View::u)>());
+    static const StageDescription<View> description = describe(Kernel{});
+    static const StageBinding binding = [] {
+        StageBinding b = binding_of(description, Twin::layout);
+        b.bind = [](const StageData& data) -> std::unique_ptr<BoundStage> {
+            return std::make_unique<KernelStage<Kernel>>(made<Kernel, Twin>(), description, data);
+        };
+        return b;
+    }();
+    return binding;
+}
+
+}  // namespace plumb
