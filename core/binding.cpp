@@ -126,7 +126,8 @@ StageData begin_data(const StageBinding& binding, glm::ivec2 size, std::vector<u
     return d;
 }
 
-StageData owned(const StageBinding& binding, StageData data) {
+StageData owned(const StageBinding& binding, const StageData& data) {
+    StageData copy = data;
     Bundle inputs;
     for (const Slot& slot : binding.inputs) {
         if (const Array* array = find(data.inputs, slot.name)) {
@@ -136,9 +137,9 @@ StageData owned(const StageBinding& binding, StageData data) {
             add(inputs, slot.name, slot.dtype, expected_shape(slot, data));
         }
     }
-    data.inputs = std::move(inputs);
-    data.tiles = {};
-    return data;
+    copy.inputs = std::move(inputs);
+    copy.tiles = {};
+    return copy;
 }
 
 namespace {

@@ -157,7 +157,7 @@ const StageBinding& stage();
 StageData begin_data(const StageBinding& binding, glm::ivec2 size, std::vector<unsigned char> uniforms);
 
 // As a device binds it and a file holds it: with copies of what is lent to it, and zeros for what is missing.
-StageData owned(const StageBinding& binding, StageData data);
+StageData owned(const StageBinding& binding, const StageData& data);
 
 // Binds the data and runs the dispatch into its one output, which takes its size and starts as what is not computed.
 void run(const StageBinding& binding, const StageData& data, const RunOptions& options, Image4& output);

@@ -166,7 +166,7 @@ struct Builder {
             data.id += std::string(".") + raster::face_names[map];
             data.label += std::string(" ") + raster::face_names[map];
         }
-        out.push_back(owned(find_binding(data.stage, data.label), std::move(data)));  // what is lent here does not outlive the frame
+        out.push_back(owned(find_binding(data.stage, data.label), data));  // what is lent here does not outlive the frame
     }
     // Of a stage of a view beside the frame.
     void name_view(const frame::PlannedStage& stage, std::size_t first) {

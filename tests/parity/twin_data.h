@@ -9,6 +9,7 @@
 #include "gi/direct/bindings.h"
 #include "gi/filter/filter.h"
 #include "gi/isr/bindings.h"
+#include "gi/parity/stages.h"
 #include "gi/rsm/bindings.h"
 #include "raster/light_view.h"
 #include "raster/rsm.h"

@@ -226,7 +226,7 @@ void append_surfaces(std::vector<Dispatch>& out) {
         }
     auto keep = [&](const std::string& name, StageData data) {
         data.label = data.id = data.stage;
-        out.push_back({"surfaces: " + name, owned(parity::find_binding(data.stage, name), std::move(data))});
+        out.push_back({"surfaces: " + name, owned(parity::find_binding(data.stage, name), data)});
     };
     keep("reduce", filter::data_of({}, filter::ReduceInputs{&irradiance}));
     filter::FilterParams params;
