@@ -17,6 +17,15 @@ struct Tiles {
     const std::uint8_t* row(int y) const { return any ? any + std::ptrdiff_t(y >> 4) * across : nullptr; }
 };
 
+// The part of the block that says how wide and how high the domain is: the block, or Kernel::frame(view).
+template <class Kernel, class View>
+auto& frame_of(View& view) {
+    if constexpr (requires { Kernel::frame(view); })
+        return Kernel::frame(view);
+    else
+        return view.u;
+}
+
 // Rows [first, last) of the domain of Kernel. core/shade_rows.h defines run() for kernels that compute one item at a
 // time; a stage with a loop of its own specialises it in its kernel file. `scratch`: Kernel::scratch() floats, aligned
 // to 64 bytes, which belong to the band; null where the kernel asks for none.

@@ -82,8 +82,11 @@ class KernelStage final : public BoundStage {
         check_slots(binding, data);
         check_uniforms(binding, data, description.uniforms);
         view_.u = uniforms_of<decltype(view_.u)>(data);
-        if constexpr (requires { view_.u.width, view_.u.height; })  // whatever it says, the kernel walks the outputs
-            view_.u.width = data.size.x, view_.u.height = data.size.y;
+        if constexpr (requires { frame_of<Kernel>(view_).width, frame_of<Kernel>(view_).height; }) {
+            // Whatever the block says, the kernel walks the outputs.
+            auto& frame = frame_of<Kernel>(view_);
+            frame.width = data.size.x, frame.height = data.size.y;
+        }
         if (description.refuses)
             if (const std::string cause = description.refuses(view_, data.size); !cause.empty())
                 throw InputError(data.label + ": " + cause);

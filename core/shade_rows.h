@@ -50,10 +50,11 @@ void Rows<Kernel, isa>::run(const typename Kernel::View& in, int first, int last
     using F = PLUMB_ISA::Real;
     using I = index_t<F>;
     const auto kernel = [&](int, I px, int y, NoTap& tap) { return Kernel::template item<F>(in, px, I(y), tap); };
+    const int width = frame_of<Kernel>(in).width;
     if constexpr (requires { Kernel::out(in); })
-        shade_packets<F>(in.u.width, first, last, tiles, Kernel::out(in), kernel);
+        shade_packets<F>(width, first, last, tiles, Kernel::out(in), kernel);
     else
-        each_packet<F>(in.u.width, first, last, tiles, kernel, [&](I at, const auto& value, mask_t<F> active) {
+        each_packet<F>(width, first, last, tiles, kernel, [&](I at, const auto& value, mask_t<F> active) {
             Kernel::template store<F>(in, at, value, active);
         });
 }

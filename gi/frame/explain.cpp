@@ -81,7 +81,7 @@ struct Explainer {
     std::vector<TapValue> isr_values(const PlannedStage& stage, glm::ivec2 pixel) const {
         const isr::IsrParams& params = settings.isr;
         if (stage.name == "isr.downsample")
-            return isr::explain_downsample(params, coarse_of(stage.form), downsample_inputs(scene, frame, stage), pixel);
+            return isr::explain(params, downsample_inputs(scene, frame, stage), pixel);
         if (stage.name == "isr.gather") {
             const isr::Pattern pattern = isr::gather_pattern(params);
             return isr::explain(params, gather_inputs(scene, settings, frame, stage, pattern), pixel);

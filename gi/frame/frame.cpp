@@ -16,8 +16,9 @@ std::vector<StageInfo> frame_stages() {
             direct::shadow_info(), rsm::info_disc(),
             rsm::info_disc(rsm::Texels::continuous), rsm::info_paths(), rsm::info_paths(rsm::Texels::continuous),
             rsm::info_all(),       rsm::info_all_rays(),     direct::direct_info(),
-            isr::info_downsample(), isr::info_gather(), isr::info_bounce(), isr::info_unseen(), isr::info_gather_camera(),
-            isr::info_ssao(),      isr::info_blur(),      isr::info_upsample(),  isr::info_compose(),
+            stage<isr::DownsampleKernel>().info, stage<isr::GatherKernel>().info, stage<isr::BounceKernel>().info,
+            stage<isr::UnseenKernel>().info, stage<isr::GatherCameraKernel>().info, stage<isr::SsaoKernel>().info,
+            stage<isr::BlurKernel>().info, stage<isr::UpsampleKernel>().info, stage<isr::ComposeKernel>().info,
             stage<filter::ReduceKernel>().info, stage<filter::UpsampleKernel>().info, stage<filter::BlurKernel>().info,
             compose::compose_info(), reference::info(),    compose::tonemap_info()};
 }

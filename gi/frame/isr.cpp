@@ -189,7 +189,8 @@ isr::Coarse coarse_of(const std::string& form) {
 isr::DownsampleInputs downsample_inputs(const Scene& scene, const Frame& frame, const PlannedStage& stage) {
     const SourceView* view = stage.view > 0 ? &frame.views[std::size_t(stage.view)] : nullptr;
     const raster::GBuffer& g = view ? view->gbuffer : frame.gbuffer;
-    isr::DownsampleInputs in{&g.position, &g.normal, &g.albedo, &g.emission, view ? &view->direct : &frame.direct};
+    isr::DownsampleInputs in{coarse_of(stage.form), &g.position, &g.normal, &g.albedo, &g.emission,
+                             view ? &view->direct : &frame.direct};
     in.near = scene.camera.near, in.far = scene.camera.far;
     return in;
 }
@@ -306,7 +307,7 @@ void make_isr(const Scene& scene, const Settings& settings, const Frame& frame, 
         isr::run(params, in, options, result);
     };
     if (stage.name == "isr.downsample")
-        return isr::run_downsample(params, coarse_of(stage.form), downsample_inputs(scene, frame, stage), options, result);
+        return run(downsample_inputs(scene, frame, stage));
     if (stage.name == "isr.unseen") return run(unseen_inputs(scene, settings, frame, stage));
     if (stage.name == "isr.bounce") return run(bounce_inputs(scene, settings, frame, stage));
     if (stage.name == "isr.blur") return run(isr_blur_inputs(settings, frame, stage));

@@ -1,6 +1,6 @@
-#include "core/tap.h"
-#include "core/wide.h"
-#include "gi/isr/blur_rows.h"
+// isr.blur over rows: from planes (blur_kernel.h).
+#include "core/shade_rows.h"
+#include "gi/isr/blur_kernel.h"
 
 namespace plumb::isr {
 
@@ -46,29 +46,28 @@ PLUMB_INLINE void take_apart(const BlurInputsView& in, const BlurPlanes& planes,
 
 template <BlurKind kind>
 PLUMB_INLINE void blur_rows(const BlurInputsView& in, int first, int last, float* scratch, const Tiles& tiles) {
-    const int width = in.u.width, halo = BlurPlanes::halo(in.u);
-    const BlurPlanes planes{scratch, BlurPlanes::stride_of(width), first - halo};
+    const int halo = BlurPlanes::halo(in.u);
+    const BlurPlanes planes{scratch, BlurPlanes::stride_of(in.u.width), first - halo};
     for (int y = first - halo; y < last + halo; ++y) take_apart<kind>(in, planes, y);
-    for (int x = 0; x < width; x += N::width) {
-        const I px = min(N::iota(x), I(width - 1));
-        for (int y = first; y < last; ++y) {
-            const std::uint8_t* row = tiles.row(y);
-            if (row && !row[x >> 4]) continue;
-            NoTap tap;
-            const PlaneTexels texels{planes, x, y, in.u.vertical != 0};
-            const vec4<F> value = blur_by<F, kind>(in.u, in.spatial, texels, tap);
-            N::store4(in.blurred, I(y * width) + px, value, N::iota(x) < I(width));
-        }
-    }
+    shade_packets<F>(in.u.width, first, last, tiles, in.blurred, [&](int x, I, int y, NoTap& tap) {
+        return blur_by<F, kind>(in.u, in.spatial, PlaneTexels{planes, x, y, in.u.vertical != 0}, tap);
+    });
 }
 
 }  // namespace
 
+}  // namespace plumb::isr
+
+namespace plumb {
+
+using namespace isr;
+
 template <>
-void BlurRows<Isa::PLUMB_ISA>::blur(const BlurInputsView& in, int first, int last, float* scratch, const Tiles& tiles) {
+void Rows<BlurKernel, Isa::PLUMB_ISA>::run(const BlurInputsView& in, int first, int last, const Tiles& tiles,
+                                           float* scratch) {
     if (in.u.kind == int(BlurKind::gaussian)) return blur_rows<BlurKind::gaussian>(in, first, last, scratch, tiles);
     if (in.u.kind == int(BlurKind::edge_aware)) return blur_rows<BlurKind::edge_aware>(in, first, last, scratch, tiles);
     blur_rows<BlurKind::published>(in, first, last, scratch, tiles);
 }
 
-}  // namespace plumb::isr
+}  // namespace plumb

@@ -13,6 +13,8 @@
 // or a packet's view of them taken apart into planes (blur_rows.h).
 #pragma once
 
+#include <cstddef>
+
 #include "core/number.h"
 
 namespace plumb::isr {
@@ -131,5 +133,37 @@ PLUMB_INLINE vec4<F> blur(const BlurUniforms& u, const float* spatial, const Tex
     if (u.kind == int(BlurKind::edge_aware)) return blur_by<F, BlurKind::edge_aware>(u, spatial, texels, tap);
     return blur_by<F, BlurKind::published>(u, spatial, texels, tap);
 }
+
+// The images around a band of rows, taken apart into planes: a packet then reads its neighbours side by side. What lies
+// beyond the border is in the padding: no surface, or (published) the border's pixel.
+struct BlurPlanes {
+    enum : int { red, green, blue, open, covered, normal_x, normal_y, normal_z, depth, count };
+    static constexpr int padding = 32;  // floats before the first pixel and after the last; the largest radius is 32
+
+    float* planes;   // [row][count][stride]: rows first .. last, and of a vertical blur a radius before and after
+    int stride;      // floats
+    int first_row;   // of the image: may lie above it
+
+    static int stride_of(int width) { return ((width + 15) & ~15) + 2 * padding; }
+    static int halo(const BlurUniforms& u) { return u.vertical != 0 ? u.radius : 0; }
+    static std::size_t floats(const BlurUniforms& u, int rows) {
+        return std::size_t(rows + 2 * halo(u)) * count * std::size_t(stride_of(u.width));
+    }
+    float* at(int plane, int y) const {
+        return planes + (std::ptrdiff_t(y - first_row) * count + plane) * stride + padding;
+    }
+};
+
+struct BlurKernel {
+    using View = BlurInputsView;
+    static constexpr int band = 32;  // a vertical blur also reads the rows around them
+
+    template <class F, class Tap>
+    PLUMB_INLINE static vec4<F> item(const View& in, index_t<F> px, index_t<F> py, Tap& tap) {
+        return blur<F>(in.u, in.spatial, BlurImageTexels<F>{in, px, py}, tap);
+    }
+    static float* out(const View& in) { return in.blurred; }
+    static std::size_t scratch(const View& in, int rows) { return BlurPlanes::floats(in.u, rows); }
+};
 
 }  // namespace plumb::isr

@@ -41,4 +41,13 @@ PLUMB_INLINE vec4<F> bounce(const BounceInputsView& in, index_t<F> px, index_t<F
     return vec4<F>(b, b0.w);
 }
 
+struct BounceKernel {
+    using View = BounceInputsView;
+    template <class F, class Tap>
+    PLUMB_INLINE static vec4<F> item(const View& in, index_t<F> px, index_t<F> py, Tap& tap) {
+        return bounce<F>(in, px, py, tap);
+    }
+    static float* out(const View& in) { return in.bounced; }
+};
+
 }  // namespace plumb::isr

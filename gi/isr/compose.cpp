@@ -1,25 +1,9 @@
-#include <fmt/format.h>
-
-#include "core/error.h"
-#include "core/fp_environment.h"
 #include "core/host_math.h"
-#include "core/parallel.h"
-#include "gi/isr/bindings_filter.h"
-#include "gi/isr/compose_rows.h"
+#include "gi/isr/isr.h"
 
 namespace plumb::isr {
 
 namespace {
-
-constexpr int band = 16;  // rows
-
-ComposeInputsView view_of(const IsrParams& params, const ComposeInputs& in) {
-    return {uniforms(params, in),     &in.normal->data()->x, &in.albedo->data()->x,
-            &in.emission->data()->x, &in.direct->data()->x, &in.indirect->data()->x,
-            nullptr};
-}
-
-}  // namespace
 
 ComposeUniforms uniforms(const IsrParams& params, const ComposeInputs& in) {
     ComposeUniforms u{};
@@ -35,51 +19,14 @@ ComposeUniforms uniforms(const IsrParams& params, const ComposeInputs& in) {
     return u;
 }
 
-void validate(const IsrParams& params, const ComposeInputs& in) {
-    const char* stage = "isr.compose";
+}  // namespace
+
+StageData data_of(const IsrParams& params, const ComposeInputs& in) {
     validate(params);
-    if (!in.normal) throw InputError(fmt::format("{}: normal must be bound", stage));
-    const glm::ivec2 size{in.normal->width, in.normal->height};
-    check_images(stage, {{"normal", in.normal}, {"albedo", in.albedo}, {"emission", in.emission}, {"direct", in.direct},
-                         {"indirect", in.indirect}}, size, "as normal");
-}
-
-void run(const IsrParams& params, const ComposeInputs& in, const RunOptions& options, Image4& radiance) {
-    validate(params, in);
-    // A pixel is read before it is written: an input may be composed over.
-    resize(radiance, {in.normal->width, in.normal->height}, false, glm::vec4(0));
-    ComposeInputsView view = view_of(params, in);
-    view.radiance = &radiance.data()->x;
-    dispatch(options.isa, [&](auto isa) {
-        parallel_bands(radiance.height, band, options,
-                       [&](int first, int last) { ComposeRows<isa()>::compose(view, first, last); });
-    });
-}
-
-std::vector<TapValue> explain(const IsrParams& params, const ComposeInputs& in, glm::ivec2 pixel) {
-    validate(params, in);
-    FpEnvironment environment;
-    Recorder recorder;
-    compose<float>(view_of(params, in), pixel.x, pixel.y, recorder);
-    return recorder.values;
-}
-
-StageInfo info_compose() {
-    IsrParams defaults;
-    StageInfo s;
-    s.name = "isr.compose";
-    s.source = "ISR 4.5, (29)";
-    s.inputs = {{"normal", "image rgba32f", "", "w: 1 on a surface, 0 where nothing is"},
-                {"albedo", "image rgba32f", "", "diffuse reflectance rho"},
-                {"emission", "image rgba32f", "W/m2", "radiant exitance M"},
-                {"direct", "image rgba32f", "W/m2", "direct irradiance"},
-                {"indirect", "image rgba32f", "W/m2", "indirect irradiance; w: accessibility"}};
-    s.outputs = {{"radiance", "image rgba32f", "W/(m2 sr)", "outgoing radiance towards the viewer"}};
-    for (const Field& f : fields(defaults))
-        if (f.name == "variant" || f.name == "k_ssao" || f.name == "k_isr" || f.name == "ambient")
-            s.params.push_back(describe({f}).front());
-    s.twin = "gi/isr/compose.comp";
-    return s;
+    StageData d = begin_data<ComposeKernel>(size_of(bound("isr.compose", "normal", in.normal)), uniforms(params, in));
+    lend(d, {{"normal", in.normal}, {"albedo", in.albedo}, {"emission", in.emission}, {"direct", in.direct},
+             {"indirect", in.indirect}});
+    return d;
 }
 
 }  // namespace plumb::isr

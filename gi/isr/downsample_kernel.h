@@ -106,4 +106,13 @@ PLUMB_INLINE vec4<F> downsample(const DownsampleInputsView& in, index_t<F> px, i
     return vec4<F>(mean, w);
 }
 
+struct DownsampleKernel {
+    using View = DownsampleInputsView;
+    template <class F, class Tap>
+    PLUMB_INLINE static vec4<F> item(const View& in, index_t<F> px, index_t<F> py, Tap& tap) {
+        return downsample<F>(in, px, py, tap);
+    }
+    static float* out(const View& in) { return in.coarse; }
+};
+
 }  // namespace plumb::isr

@@ -1,51 +1,10 @@
-#include <fmt/format.h>
-
-#include "core/error.h"
-#include "core/fp_environment.h"
 #include "core/host_math.h"
-#include "core/parallel.h"
-#include "gi/isr/gather_inputs.h"
-#include "gi/scratch.h"
+#include "gi/isr/isr.h"
+#include "gi/isr/sample_uniforms.h"
 
 namespace plumb::isr {
 
 namespace {
-
-constexpr int band = 32;  // rows of receivers, which share the rows of sources around them
-
-void check_bound(const char* stage, std::initializer_list<std::pair<const char*, const void*>> inputs) {
-    for (const auto& [name, input] : inputs)
-        if (!input) throw InputError(fmt::format("{}: {} must be bound", stage, name));
-}
-
-void check_same_size(const char* stage, const char* name, const Image4& image, const char* other, const Image4& like) {
-    if (image.width != like.width || image.height != like.height)
-        throw InputError(fmt::format("{}: {} is {} x {}: expected {} x {}, as {}", stage, name, image.width, image.height,
-                                     like.width, like.height, other));
-}
-
-void check_margin(const char* stage, int margin, const char* name, const Image4& sources, const Image4& receivers) {
-    if (margin < 0 || sources.width < receivers.width + margin || sources.height < receivers.height + margin)
-        throw InputError(fmt::format("{}: margin = {}: expected 0 or more, and {} of at least {} x {}: it is {} x {}", stage,
-                                     margin, name, receivers.width + margin, receivers.height + margin, sources.width,
-                                     sources.height));
-}
-
-void check_pattern(const char* stage, const Pattern& pattern, int rings, int rotations) {
-    const std::size_t offsets = std::size_t(sample_count(rings)) * std::size_t(rotations);
-    if (pattern.samples != sample_count(rings) || pattern.rotations != rotations || pattern.offsets.size() != offsets)
-        throw InputError(fmt::format("{}: pattern has {} samples in {} rotations: expected {} in {}", stage,
-                                     pattern.samples, pattern.rotations, sample_count(rings), rotations));
-}
-
-void check_tiles(const char* stage, const raster::Covered* tiles, const Image4& image) {
-    if (tiles && !tiles->fits({image.width, image.height}))
-        throw InputError(fmt::format("{}: tiles are of another size", stage));
-}
-
-Tiles tiles_of(const raster::Covered* tiles) { return tiles ? Tiles{tiles->any.data(), tiles->tiles.x} : Tiles{}; }
-
-const float* texels_of(const Image4* image) { return image ? &image->data()->x : nullptr; }
 
 // What isr.gather and isr.ssao have in common. Columns of the matrix that takes (x, y, clip depth, 1) to a point over its
 // eye depth, and 1 / eye depth: through clip and view space, as a program does that inverts its matrices (ISR 4.7).
@@ -79,76 +38,12 @@ SampleUniforms sample_uniforms(const IsrParams& params, const Image4& surface, c
     return u;
 }
 
-GatherInputsView view_of(const IsrParams& params, const GatherInputs& in) {
-    return {uniforms(params, in),         texels_of(in.surface), texels_of(in.source_surface),
-            texels_of(in.source_radiosity), texels_of(in.before),  in.pattern->offsets.data(), nullptr};
-}
-
-SsaoInputsView view_of(const IsrParams& params, const SsaoInputs& in) {
-    return {uniforms(params, in),   texels_of(in.surface),      texels_of(in.source_surface),
-            texels_of(in.gathered), in.pattern->offsets.data(), nullptr};
-}
-
-BounceInputsView view_of(const BounceInputs& in) {
-    return {uniforms(in), texels_of(in.radiosity), texels_of(in.reflectance), texels_of(in.gathered), nullptr};
-}
-
-// rows(isa, planes, first, last) for all bands, with the sources that a band reaches, not yet taken apart; null where
-// samples are fetched.
-template <class Rows>
-void run_bands(const SampleUniforms& u, int count, int reach, const RunOptions& options, Rows rows) {
-    const bool apart = u.rotations == 1;
-    Scratch scratch(apart ? SourcePlanes::floats(u, count, reach, band) : 0);
-    dispatch(options.isa, [&](auto isa) {
-        parallel_bands(u.height, band, options, [&](int first, int last) {
-            Buffer<float> own = scratch.take();
-            const SourcePlanes planes(u, count, reach, first, last, own.data());
-            rows(isa, apart ? &planes : nullptr, first, last);
-            scratch.give(std::move(own));
-        });
-    });
-}
-
-}  // namespace
-
-void validate(const IsrParams& params, const GatherInputs& in) {
-    const char* stage = "isr.gather";
-    validate(params);
-    check_bound(stage, {{"surface", in.surface}, {"source_surface", in.source_surface},
-                        {"source_radiosity", in.source_radiosity}, {"pattern", in.pattern}});
-    check_same_size(stage, "source_radiosity", *in.source_radiosity, "source_surface", *in.source_surface);
-    if (in.before) check_same_size(stage, "before", *in.before, "surface", *in.surface);
-    check_margin(stage, in.margin, "source_surface", *in.source_surface, *in.surface);
-    check_pattern(stage, *in.pattern, params.rings, params.rotations);
-    check_tiles(stage, in.tiles, *in.surface);
-}
-
-void validate(const IsrParams& params, const SsaoInputs& in) {
-    const char* stage = "isr.ssao";
-    validate(params);
-    check_bound(stage, {{"surface", in.surface}, {"source_surface", in.source_surface}, {"pattern", in.pattern}});
-    if (in.gathered) check_same_size(stage, "gathered", *in.gathered, "surface", *in.surface);
-    check_margin(stage, in.margin, "source_surface", *in.source_surface, *in.surface);
-    check_pattern(stage, *in.pattern, params.ssao_rings, params.rotations);
-    check_tiles(stage, in.tiles, *in.surface);
-}
-
-void validate(const BounceInputs& in) {
-    const char* stage = "isr.bounce";
-    check_bound(stage, {{"radiosity", in.radiosity}, {"reflectance", in.reflectance}, {"gathered", in.gathered}});
-    check_same_size(stage, "gathered", *in.gathered, "reflectance", *in.reflectance);
-    check_margin(stage, in.margin, "radiosity", *in.radiosity, *in.reflectance);
-}
-
-SampleUniforms uniforms(const IsrParams& params, const GatherInputs& in) {
-    SampleUniforms u = sample_uniforms(params, *in.surface, *in.source_surface, in.margin, in.camera, in.seed);
-    const double side = in.camera.footprint * double(params.spacing);
-    u.rings = params.rings;
-    u.far_rings = params.far_rings;
-    u.full_reach = params.far_rings > 0 ? float(params.rings * double(params.full_depth)) : 3.4e38f;
-    u.area = float(side * side);
-    u.scale = float(2 * host::pi / sample_count(params.rings));
-    return u;
+void check_pattern(const char* stage, const Pattern* pattern, int rings, int rotations) {
+    if (!pattern) throw InputError(fmt::format("{}: pattern must be bound", stage));
+    const std::size_t offsets = std::size_t(sample_count(rings)) * std::size_t(rotations);
+    if (pattern->samples != sample_count(rings) || pattern->rotations != rotations || pattern->offsets.size() != offsets)
+        throw InputError(fmt::format("{}: pattern has {} samples in {} rotations: expected {} in {}", stage,
+                                     pattern->samples, pattern->rotations, sample_count(rings), rotations));
 }
 
 SampleUniforms uniforms(const IsrParams& params, const SsaoInputs& in) {
@@ -161,50 +56,66 @@ SampleUniforms uniforms(const IsrParams& params, const SsaoInputs& in) {
     return u;
 }
 
-BounceUniforms uniforms(const BounceInputs& in) {
-    return {in.radiosity->width, in.radiosity->height, in.reflectance->width, in.reflectance->height, in.margin, {}};
+}  // namespace
+
+SampleUniforms uniforms(const IsrParams& params, const GatherInputs& in) {
+    SampleUniforms u = sample_uniforms(params, *in.surface, *in.source_surface, in.margin, in.camera, in.seed);
+    const double side = in.camera.footprint * double(params.spacing);
+    u.rings = params.rings;
+    u.far_rings = params.far_rings;
+    u.full_reach = params.far_rings > 0 ? float(params.rings * double(params.full_depth)) : 3.4e38f;
+    u.area = float(side * side);
+    u.scale = float(2 * host::pi / sample_count(params.rings));
+    return u;
 }
 
-void run(const IsrParams& params, const GatherInputs& in, const RunOptions& options, Image4& gathered) {
-    validate(params, in);
-    Image4 result(in.surface->width, in.surface->height);
-    GatherInputsView view = view_of(params, in);
-    view.gathered = &result.data()->x;
-    const auto rows = [&](auto isa, const SourcePlanes* planes, int first, int last) {
-        if (planes) GatherRows<isa()>::take_apart(view, *planes);
-        GatherRows<isa()>::gather(view, planes, first, last, tiles_of(in.tiles));
-    };
-    run_bands(view.u, SourcePlanes::of_gather, in.pattern->reach, options, rows);
-    gathered = std::move(result);
+void lend_offsets(StageData& data, const char* stage, const Pattern* pattern, int rings, int rotations) {
+    check_pattern(stage, pattern, rings, rotations);
+    lend(data.inputs, "offsets", {std::int64_t(pattern->offsets.size())}, pattern->offsets.data());
 }
 
-void run(const IsrParams& params, const SsaoInputs& in, const RunOptions& options, Image4& lit) {
-    validate(params, in);
-    Image4 result(in.surface->width, in.surface->height, glm::vec4(0, 0, 0, 1));
-    SsaoInputsView view = view_of(params, in);
-    view.lit = &result.data()->x;
-    const auto rows = [&](auto isa, const SourcePlanes* planes, int first, int last) {
-        if (planes) GatherRows<isa()>::take_apart(view, *planes);
-        GatherRows<isa()>::ssao(view, planes, first, last, tiles_of(in.tiles));
-    };
-    run_bands(view.u, SourcePlanes::of_ssao, in.pattern->reach, options, rows);
-    lit = std::move(result);
+StageData data_of(const IsrParams& params, const GatherInputs& in) {
+    const char* stage = "isr.gather";
+    validate(params);
+    bound(stage, "source_surface", in.source_surface);
+    const glm::ivec2 size = size_of(bound(stage, "surface", in.surface));
+    StageData d = begin_data<GatherKernel>(size, uniforms(params, in));
+    lend(d, {{"surface", in.surface}, {"source_surface", in.source_surface}, {"source_radiosity", in.source_radiosity}});
+    if (in.before) lend(d, {{"before", in.before}});
+    lend_offsets(d, stage, in.pattern, params.rings, params.rotations);
+    lend_tiles(d, in.tiles);
+    return d;
 }
 
-void run(const IsrParams&, const BounceInputs& in, const RunOptions& options, Image4& radiosity) {
-    validate(in);
-    Image4 result(in.radiosity->width, in.radiosity->height);
-    BounceInputsView view = view_of(in);
-    view.bounced = &result.data()->x;
-    dispatch(options.isa, [&](auto isa) {
-        parallel_bands(result.height, band, options,
-                       [&](int first, int last) { GatherRows<isa()>::bounce(view, first, last); });
-    });
-    radiosity = std::move(result);
+StageData data_of(const IsrParams& params, const SsaoInputs& in) {
+    const char* stage = "isr.ssao";
+    validate(params);
+    bound(stage, "source_surface", in.source_surface);
+    const glm::ivec2 size = size_of(bound(stage, "surface", in.surface));
+    StageData d = begin_data<SsaoKernel>(size, uniforms(params, in));
+    lend(d, {{"surface", in.surface}, {"source_surface", in.source_surface}});
+    if (in.gathered) lend(d, {{"gathered", in.gathered}});
+    lend_offsets(d, stage, in.pattern, params.ssao_rings, params.rotations);
+    lend_tiles(d, in.tiles);
+    return d;
+}
+
+StageData data_of(const IsrParams&, const BounceInputs& in) {
+    const char* stage = "isr.bounce";
+    const glm::ivec2 size = size_of(bound(stage, "radiosity", in.radiosity));
+    const glm::ivec2 receivers = size_of(bound(stage, "reflectance", in.reflectance));
+    if (in.margin < 0 || size.x < receivers.x + in.margin || size.y < receivers.y + in.margin)
+        throw InputError(fmt::format("{}: margin = {}: expected 0 or more, and radiosity of at least {} x {}: it is {} x {}",
+                                     stage, in.margin, receivers.x + in.margin, receivers.y + in.margin, size.x, size.y));
+    StageData d = begin_data<BounceKernel>(size, BounceUniforms{size.x, size.y, receivers.x, receivers.y, in.margin, {}});
+    lend(d, {{"radiosity", in.radiosity}, {"reflectance", in.reflectance}, {"gathered", in.gathered}});
+    return d;
 }
 
 Excess excess_of(const Image4& surface, const Image4& gathered) {
-    check_same_size("isr.gather", "gathered", gathered, "surface", surface);
+    if (size_of(gathered) != size_of(surface))
+        throw InputError(fmt::format("isr.gather: gathered is {} x {}: expected {} x {}, as surface", gathered.width,
+                                     gathered.height, surface.width, surface.height));
     Excess excess;
     double pixels = 0, above = 0;
     for (std::size_t i = 0; i < surface.size(); ++i) {
@@ -218,77 +129,6 @@ Excess excess_of(const Image4& surface, const Image4& gathered) {
     }
     excess.share = pixels > 0 ? above / pixels : 0;
     return excess;
-}
-
-std::vector<TapValue> explain(const IsrParams& params, const GatherInputs& in, glm::ivec2 pixel) {
-    validate(params, in);
-    const GatherInputsView view = view_of(params, in);
-    FpEnvironment environment;
-    Recorder recorder;
-    const SourceImages<float> sources{view, pixel.x, pixel.y, rotation_of<float>(view.u, pixel.x, pixel.y)};
-    gather<float>(view, pixel.x, pixel.y, sources, recorder);
-    return recorder.values;
-}
-
-std::vector<TapValue> explain(const IsrParams& params, const SsaoInputs& in, glm::ivec2 pixel) {
-    validate(params, in);
-    const SsaoInputsView view = view_of(params, in);
-    FpEnvironment environment;
-    Recorder recorder;
-    const SphereImage<float> spheres{view, pixel.x, pixel.y, rotation_of<float>(view.u, pixel.x, pixel.y)};
-    ssao<float>(view, pixel.x, pixel.y, spheres, recorder);
-    return recorder.values;
-}
-
-std::vector<TapValue> explain(const IsrParams&, const BounceInputs& in, glm::ivec2 pixel) {
-    validate(in);
-    const BounceInputsView view = view_of(in);
-    FpEnvironment environment;
-    Recorder recorder;
-    bounce<float>(view, pixel.x, pixel.y, recorder);
-    return recorder.values;
-}
-
-StageInfo info_gather() {
-    StageInfo s;
-    s.name = "isr.gather";
-    s.source = "ISR 4.4, (25) and (6): one bounce between what the camera sees";
-    s.inputs = {{"surface", "image rgba32f", "m", "of the receivers: xyz unit normal, w depth"},
-                {"source_surface", "image rgba32f", "m", "where light comes from: xyz unit normal, w depth"},
-                {"source_radiosity", "image rgba32f", "W/m2", "w: radiation mask"},
-                {"before", "image rgba32f", "W/m2", "what other sources sent; w: sum of form factors"},
-                {"offsets", "buffer i32", "coarse pixels", "of the samples, [samples][rotations]"}};
-    s.outputs = {{"gathered", "image rgba32f", "W/m2", "irradiance; w: sum of form factors"}};
-    s.params = params_of({"variant", "rings", "spacing", "rotations", "far_rings", "full_depth", "position", "least_cosine"});
-    s.twin = "gi/isr/gather.comp";
-    return s;
-}
-
-StageInfo info_ssao() {
-    StageInfo s;
-    s.name = "isr.ssao";
-    s.source = "ISR 4.4, (26): ambient occlusion by what the camera sees";
-    s.inputs = {{"surface", "image rgba32f", "m", "of the receivers: xyz unit normal, w depth"},
-                {"source_surface", "image rgba32f", "m", "what occludes: xyz unit normal, w depth"},
-                {"gathered", "image rgba32f", "W/m2", "irradiance, which goes through"},
-                {"offsets", "buffer i32", "coarse pixels", "of the samples, [samples][rotations]"}};
-    s.outputs = {{"lit", "image rgba32f", "W/m2", "irradiance; w: accessibility"}};
-    s.params = params_of({"variant", "ssao_rings", "ssao_spacing", "rotations", "position"});
-    s.twin = "gi/isr/ssao.comp";
-    return s;
-}
-
-StageInfo info_bounce() {
-    StageInfo s;
-    s.name = "isr.bounce";
-    s.source = "ISR chapter 6 (more bounces), (8): B = B0 + rho E";
-    s.inputs = {{"radiosity", "image rgba32f", "W/m2", "B0 of all sources; w: radiation mask"},
-                {"reflectance", "image rgba32f", "", "of the receivers"},
-                {"gathered", "image rgba32f", "W/m2", "irradiance of the receivers"}};
-    s.outputs = {{"bounced", "image rgba32f", "W/m2", "B of all sources; w: radiation mask"}};
-    s.params = params_of({"bounces"});
-    s.twin = "gi/isr/bounce.comp";
-    return s;
 }
 
 }  // namespace plumb::isr

@@ -83,4 +83,14 @@ PLUMB_INLINE vec4<F> gather_camera(const GatherCameraInputsView& in, index_t<F> 
     return gather_by<F, false>(u, p, before, zero, sources, tap);
 }
 
+struct GatherCameraKernel {
+    using View = GatherCameraInputsView;
+    template <class F, class Tap>
+    PLUMB_INLINE static vec4<F> item(const View& in, index_t<F> px, index_t<F> py, Tap& tap) {
+        return gather_camera<F>(in, px, py, tap);
+    }
+    static float* out(const View& in) { return in.gathered; }
+    static auto& frame(auto& in) { return in.u.u; }
+};
+
 }  // namespace plumb::isr

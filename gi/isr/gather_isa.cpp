@@ -1,6 +1,7 @@
-#include "core/tap.h"
-#include "core/wide.h"
-#include "gi/isr/gather_rows.h"
+// isr.gather and isr.ssao over rows: without rotations from planes (source_planes.h).
+#include "core/shade_rows.h"
+#include "gi/isr/gather_kernel.h"
+#include "gi/isr/ssao_kernel.h"
 
 namespace plumb::isr {
 
@@ -9,22 +10,6 @@ namespace {
 using F = PLUMB_ISA::Real;
 using N = number<F>;
 using I = index_t<F>;
-
-// As shade_rows() of gi/shade_rows.h, for kernels that write all four components: kernel(x, px, y, tap), x the packet's
-// first column.
-template <class Kernel>
-PLUMB_INLINE void gather_rows(int width, int first, int last, const Tiles& tiles, float* out, Kernel kernel) {
-    for (int x = 0; x < width; x += N::width) {
-        const I px = min(N::iota(x), I(width - 1));
-        for (int y = first; y < last; ++y) {
-            const std::uint8_t* row = tiles.row(y);
-            if (row && !row[x >> 4]) continue;
-            NoTap tap;
-            const vec4<F> value = kernel(x, px, y, tap);
-            N::store4(out, I(y * width) + px, value, N::iota(x) < I(width));
-        }
-    }
-}
 
 // The samples of the pixels (x + lane, y), from planes; without rotations.
 struct PlaneSamples {
@@ -91,23 +76,7 @@ PLUMB_INLINE void each_source(const SampleUniforms& u, const SourcePlanes& plane
     clear_row(planes, planes.nothing());
 }
 
-}  // namespace
-
-template <>
-void GatherRows<Isa::PLUMB_ISA>::downsample(const DownsampleInputsView& in, int first, int last,
-                                            const Tiles& tiles) {
-    gather_rows(in.u.width, first, last, tiles, in.coarse,
-                [&](int, I px, int y, NoTap& tap) { return isr::downsample<F>(in, px, I(y), tap); });
-}
-
-template <>
-void GatherRows<Isa::PLUMB_ISA>::bounce(const BounceInputsView& in, int first, int last) {
-    gather_rows(in.u.width, first, last, {}, in.bounced,
-                [&](int, I px, int y, NoTap& tap) { return isr::bounce<F>(in, px, I(y), tap); });
-}
-
-template <>
-void GatherRows<Isa::PLUMB_ISA>::take_apart(const GatherInputsView& in, const SourcePlanes& planes) {
+void take_apart(const GatherInputsView& in, const SourcePlanes& planes) {
     const SampleUniforms& u = in.u;
     each_source(u, planes, [&](int x, I px, I i, int y, mask_t<F> on) {
         const Surface<F> s = surface_of<F>(u, px - I(u.margin), I(y - u.margin), N::fetch4(in.source_surface, i));
@@ -118,8 +87,7 @@ void GatherRows<Isa::PLUMB_ISA>::take_apart(const GatherInputsView& in, const So
     });
 }
 
-template <>
-void GatherRows<Isa::PLUMB_ISA>::take_apart(const SsaoInputsView& in, const SourcePlanes& planes) {
+void take_apart(const SsaoInputsView& in, const SourcePlanes& planes) {
     const SampleUniforms& u = in.u;
     each_source(u, planes, [&](int x, I px, I i, int y, mask_t<F> on) {
         const Sphere<F> s = sphere_of<F>(u, px - I(u.margin), I(y - u.margin), N::fetch4(in.source_surface, i));
@@ -128,32 +96,44 @@ void GatherRows<Isa::PLUMB_ISA>::take_apart(const SsaoInputsView& in, const Sour
     });
 }
 
+}  // namespace
+
+}  // namespace plumb::isr
+
+namespace plumb {
+
+using namespace isr;
+
 template <>
-void GatherRows<Isa::PLUMB_ISA>::gather(const GatherInputsView& in, const SourcePlanes* planes, int first, int last,
-                                        const Tiles& tiles) {
+void Rows<GatherKernel, Isa::PLUMB_ISA>::run(const GatherInputsView& in, int first, int last, const Tiles& tiles,
+                                             float* scratch) {
     const SampleUniforms& u = in.u;
-    if (!planes || u.rotations > 1)
-        return gather_rows(u.width, first, last, tiles, in.gathered, [&](int, I px, int y, NoTap& tap) {
-            return isr::gather<F>(in, px, I(y), SourceImages<F>{in, px, I(y), rotation_of<F>(u, px, I(y))}, tap);
+    if (u.rotations > 1)
+        return shade_packets<F>(u.width, first, last, tiles, in.gathered, [&](int, I px, int y, NoTap& tap) {
+            return GatherKernel::item<F>(in, px, I(y), tap);
         });
-    gather_rows(u.width, first, last, tiles, in.gathered, [&](int x, I px, int y, NoTap& tap) {
-        const PlaneSources sources{{*planes, in.offsets, x + u.margin, y + u.margin, u.source_width}, u};
+    const SourcePlanes planes(u, SourcePlanes::of_gather, in.reach, first, last, scratch);
+    take_apart(in, planes);
+    shade_packets<F>(u.width, first, last, tiles, in.gathered, [&](int x, I px, int y, NoTap& tap) {
+        const PlaneSources sources{{planes, in.offsets, x + u.margin, y + u.margin, u.source_width}, u};
         return isr::gather<F>(in, px, I(y), sources, tap);
     });
 }
 
 template <>
-void GatherRows<Isa::PLUMB_ISA>::ssao(const SsaoInputsView& in, const SourcePlanes* planes, int first, int last,
-                                      const Tiles& tiles) {
+void Rows<SsaoKernel, Isa::PLUMB_ISA>::run(const SsaoInputsView& in, int first, int last, const Tiles& tiles,
+                                           float* scratch) {
     const SampleUniforms& u = in.u;
-    if (!planes || u.rotations > 1)
-        return gather_rows(u.width, first, last, tiles, in.lit, [&](int, I px, int y, NoTap& tap) {
-            return isr::ssao<F>(in, px, I(y), SphereImage<F>{in, px, I(y), rotation_of<F>(u, px, I(y))}, tap);
+    if (u.rotations > 1)
+        return shade_packets<F>(u.width, first, last, tiles, in.lit, [&](int, I px, int y, NoTap& tap) {
+            return SsaoKernel::item<F>(in, px, I(y), tap);
         });
-    gather_rows(u.width, first, last, tiles, in.lit, [&](int x, I px, int y, NoTap& tap) {
-        const PlaneSpheres spheres{{*planes, in.offsets, x + u.margin, y + u.margin, u.source_width}};
+    const SourcePlanes planes(u, SourcePlanes::of_ssao, in.reach, first, last, scratch);
+    take_apart(in, planes);
+    shade_packets<F>(u.width, first, last, tiles, in.lit, [&](int x, I px, int y, NoTap& tap) {
+        const PlaneSpheres spheres{{planes, in.offsets, x + u.margin, y + u.margin, u.source_width}};
         return isr::ssao<F>(in, px, I(y), spheres, tap);
     });
 }
 
-}  // namespace plumb::isr
+}  // namespace plumb

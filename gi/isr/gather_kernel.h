@@ -12,7 +12,7 @@
 #pragma once
 
 #include "core/hash.h"
-#include "gi/isr/surface_kernel.h"
+#include "gi/isr/source_planes.h"
 
 namespace plumb::isr {
 
@@ -24,6 +24,7 @@ struct GatherInputsView {
     const float* before;            // [height][width] rgba32f; null: all 0
     const std::int32_t* offsets;    // [samples][rotations]: dx in the lower 16 bits, dy in the upper 16
     float* gathered;                // out: [height][width] rgba32f
+    int reach;                      // of the offsets, pixels
 };
 
 // What a sample X of the gather is.
@@ -166,5 +167,20 @@ PLUMB_INLINE vec4<F> gather(const GatherInputsView& in, index_t<F> px, index_t<F
     }
     return gather_by<F, false>(u, p, before, zero, sources, tap);
 }
+
+struct GatherKernel {
+    using View = GatherInputsView;
+    static constexpr int band = 32;  // rows of receivers, which share the rows of sources around them
+
+    template <class F, class Tap>
+    PLUMB_INLINE static vec4<F> item(const View& in, index_t<F> px, index_t<F> py, Tap& tap) {
+        return gather<F>(in, px, py, SourceImages<F>{in, px, py, rotation_of<F>(in.u, px, py)}, tap);
+    }
+    static float* out(const View& in) { return in.gathered; }
+    // Without rotations alone: with them samples are fetched.
+    static std::size_t scratch(const View& in, int rows) {
+        return in.u.rotations > 1 ? 0 : SourcePlanes::floats(in.u, SourcePlanes::of_gather, in.reach, rows);
+    }
+};
 
 }  // namespace plumb::isr

@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
-#include "gi/isr/gather_inputs.h"
+#include "gi/isr/isr_params.h"
 
 namespace plumb::isr {
 
@@ -82,13 +82,9 @@ void validate(const IsrParams& params) {
         throw InputError(fmt::format("isr: far_rings = {}: expected at most rings = {}", params.far_rings, params.rings));
 }
 
-std::vector<ParamInfo> params_of(std::initializer_list<const char*> names) {
+std::vector<ParamInfo> params_of(const std::vector<std::string>& names) {
     IsrParams defaults;
-    std::vector<ParamInfo> found;
-    for (const Field& f : fields(defaults))
-        for (const char* name : names)
-            if (f.name == name) found.push_back(describe({f}).front());
-    return found;
+    return describe(fields(defaults), names);
 }
 
 }  // namespace plumb::isr

@@ -21,6 +21,7 @@ struct SsaoInputsView {
     const float* gathered;        // [height][width] rgba32f: xyz goes through; null: 0
     const std::int32_t* offsets;  // [samples][rotations]
     float* lit;                   // out: [height][width] rgba32f
+    int reach;                    // of the offsets, pixels
 };
 
 // What a sample X of the occlusion is.
@@ -112,5 +113,20 @@ PLUMB_INLINE vec4<F> ssao(const SsaoInputsView& in, index_t<F> px, index_t<F> py
     const vec3<F> gathered = in.gathered ? xyz<F>(N::fetch4(in.gathered, pixel)) : none;
     return vec4<F>(select3<F>(is_covered(p), gathered, none), accessibility);
 }
+
+struct SsaoKernel {
+    using View = SsaoInputsView;
+    static constexpr int band = 32;  // rows of receivers, which share the rows of sources around them
+
+    template <class F, class Tap>
+    PLUMB_INLINE static vec4<F> item(const View& in, index_t<F> px, index_t<F> py, Tap& tap) {
+        return ssao<F>(in, px, py, SphereImage<F>{in, px, py, rotation_of<F>(in.u, px, py)}, tap);
+    }
+    static float* out(const View& in) { return in.lit; }
+    // Without rotations alone: with them samples are fetched.
+    static std::size_t scratch(const View& in, int rows) {
+        return in.u.rotations > 1 ? 0 : SourcePlanes::floats(in.u, SourcePlanes::of_ssao, in.reach, rows);
+    }
+};
 
 }  // namespace plumb::isr

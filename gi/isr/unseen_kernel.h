@@ -87,4 +87,14 @@ PLUMB_INLINE vec4<F> unseen(const UnseenInputsView& in, index_t<F> px, index_t<F
     return result;
 }
 
+struct UnseenKernel {
+    using View = UnseenInputsView;
+    template <class F, class Tap>
+    PLUMB_INLINE static vec4<F> item(const View& in, index_t<F> px, index_t<F> py, Tap& tap) {
+        return unseen<F>(in, px, py, tap);
+    }
+    static float* out(const View& in) { return in.unseen; }
+    static auto& frame(auto& in) { return in.u.u; }
+};
+
 }  // namespace plumb::isr

@@ -1,6 +1,6 @@
-#include "core/tap.h"
-#include "core/wide.h"
-#include "gi/isr/upsample_rows.h"
+// isr.upsample over rows: from planes (upsample_kernel.h).
+#include "core/shade_rows.h"
+#include "gi/isr/upsample_kernel.h"
 
 namespace plumb::isr {
 
@@ -41,27 +41,26 @@ PLUMB_INLINE void take_apart(const UpsampleInputsView& in, const UpsamplePlanes&
 
 template <bool bilateral, bool published>
 PLUMB_INLINE void upsample_rows(const UpsampleInputsView& in, int first, int last, float* scratch, const Tiles& tiles) {
-    const int width = in.u.width, coarse_height = in.u.coarse_height;
-    const UpsamplePlanes planes{scratch, UpsamplePlanes::stride_of(width), coarse_before(first)};
+    const int coarse_height = in.u.coarse_height;
+    const UpsamplePlanes planes{scratch, UpsamplePlanes::stride_of(in.u.width), coarse_before(first)};
     for (int y = planes.first_row; y <= coarse_after(last - 1, coarse_height); ++y) take_apart(in, planes, y);
-    for (int x = 0; x < width; x += N::width) {
-        const I px = min(N::iota(x), I(width - 1));
-        for (int y = first; y < last; ++y) {
-            const std::uint8_t* row = tiles.row(y);
-            if (row && !row[x >> 4]) continue;
-            NoTap tap;
-            const PlaneTexels texels{planes, x, coarse_before(y), coarse_after(y, coarse_height)};
-            const vec4<F> value = upsample_by<F, bilateral, published>(in, texels, px, I(y), tap);
-            N::store4(in.upsampled, I(y * width) + px, value, N::iota(x) < I(width));
-        }
-    }
+    shade_packets<F>(in.u.width, first, last, tiles, in.upsampled, [&](int x, I px, int y, NoTap& tap) {
+        const PlaneTexels texels{planes, x, coarse_before(y), coarse_after(y, coarse_height)};
+        return upsample_by<F, bilateral, published>(in, texels, px, I(y), tap);
+    });
 }
 
 }  // namespace
 
+}  // namespace plumb::isr
+
+namespace plumb {
+
+using namespace isr;
+
 template <>
-void UpsampleRows<Isa::PLUMB_ISA>::upsample(const UpsampleInputsView& in, int first, int last, float* scratch,
-                                            const Tiles& tiles) {
+void Rows<UpsampleKernel, Isa::PLUMB_ISA>::run(const UpsampleInputsView& in, int first, int last, const Tiles& tiles,
+                                               float* scratch) {
     const bool published = in.u.published != 0;
     if (in.u.bilateral == 0)
         return published ? upsample_rows<false, true>(in, first, last, scratch, tiles)
@@ -70,4 +69,4 @@ void UpsampleRows<Isa::PLUMB_ISA>::upsample(const UpsampleInputsView& in, int fi
               : upsample_rows<true, false>(in, first, last, scratch, tiles);
 }
 
-}  // namespace plumb::isr
+}  // namespace plumb

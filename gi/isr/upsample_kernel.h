@@ -14,6 +14,8 @@
 // a packet's view of them taken apart into planes (upsample_rows.h).
 #pragma once
 
+#include <cstddef>
+
 #include "core/number.h"
 
 namespace plumb::isr {
@@ -159,5 +161,31 @@ PLUMB_INLINE vec4<F> upsample(const UpsampleInputsView& in, const Texels& texels
     return published ? upsample_by<F, true, true>(in, texels, px, py, tap)
                      : upsample_by<F, true, false>(in, texels, px, py, tap);
 }
+
+// The coarse rows that a band of full rows lies between, taken apart into planes of full width: at column x the coarse
+// pixel before x, and so at column x + 2 the one after it. Each is fetched once for the four rows that read it.
+struct UpsamplePlanes {
+    enum : int { red, green, blue, open, covered, depth, count };
+
+    float* planes;      // [row][count][stride]: coarse rows first_row ..
+    int stride;         // floats
+    int first_row;
+
+    static int stride_of(int width) { return ((width + 2 + 15) & ~15) + 16; }
+    static std::size_t floats(int width, int rows) {
+        return std::size_t(rows / 2 + 2) * count * std::size_t(stride_of(width));
+    }
+    float* at(int plane, int y) const { return planes + (std::ptrdiff_t(y - first_row) * count + plane) * stride; }
+};
+
+struct UpsampleKernel {
+    using View = UpsampleInputsView;
+    template <class F, class Tap>
+    PLUMB_INLINE static vec4<F> item(const View& in, index_t<F> px, index_t<F> py, Tap& tap) {
+        return upsample<F>(in, UpsampleImageTexels<F>{in, px, py}, px, py, tap);
+    }
+    static float* out(const View& in) { return in.upsampled; }
+    static std::size_t scratch(const View& in, int rows) { return UpsamplePlanes::floats(in.u.width, rows); }
+};
 
 }  // namespace plumb::isr

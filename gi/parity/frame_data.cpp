@@ -6,7 +6,7 @@
 #include "gi/filter/filter.h"
 #include "gi/frame/filters.h"
 #include "gi/frame/isr.h"
-#include "gi/isr/bindings.h"
+#include "gi/isr/isr.h"
 #include "gi/parity/stages.h"
 #include "gi/rsm/bindings.h"
 #include "raster/bindings.h"
@@ -176,30 +176,26 @@ struct Builder {
 
     void append_image_space(const frame::PlannedStage& stage) {
         const isr::IsrParams& params = settings.isr;
+        const isr::Pattern of_gather = isr::gather_pattern(params), of_ssao = isr::ssao_pattern(params);
         StageData data;
         if (stage.name == "isr.downsample") {
-            data = isr::downsample_data(params, frame::coarse_of(stage.form),
-                                        frame::downsample_inputs(scene, filtered, stage));
+            data = isr::data_of(params, frame::downsample_inputs(scene, filtered, stage));
         } else if (stage.name == "isr.gather") {
-            const isr::Pattern pattern = isr::gather_pattern(params);
-            data = isr::gather_data(params, frame::gather_inputs(scene, settings, filtered, stage, pattern));
+            data = isr::data_of(params, frame::gather_inputs(scene, settings, filtered, stage, of_gather));
         } else if (stage.name == "isr.gather_camera") {
-            const isr::Pattern pattern = isr::gather_pattern(params);
-            data = isr::gather_camera_data(params,
-                                           frame::camera_gather_inputs(scene, settings, filtered, stage, pattern));
+            data = isr::data_of(params, frame::camera_gather_inputs(scene, settings, filtered, stage, of_gather));
         } else if (stage.name == "isr.unseen") {
-            data = isr::unseen_data(params, frame::unseen_inputs(scene, settings, filtered, stage));
+            data = isr::data_of(params, frame::unseen_inputs(scene, settings, filtered, stage));
         } else if (stage.name == "isr.ssao") {
-            const isr::Pattern pattern = isr::ssao_pattern(params);
-            data = isr::ssao_data(params, frame::ssao_inputs(scene, settings, filtered, pattern));
+            data = isr::data_of(params, frame::ssao_inputs(scene, settings, filtered, of_ssao));
         } else if (stage.name == "isr.bounce") {
-            data = isr::bounce_data(params, frame::bounce_inputs(scene, settings, filtered, stage));
+            data = isr::data_of(params, frame::bounce_inputs(scene, settings, filtered, stage));
         } else if (stage.name == "isr.blur") {
-            data = isr::blur_data(params, frame::isr_blur_inputs(settings, filtered, stage));
+            data = isr::data_of(params, frame::isr_blur_inputs(settings, filtered, stage));
         } else if (stage.name == "isr.upsample") {
-            data = isr::upsample_data(params, frame::upsample_inputs(scene, settings, filtered));
+            data = isr::data_of(params, frame::upsample_inputs(scene, settings, filtered));
         } else {
-            data = isr::compose_data(params, frame::compose_inputs(scene, filtered));
+            data = isr::data_of(params, frame::compose_inputs(scene, filtered));
         }
         keep(std::move(data), stage.label);
         if (!stage.form.empty()) out.back().id += "." + word_of(stage.form);

@@ -6,7 +6,7 @@
 #include "gi/compose/bindings.h"
 #include "gi/direct/bindings.h"
 #include "gi/filter/filter.h"
-#include "gi/isr/bindings.h"
+#include "gi/isr/isr.h"
 #include "gi/rsm/bindings.h"
 #include "raster/bindings.h"
 
@@ -18,9 +18,9 @@ const std::vector<StageBinding>& bindings() {
         direct::log_blur_binding(), direct::shadow_binding(),  rsm::disc_binding(),        rsm::paths_binding(),       rsm::all_binding(),
         rsm::disc_continuous_binding(), rsm::paths_continuous_binding(),
         stage<filter::ReduceKernel>(), stage<filter::UpsampleKernel>(), stage<filter::BlurKernel>(),
-        isr::downsample_binding(), isr::gather_binding(), isr::bounce_binding(), isr::unseen_binding(),
-        isr::gather_camera_binding(), isr::ssao_binding(),
-        isr::blur_binding(), isr::upsample_binding(), isr::compose_binding(),
+        stage<isr::DownsampleKernel>(), stage<isr::GatherKernel>(), stage<isr::BounceKernel>(), stage<isr::UnseenKernel>(),
+        stage<isr::GatherCameraKernel>(), stage<isr::SsaoKernel>(),
+        stage<isr::BlurKernel>(), stage<isr::UpsampleKernel>(), stage<isr::ComposeKernel>(),
         direct::direct_binding(), compose::compose_binding(), compose::tonemap_binding(),
     };
     return all;

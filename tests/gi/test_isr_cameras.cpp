@@ -93,7 +93,7 @@ TEST_CASE("isr.unseen: what another view sees at its place is left out, what it 
             if (inside(at, view_size)) other(at.x, at.y) = glm::vec4(0, 0, 1, float(depth));
             in.view_surface = &other;
             Image4 result;
-            run({}, in, {}, result);
+            run(IsrParams{}, in, {}, result);
             return result(from.x, from.y) == surface(from.x, from.y);
         };
         const double depth = view.depth(x);

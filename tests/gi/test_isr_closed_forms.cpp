@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "gi/isr/gather_inputs.h"
+#include "gi/isr/sample_uniforms.h"
 #include "gi/isr/isr.h"
 #include "gi/reference/closed_form_scenes.h"
 
@@ -70,17 +70,17 @@ double gathered_from_all(const CoarseView& view, glm::ivec2 p) {
     GatherInputs in;
     in.surface = in.source_surface = &view.surface, in.source_radiosity = &view.radiosity;
     in.camera = view.camera, in.pattern = &one;
-    GatherInputsView view{uniforms(params, in), &view.surface.data()->x, &view.surface.data()->x,
-                          &view.radiosity.data()->x, nullptr, nullptr, nullptr};
-    view.u.rings = n;
+    GatherInputsView inputs{uniforms(params, in), &view.surface.data()->x, &view.surface.data()->x,
+                            &view.radiosity.data()->x, nullptr, nullptr, nullptr, 0};
+    inputs.u.rings = n;
     std::vector<std::int32_t> offsets;
     for (int dy = -n; dy <= n; ++dy)
         for (int dx = -n; dx <= n; ++dx)
             if (dx != 0 || dy != 0) offsets.push_back(std::int32_t((unsigned(dx) & 0xffffu) | unsigned(dy) << 16));
-    view.offsets = offsets.data();
+    inputs.offsets = offsets.data();
     NoTap tap;
     // In double: a float sum of a million samples has an error of its own.
-    return gather<double>(view, p.x, p.y, SourceImages<double>{view, p.x, p.y, 0}, tap).x;
+    return gather<double>(inputs, p.x, p.y, SourceImages<double>{inputs, p.x, p.y, 0}, tap).x;
 }
 
 double occlusion_at(const CoarseView& view, const Image4& receivers, glm::ivec2 p) {

@@ -7,8 +7,7 @@
 #include "core/error.h"
 #include "core/hash.h"
 #include "gi/compose/compose.h"
-#include "gi/isr/bindings.h"
-#include "gi/isr/bindings_filter.h"
+#include "gi/isr/isr.h"
 
 using namespace plumb;
 using namespace plumb::isr;
@@ -523,12 +522,12 @@ TEST_CASE("isr filters: explain() ends with what run() makes, and so does what i
             run(params, up, {}, upsampled_image);
             const ComposeInputs shown{&full, &rho, &rho, &rho, &upsampled_image, {1, 2, 3}};
             run(params, shown, {}, radiance);
-            CHECK(bound_is(upsample_binding(), upsample_data(params, up), upsampled_image));
-            CHECK(bound_is(compose_binding(), compose_data(params, shown), radiance));
+            CHECK(bound_is(stage<UpsampleKernel>(), data_of(params, up), upsampled_image));
+            CHECK(bound_is(stage<ComposeKernel>(), data_of(params, shown), radiance));
             for (Direction direction : directions) {
                 const BlurInputs in{&lit, &surface, direction};
                 const Image4 got = blurred(params, lit, surface, direction);
-                CHECK(bound_is(blur_binding(), blur_data(params, in), got));
+                CHECK(bound_is(stage<BlurKernel>(), data_of(params, in), got));
                 for (int y = 0; y < coarse.y; ++y)
                     for (int x = 0; x < coarse.x; ++x) {
                         const auto values = explain(params, in, {x, y});
@@ -556,9 +555,9 @@ TEST_CASE("isr filters: float stays within its budget of double", "[isr][budget]
     for (Variant variant : {Variant::corrected, Variant::published})
         for (Blur kind : {Blur::gaussian, Blur::edge_aware}) {
             const IsrParams params = with(kind, variant);
-            const StageData datas[] = {upsample_data(params, {&lit, &surface, &full, &full, 0.1, 10}),
-                                       blur_data(params, {&lit, &surface, Direction::vertical})};
-            const StageBinding* bindings[] = {&upsample_binding(), &blur_binding()};
+            const StageData datas[] = {data_of(params, UpsampleInputs{&lit, &surface, &full, &full, 0.1, 10}),
+                                       data_of(params, BlurInputs{&lit, &surface, Direction::vertical})};
+            const StageBinding* bindings[] = {&stage<UpsampleKernel>(), &stage<BlurKernel>()};
             for (int s = 0; s < 2; ++s) {
                 const auto stage = bindings[s]->bind(datas[s]);
                 DecisionTape tape;
@@ -610,12 +609,12 @@ TEST_CASE("isr filters: bad input is refused in one line", "[isr]") {
     Image4 out(1, 1, glm::vec4(7));
     IsrParams params;
     CHECK_THROWS_WITH(run(params, BlurInputs{&full, &half}, {}, out),
-                      "isr.blur: surface is 2 x 2: expected 4 x 4, as lit");
+                      "isr.blur: input \"surface\" is [2, 2, 4]: expected [4, 4, 4]");
     CHECK_THROWS_WITH(run(params, BlurInputs{&full, nullptr}, {}, out), "isr.blur: surface must be bound");
     CHECK_THROWS_WITH(run(params, UpsampleInputs{&full, &half, &full, &full}, {}, out),
-                      "isr.upsample: lit is 4 x 4: expected 2 x 2, half of position, rounded up");
+                      "isr.upsample: input \"lit\" is 4 x 4: expected 2 x 2, half of the outputs, rounded up");
     CHECK_THROWS_WITH(run(params, ComposeInputs{&full, &full, &half, &full, &full, {}}, {}, out),
-                      "isr.compose: emission is 2 x 2: expected 4 x 4, as normal");
+                      "isr.compose: input \"emission\" is [2, 2, 4]: expected [4, 4, 4]");
     const raster::Covered tiles({64, 64}, 1);
     CHECK_THROWS_WITH(run(params, BlurInputs{&full, &full, Direction::vertical, &tiles}, {}, out),
                       "isr.blur: tiles are of another size");

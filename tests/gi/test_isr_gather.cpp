@@ -6,8 +6,7 @@
 
 #include "core/error.h"
 #include "core/hash.h"
-#include "gi/isr/bindings.h"
-#include "gi/isr/gather_inputs.h"
+#include "gi/isr/isr.h"
 #include "gi/isr/isr.h"
 #include "core/scene.h"
 #include "raster/gbuffer.h"
@@ -300,7 +299,8 @@ TEST_CASE("isr.downsample: means over what sees a surface, by hand", "[isr][ISR 
     in.near = 0.5, in.far = 20;
     auto made = [&](Coarse what, const IsrParams& params = {}) {
         Image4 out;
-        run_downsample(params, what, in, {}, out);
+        in.what = what;
+        run(params, in, {}, out);
         return out;
     };
     const Image4 surface = made(Coarse::surface), radiosity = made(Coarse::radiosity), rho = made(Coarse::reflectance);
@@ -467,7 +467,7 @@ TEST_CASE("isr.gather: one bright texel is not divided, a corner of mirrors is",
 TEST_CASE("isr.bounce: around the receivers the sources keep what they send", "[isr][analytic]") {
     const Noise room({7, 5}, 2);
     Image4 e(7, 5, glm::vec4(2, 3, 4, 9)), out;
-    run({}, BounceInputs{&room.source_radiosity, &room.reflectance, &e, 2}, {}, out);
+    run(IsrParams{}, BounceInputs{&room.source_radiosity, &room.reflectance, &e, 2}, {}, out);
     for (int y = 0; y < out.height; ++y)
         for (int x = 0; x < out.width; ++x) {
             const glm::vec4 b0 = room.source_radiosity(x, y);
@@ -573,26 +573,10 @@ TEST_CASE("isr: the same bits for every instruction set and thread count, from p
                         options.isa = isa, options.threads = threads;
                         CHECK(same_bits(gathered(params, in, options), e));
                         CHECK(same_bits(occluded(params, ao, options), lit));
-                        // From the images as they are bound.
-                        dispatch(isa, [&](auto set) {
-                            Image4 fetched(size.x, size.y), open(size.x, size.y);
-                            const SampleUniforms u = uniforms(params, in);
-                            const float* b = in.before ? &before.data()->x : nullptr;
-                            GatherRows<set()>::gather({u, &room.surface.data()->x, &room.source_surface.data()->x,
-                                                       &room.source_radiosity.data()->x, b, pattern.offsets.data(),
-                                                       &fetched.data()->x},
-                                                      nullptr, 0, size.y);
-                            GatherRows<set()>::ssao({uniforms(params, ao), &room.surface.data()->x,
-                                                     &room.source_surface.data()->x, b, near.offsets.data(),
-                                                     &open.data()->x},
-                                                    nullptr, 0, size.y);
-                            CHECK(same_bits(fetched, e));
-                            CHECK(same_bits(open, lit));
-                        });
                     }
-                // The kernel as it is bound, and along with double.
-                const StageData datas[] = {gather_data(params, in), ssao_data(params, ao)};
-                const StageBinding* bindings[] = {&gather_binding(), &ssao_binding()};
+                // The kernel on the images as they are bound, which the twin mirrors, and along with double.
+                const StageData datas[] = {data_of(params, in), data_of(params, ao)};
+                const StageBinding* bindings[] = {&stage<GatherKernel>(), &stage<SsaoKernel>()};
                 for (int s = 0; s < 2; ++s) {
                     const Image4& expected = s == 0 ? e : lit;
                     const auto stage = bindings[s]->bind(datas[s]);
@@ -600,8 +584,8 @@ TEST_CASE("isr: the same bits for every instruction set and thread count, from p
                     stage->run({}, {}, outputs);
                     CHECK(std::memcmp(outputs.arrays[0].bytes.data(), expected.data(), outputs.arrays[0].bytes.size()) == 0);
                     DecisionTape tape;
-                    for (int y = 0; y < size.y; y += 7)
-                        for (int x = 0; x < size.x; x += 5) {
+                    for (int y = 0; y < size.y; ++y)
+                        for (int x = 0; x < size.x; ++x) {
                             std::vector<Followed> one;
                             tape.record();
                             stage->follow({x, y}, tape, one);
@@ -625,31 +609,33 @@ TEST_CASE("isr.downsample, isr.bounce: the same bits for every instruction set",
                 if (kind == 1) params.variant = Variant::published;
                 if (kind == 2) params.position = Position::inverse_matrix;
                 Image4 first, got;
-                run_downsample(params, what, in, scalar(), first);
+                in.what = what;
+                run(params, in, scalar(), first);
                 for (Isa isa : supported_isas()) {
                     RunOptions options;
                     options.isa = isa;
-                    run_downsample(params, what, in, options, got);
+                    run(params, in, options, got);
                     CHECK(same_bits(got, first));
                 }
-                const StageData data = downsample_data(params, what, in);
-                const auto stage = downsample_binding().bind(data);
+                const StageData data = data_of(params, in);
+                const auto stage = plumb::stage<DownsampleKernel>().bind(data);
                 Bundle outputs;
                 stage->run({}, {}, outputs);
                 CHECK(std::memcmp(outputs.arrays[0].bytes.data(), first.data(), outputs.arrays[0].bytes.size()) == 0);
             }
         Image4 first, got;
         const BounceInputs bounce{&room.source_radiosity, &room.reflectance, &room.reflectance, 0};
-        run({}, bounce, scalar(), first);
+        const IsrParams params;
+        run(params, bounce, scalar(), first);
         for (Isa isa : supported_isas()) {
             RunOptions options;
             options.isa = isa;
-            run({}, bounce, options, got);
+            run(params, bounce, options, got);
             CHECK(same_bits(got, first));
         }
-        const StageData data = bounce_data({}, bounce);
+        const StageData data = data_of(params, bounce);
         Bundle outputs;
-        bounce_binding().bind(data)->run({}, {}, outputs);
+        stage<BounceKernel>().bind(data)->run({}, {}, outputs);
         CHECK(std::memcmp(outputs.arrays[0].bytes.data(), first.data(), outputs.arrays[0].bytes.size()) == 0);
     }
 }
@@ -726,12 +712,12 @@ TEST_CASE("isr: bad input of the gathering stages is refused in one line", "[isr
     CHECK_THROWS_WITH(run(params, in, {}, out), "isr.gather: source_radiosity must be bound");
     const Image4 other(3, 3);
     in.source_radiosity = &other;
-    CHECK_THROWS_WITH(run(params, in, {}, out), "isr.gather: source_radiosity is 3 x 3: expected 8 x 6, as source_surface");
+    CHECK_THROWS_WITH(run(params, in, {}, out), "isr.gather: input \"source_radiosity\" is 3 x 3: expected 8 x 6, as source_width and source_height say");
     in = room.gather(pattern), in.margin = 1;
     CHECK_THROWS_AS(run(params, in, {}, out), InputError);
-    CHECK_THROWS_WITH(run({}, room.gather(pattern), {}, out),
+    CHECK_THROWS_WITH(run(IsrParams{}, room.gather(pattern), {}, out),
                       "isr.gather: pattern has 48 samples in 1 rotations: expected 80 in 1");
-    CHECK_THROWS_WITH(run_downsample(params, Coarse::radiosity, {}, {}, out), "isr.downsample: normal must be bound");
+    CHECK_THROWS_WITH(run(params, DownsampleInputs{Coarse::radiosity}, {}, out), "isr.downsample: normal must be bound");
     CHECK_THROWS_AS(run(params, BounceInputs{&other, &room.reflectance, &room.reflectance, 0}, {}, out), InputError);
     CHECK(out.empty());
 }

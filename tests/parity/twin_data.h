@@ -8,7 +8,7 @@
 #include "gi/compose/bindings.h"
 #include "gi/direct/bindings.h"
 #include "gi/filter/filter.h"
-#include "gi/isr/bindings.h"
+#include "gi/isr/isr.h"
 #include "gi/parity/stages.h"
 #include "gi/rsm/bindings.h"
 #include "raster/light_view.h"
@@ -80,6 +80,11 @@ inline raster::Rsm make_map(const Light& light, int face, std::uint32_t seed) {
     }
     map.records.assign(map.position.size() * 16, 0);
     return map;
+}
+
+// A copy of all that is lent.
+inline StageData owned_data(const StageData& data) {
+    return owned(parity::find_binding(data.stage, data.stage), data);
 }
 
 inline StageData named(StageData data, const std::string& id) {
@@ -181,11 +186,6 @@ inline Image4 with_depth(Image4 image, const Image4& position) {
     return image;
 }
 
-// A copy of all that is lent.
-inline StageData owned_data(const StageData& data) {
-    return owned(parity::find_binding(data.stage, data.stage), data);
-}
-
 inline StageData reduce_case(glm::ivec2 size, const std::string& id) {
     const Points full = room({2 * size.x - 1, 2 * size.y}, 5);
     return named(owned_data(filter::data_of({}, filter::ReduceInputs{&full.position})), id);
@@ -280,8 +280,8 @@ inline StageData isr_downsample_case(glm::ivec2 size, const isr::IsrParams& para
     normal(4, 4) = glm::vec4(0, 1, 0, 1), normal(5, 4) = glm::vec4(0, -1, 0, 1);  // that cancel
     normal(4, 5) = normal(5, 5) = glm::vec4(0);
     const Image4 emission = noise_image(full, 52, 0, 3), direct = noise_image(full, 53, 0, 20);
-    isr::DownsampleInputs in{&p.position, &normal, &albedo, &emission, &direct, 0.05, 300};
-    return named(isr::downsample_data(params, what, in), id);
+    isr::DownsampleInputs in{what, &p.position, &normal, &albedo, &emission, &direct, 0.05, 300};
+    return named(owned_data(isr::data_of(params, in)), id);
 }
 
 inline StageData isr_gather_case(glm::ivec2 size, const isr::IsrParams& params, const std::string& id, int margin = 0,
@@ -295,7 +295,7 @@ inline StageData isr_gather_case(glm::ivec2 size, const isr::IsrParams& params, 
     in.surface = &surface, in.source_surface = &sources, in.source_radiosity = &radiosity;
     in.before = before ? &other : nullptr;
     in.camera = isr::coarse_camera(camera, 2 * size), in.margin = margin, in.pattern = &pattern, in.seed = 7;
-    return named(isr::gather_data(params, in), id);
+    return named(owned_data(isr::data_of(params, in)), id);
 }
 
 inline StageData isr_ssao_case(glm::ivec2 size, const isr::IsrParams& params, const std::string& id, int margin = 0) {
@@ -307,14 +307,15 @@ inline StageData isr_ssao_case(glm::ivec2 size, const isr::IsrParams& params, co
     isr::SsaoInputs in;
     in.surface = &surface, in.source_surface = &sources, in.gathered = &gathered;
     in.camera = isr::coarse_camera(camera, 2 * size), in.margin = margin, in.pattern = &pattern, in.seed = 7;
-    return named(isr::ssao_data(params, in), id);
+    return named(owned_data(isr::data_of(params, in)), id);
 }
 
 inline StageData isr_bounce_case(glm::ivec2 size, int margin, const std::string& id) {
     const glm::ivec2 receivers = size - 2 * margin;
     const Image4 radiosity = noise_image(size, 66, 0, 3), reflectance = noise_image(receivers, 67, 0, 1),
                  gathered = noise_image(receivers, 68, 0, 5);
-    return named(isr::bounce_data({}, {&radiosity, &reflectance, &gathered, margin}), id);
+    const isr::BounceInputs in{&radiosity, &reflectance, &gathered, margin};
+    return named(owned_data(isr::data_of({}, in)), id);
 }
 
 inline StageData isr_unseen_case(glm::ivec2 size, int margin, isr::Position position, const std::string& id) {
@@ -326,7 +327,7 @@ inline StageData isr_unseen_case(glm::ivec2 size, int margin, isr::Position posi
     isr::UnseenInputs in;
     in.surface = &surface, in.camera = isr::coarse_camera(camera, 2 * size);
     in.view_surface = &view_surface, in.view = isr::coarse_camera(view, 2 * (seen - 2 * margin)), in.margin = margin;
-    return named(isr::unseen_data(params, in), id);
+    return named(owned_data(isr::data_of(params, in)), id);
 }
 
 inline StageData isr_gather_camera_case(glm::ivec2 size, const isr::IsrParams& params, const std::string& id,
@@ -342,7 +343,7 @@ inline StageData isr_gather_camera_case(glm::ivec2 size, const isr::IsrParams& p
     in.source_surface = &source_surface, in.source_radiosity = &radiosity;
     in.source_camera = isr::coarse_camera(other_camera, 2 * sources);
     in.before = before ? &other : nullptr, in.pattern = &pattern, in.seed = 7;
-    return named(isr::gather_camera_data(params, in), id);
+    return named(owned_data(isr::data_of(params, in)), id);
 }
 
 inline StageData isr_blur_case(glm::ivec2 size, isr::Blur blur, isr::Variant variant, isr::Direction direction,
@@ -351,7 +352,7 @@ inline StageData isr_blur_case(glm::ivec2 size, isr::Blur blur, isr::Variant var
                  surface = isr_surface(size, 61, isr::Position::linear, isr_camera());
     isr::IsrParams params;
     params.blur = blur, params.variant = variant, params.blur_radius = 3, params.blur_sigma = 1.5f;
-    return named(isr::blur_data(params, {&lit, &surface, direction, nullptr}), id);
+    return named(owned_data(isr::data_of(params, isr::BlurInputs{&lit, &surface, direction})), id);
 }
 
 inline StageData isr_upsample_case(glm::ivec2 size, isr::Upsample mode, isr::Variant variant, isr::Position position,
@@ -362,7 +363,8 @@ inline StageData isr_upsample_case(glm::ivec2 size, isr::Upsample mode, isr::Var
                  surface = isr_surface(half, 61, position, isr_camera());
     isr::IsrParams params;
     params.upsample = mode, params.variant = variant, params.position = position;
-    return named(isr::upsample_data(params, {&lit, &surface, &p.position, &p.normal, 0.05, 300, nullptr}), id);
+    const isr::UpsampleInputs in{&lit, &surface, &p.position, &p.normal, 0.05, 300};
+    return named(owned_data(isr::data_of(params, in)), id);
 }
 
 inline StageData isr_compose_case(glm::ivec2 size, isr::Variant variant, const std::string& id) {
@@ -371,7 +373,8 @@ inline StageData isr_compose_case(glm::ivec2 size, isr::Variant variant, const s
                  direct = noise_image(size, 23, 0, 1e3f), indirect = noise_image(size, 24, 0, 1.25f);
     isr::IsrParams params;
     params.variant = variant, params.k_ssao = 0.5f, params.k_isr = 0.75f, params.ambient = isr::Ambient::environment;
-    return named(isr::compose_data(params, {&p.normal, &albedo, &emission, &direct, &indirect, {0.25f, 0.5f, 1}}), id);
+    const isr::ComposeInputs in{&p.normal, &albedo, &emission, &direct, &indirect, {0.25f, 0.5f, 1}};
+    return named(owned_data(isr::data_of(params, in)), id);
 }
 
 inline std::vector<StageData> isr_cases(glm::ivec2 size) {

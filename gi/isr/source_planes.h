@@ -1,13 +1,9 @@
-// The kernels that gather over rows of pixels, one specialisation per instruction set (gather_isa.cpp).
+// The sources of isr.gather and isr.ssao, as a band of receivers reads them.
 #pragma once
 
 #include <cstddef>
 
-#include "core/isa.h"
-#include "core/kernel_rows.h"
-#include "gi/isr/bounce_kernel.h"
-#include "gi/isr/downsample_kernel.h"
-#include "gi/isr/ssao_kernel.h"
+#include "gi/isr/surface_kernel.h"
 
 namespace plumb::isr {
 
@@ -44,19 +40,6 @@ struct SourcePlanes {
     float* at(int x, int y) const { return planes + std::ptrdiff_t(y - first_row) * count * stride + padding + x; }
     // The same where nothing is.
     float* nothing() const { return planes + std::ptrdiff_t(rows) * count * stride + padding; }
-};
-
-template <Isa isa>
-struct GatherRows {
-    static void downsample(const DownsampleInputsView& in, int first, int last, const Tiles& tiles = {});
-    static void bounce(const BounceInputsView& in, int first, int last);
-    static void take_apart(const GatherInputsView& in, const SourcePlanes& planes);
-    static void take_apart(const SsaoInputsView& in, const SourcePlanes& planes);
-    // planes: of all sources that these rows reach; null: samples are fetched from the images as they are bound, as they
-    // always are with rotations.
-    static void gather(const GatherInputsView& in, const SourcePlanes* planes, int first, int last,
-                       const Tiles& tiles = {});
-    static void ssao(const SsaoInputsView& in, const SourcePlanes* planes, int first, int last, const Tiles& tiles = {});
 };
 
 }  // namespace plumb::isr
