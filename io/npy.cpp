@@ -152,7 +152,7 @@ Array read_npy(const std::string& path) {
         throw InputError(
             shown(path), "data",
             fmt::format("{} of {} has {} bytes; found {}", shape_text(header.shape), header.descr, size, data.size()));
-    Array array{name, type->dtype, header.shape, Buffer<unsigned char>(size)};
+    Array array{name, type->dtype, header.shape, Bytes(size)};
     if (size > 0) std::memcpy(array.bytes.data(), data.data(), size);
     return array;
 }
