@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -35,6 +36,7 @@ const UniformMember& find_member(const StageBinding& binding, const std::string&
 Shape expected_shape(const Slot& slot, const StageData& data) {
     const std::int64_t w = slot.frame ? data.size.x : any_extent, h = slot.frame ? data.size.y : any_extent;
     if (slot.kind == SlotKind::buffer) return {any_extent, slot.channels};
+    if (slot.kind == SlotKind::storage_buffer) return {std::int64_t(data.size.x) * data.size.y, slot.channels};
     if (slot.kind == SlotKind::image_array) return {any_extent, h, w};
     if (slot.channels == 1) return {h, w};
     return {h, w, slot.channels};
@@ -64,8 +66,13 @@ void check_shape(const Slot& slot, const StageData& data, const Array& array) {
 }  // namespace
 
 void check_slots(const StageBinding& binding, const StageData& data) {
-    if (data.size.x < 1 || data.size.y < 1 || data.size.x > largest_side || data.size.y > largest_side)
-        refuse(data, fmt::format("size {} x {}: expected 1 to {}", data.size.x, data.size.y, largest_side));
+    // A list has no side that an image would be.
+    const auto lists = [](const std::vector<Slot>& slots) {
+        return std::all_of(slots.begin(), slots.end(), [](const Slot& s) { return s.kind == SlotKind::storage_buffer; });
+    };
+    const int most = lists(binding.outputs) && data.size.y == 1 ? 0x7fffffff : largest_side;
+    if (data.size.x < 1 || data.size.y < 1 || data.size.x > most || data.size.y > most)
+        refuse(data, fmt::format("size {} x {}: expected 1 to {}", data.size.x, data.size.y, most));
     if (data.uniforms.size() != binding.uniform_bytes)
         refuse(data, fmt::format("the uniform block has {} bytes: expected {}", data.uniforms.size(),
                                  binding.uniform_bytes));

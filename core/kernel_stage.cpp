@@ -85,7 +85,7 @@ void check_uniforms(const StageBinding& binding, const StageData& data, const st
 
 void check_size(const StageData& data, const std::string& input, glm::ivec2 size, const std::string& why) {
     const Shape& shape = at(data.inputs, input).shape;
-    if (shape[0] != size.y || shape[1] != size.x)
+    if (size != glm::ivec2(0) && (shape[0] != size.y || shape[1] != size.x))
         throw InputError(fmt::format("{}: input \"{}\" is {} x {}: expected {} x {}{}", data.label, input, shape[1],
                                      shape[0], size.x, size.y, why.empty() ? "" : ", " + why));
 }

@@ -2,8 +2,8 @@
 // stability::evaluate().
 #pragma once
 
-#include "core/bound_kernel.h"
 #include "core/detmath.h"
+#include "core/kernel_stage.h"
 
 namespace plumb::test {
 
@@ -11,61 +11,62 @@ namespace plumb::test {
 struct FormulaArgs {
     struct Uniforms {
         float c;
-        std::int32_t padding[3];
+        std::int32_t count;  // of a
+        std::int32_t width, height;
     } u;
     const float *a, *b;
-    std::int32_t count;
+    float* f;
 };
 
 // Formula::compute<F>(args): one number for each pixel.
 template <class Formula>
 struct FormulaKernel {
-    static constexpr int components = 1;
-    FormulaArgs args{};
-    int width;
-
-    explicit FormulaKernel(const StageData& d) : width(d.size.x) {
-        args.u = uniforms_of<FormulaArgs::Uniforms>(d);
-        args.a = floats(d, "a"), args.b = floats(d, "b");
-        args.count = std::int32_t(at(d.inputs, "a").bytes.size() / 4);
-    }
+    using View = FormulaArgs;
     template <class F, class Tap>
-    std::array<F, 1> pixel(int, int, Tap&) const {
-        return {Formula::template compute<F>(args)};
+    static F item(const View& in, index_t<F>, index_t<F>, Tap&) {
+        return Formula::template compute<F>(in);
     }
-    template <Isa>
-    void rows(float* out, int first, int last) const {
-        NoTap tap;
-        for (int i = first * width; i < last * width; ++i)
-            number<float>::store(out, i, pixel<float>(0, 0, tap)[0], true);
+    static float* out(const View& in) { return in.f; }
+    template <class F>
+    static mask_t<F> writes(const View&, index_t<F> x, index_t<F>) {
+        return mask_t<F>(x != 1);
     }
-    bool writes(glm::ivec2 p) const { return p.x != 1; }
+};
+
+// What a twin's header would hold.
+struct FormulaTwin {
+    static constexpr TwinMember members[] = {{"c", "float", 0}, {"count", "int", 4}, {"width", "int", 8}, {"height", "int", 12}};
+    static constexpr TwinBinding bindings[] = {{"a", TwinKind::sampled_image, 1, ""},
+                                               {"b", TwinKind::sampled_image, 2, ""},
+                                               {"f", TwinKind::storage_image, 3, "float"}};
+    static constexpr TwinLayout layout{"formula", false, members, sizeof(FormulaArgs::Uniforms), bindings};
+    template <class Block>
+    static consteval bool fits() {
+        return sizeof(Block) == 16;
+    }
 };
 
 template <class Formula>
+StageDescription<FormulaArgs> describe(FormulaKernel<Formula>) {
+    const auto any = [](const FormulaArgs&) { return glm::ivec2(0); };
+    return {.name = "formula",
+            .source = "a test",
+            .domain = "pixel",
+            .inputs = {{.name = "a", .at = &FormulaArgs::a, .channels = 1, .size = any},
+                       {.name = "b", .at = &FormulaArgs::b, .channels = 1, .size = any}},
+            .outputs = {{.name = "f", .at = &FormulaArgs::f}}};
+}
+
+template <class Formula>
 const StageBinding& formula_binding() {
-    static const StageBinding binding = [] {
-        StageBinding b;
-        b.info.name = "formula";
-        b.uniforms = {{"c", "float", 0}};
-        b.uniform_bytes = sizeof(FormulaArgs::Uniforms);
-        for (const char* name : {"a", "b"})
-            b.inputs.push_back({.name = name, .kind = SlotKind::image, .channels = 1, .frame = false});
-        b.outputs = {{.name = "f", .kind = SlotKind::storage_image, .channels = 1}};
-        b.bind = [](const StageData& d) -> std::unique_ptr<BoundStage> {
-            check_slots(formula_binding<Formula>(), d);
-            return std::make_unique<BoundKernel<FormulaKernel<Formula>>>(formula_binding<Formula>(), d);
-        };
-        return b;
-    }();
-    return binding;
+    return made<FormulaKernel<Formula>, FormulaTwin>();
 }
 
 inline StageData formula_data(const std::vector<float>& a, const std::vector<float>& b, float c = 0) {
     StageData d;
     d.stage = d.label = "formula";
     d.size = {1, 1};
-    d.uniforms = uniform_block(FormulaArgs::Uniforms{c, {}});
+    d.uniforms = uniform_block(FormulaArgs::Uniforms{c, std::int32_t(a.size()), 1, 1});
     // No image is a million texels wide.
     const std::int64_t rows = a.size() > 1000 ? std::int64_t(a.size()) / 1000 : 1;
     add(d.inputs, "a", {rows, std::int64_t(a.size()) / rows}, a.data());
@@ -114,8 +115,8 @@ struct NaiveVariance {
     template <class F>
     static F compute(const FormulaArgs& in) {
         F sum(0.0f), squares(0.0f);
-        for (int i = 0; i < in.count; ++i) sum += F(in.a[i]), squares += F(in.a[i]) * F(in.a[i]);
-        const F n(float(in.count));
+        for (int i = 0; i < in.u.count; ++i) sum += F(in.a[i]), squares += F(in.a[i]) * F(in.a[i]);
+        const F n(float(in.u.count));
         return squares / n - (sum / n) * (sum / n);
     }
 };
@@ -123,9 +124,9 @@ struct TwoPassVariance {
     template <class F>
     static F compute(const FormulaArgs& in) {
         F sum(0.0f), squares(0.0f);
-        for (int i = 0; i < in.count; ++i) sum += F(in.a[i]);
-        const F n(float(in.count)), mean = sum / n;
-        for (int i = 0; i < in.count; ++i) squares += (F(in.a[i]) - mean) * (F(in.a[i]) - mean);
+        for (int i = 0; i < in.u.count; ++i) sum += F(in.a[i]);
+        const F n(float(in.u.count)), mean = sum / n;
+        for (int i = 0; i < in.u.count; ++i) squares += (F(in.a[i]) - mean) * (F(in.a[i]) - mean);
         return squares / n;
     }
 };
@@ -150,7 +151,7 @@ struct NaiveSum {
     template <class F>
     static F compute(const FormulaArgs& in) {
         F sum(0.0f);
-        for (int i = 0; i < in.count; ++i) sum += F(in.a[i]);
+        for (int i = 0; i < in.u.count; ++i) sum += F(in.a[i]);
         return sum;
     }
 };
@@ -159,7 +160,7 @@ struct CompensatedSum {
     template <class F>
     static F compute(const FormulaArgs& in) {
         F sum(0.0f), lost(0.0f);
-        for (int i = 0; i < in.count; ++i) {
+        for (int i = 0; i < in.u.count; ++i) {
             const F term = F(in.a[i]) - lost, next = sum + term;
             lost = (next - sum) - term;
             sum = next;
@@ -191,3 +192,14 @@ struct Quotient {
 };
 
 }  // namespace plumb::test
+
+namespace plumb {
+
+template <class Formula, Isa isa>
+struct Rows<test::FormulaKernel<Formula>, isa> {
+    static void run(const test::FormulaArgs& in, int first, int last, const Tiles&, float*) {
+        for (int i = first * in.u.width; i < last * in.u.width; ++i) in.f[i] = Formula::template compute<float>(in);
+    }
+};
+
+}  // namespace plumb
