@@ -61,6 +61,9 @@ void check_shape(const Slot& slot, const StageData& data, const Array& array) {
     if (!fits)
         refuse(data, fmt::format("input \"{}\" is {}: expected {}", slot.name, shape_text(array.shape),
                                  shape_text(expected)));
+    // Kernels count the texels of all layers by one index of 32 bits.
+    if (slot.kind == SlotKind::image_array && element_count(slot.name, array.shape) > 0x7fffffff)
+        refuse(data, fmt::format("input \"{}\" has {} layers: too many", slot.name, array.shape[0]));
 }
 
 }  // namespace
@@ -157,7 +160,16 @@ bool reads(const StageData& data, const void* memory) {
     return false;
 }
 
-// Runs into memory that is lent to the bundle: into what `output` holds already where that fits and is not read, since
+// Runs into memory that is lent to the bundle.
+void run_bound(const StageBinding& binding, const StageData& data, const BoundStage& bound, const RunOptions& options,
+               float* output) {
+    const Slot& slot = binding.outputs.at(0);
+    Bundle outputs;
+    lend(outputs, slot.name, expected_shape(slot, data), output);
+    bound.run(options, {}, outputs);
+}
+
+// Into what `output` holds already where that fits and is not read, since
 // memory that is new to a process costs more than small stages.
 template <class T>
 void run_into(const StageBinding& binding, const StageData& data, const RunOptions& options, Image<T>& output, T fill) {
@@ -165,10 +177,7 @@ void run_into(const StageBinding& binding, const StageData& data, const RunOptio
     const bool fits = output.width == data.size.x && output.height == data.size.y && !reads(data, output.data());
     Image<T> result = fits ? std::move(output) : Image<T>(data.size.x, data.size.y, fill);
     if (fits && data.tiles.any) std::fill(result.texels.begin(), result.texels.end(), fill);
-    Bundle outputs;
-    const Shape shape = sizeof(T) == 16 ? Shape{data.size.y, data.size.x, 4} : Shape{data.size.y, data.size.x};
-    lend(outputs, binding.outputs.at(0).name, shape, reinterpret_cast<float*>(result.data()));
-    bound->run(options, {}, outputs);
+    run_bound(binding, data, *bound, options, reinterpret_cast<float*>(result.data()));
     output = std::move(result);
 }
 
@@ -179,6 +188,9 @@ void run(const StageBinding& binding, const StageData& data, const RunOptions& o
 }
 void run(const StageBinding& binding, const StageData& data, const RunOptions& options, Image1& output) {
     run_into(binding, data, options, output, binding.outputs.at(0).unwritten.x);
+}
+void run(const StageBinding& binding, const StageData& data, const RunOptions& options, float* output) {
+    run_bound(binding, data, *binding.bind(data), options, output);
 }
 
 std::vector<TapValue> explain(const StageBinding& binding, const StageData& data, glm::ivec2 pixel) {

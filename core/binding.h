@@ -162,6 +162,8 @@ StageData owned(const StageBinding& binding, const StageData& data);
 // Binds the data and runs the dispatch into its one output, which takes its size and starts as what is not computed.
 void run(const StageBinding& binding, const StageData& data, const RunOptions& options, Image4& output);
 void run(const StageBinding& binding, const StageData& data, const RunOptions& options, Image1& output);
+// The same into memory of the caller's, as large as that output: it keeps what is not computed.
+void run(const StageBinding& binding, const StageData& data, const RunOptions& options, float* output);
 // Every named value of one item.
 std::vector<TapValue> explain(const StageBinding& binding, const StageData& data, glm::ivec2 pixel);
 // The whole output in double.

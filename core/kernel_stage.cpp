@@ -91,7 +91,7 @@ void check_size(const StageData& data, const std::string& input, glm::ivec2 size
 }
 
 void check_count(const StageData& data, const Slot& slot, std::size_t count, const std::string& why) {
-    const std::size_t there = at(data.inputs, slot.name).bytes.size() / 4 / std::size_t(slot.channels);
+    const std::size_t there = element_count(slot.name, at(data.inputs, slot.name).shape) / std::size_t(slot.channels);
     if (there < count)
         throw InputError(fmt::format("{}: input \"{}\" has {} elements: expected {}{}", data.label, slot.name, there, count,
                                      why.empty() ? "" : ", " + why));

@@ -178,7 +178,7 @@ class KernelStage final : public BoundStage {
 
     void bind(const Reads<View>& input, const Slot& slot) {
         if (slot.optional && !find(data_.inputs, slot.name)) return;
-        if (slot.kind == SlotKind::buffer) {
+        if (slot.kind == SlotKind::buffer || slot.kind == SlotKind::image_array) {
             if (input.count) check_count(data_, slot, input.count(view_), input.why);
         } else if (input.read && !input.read(view_)) {
             // A texel of nothing will do; what is bound may also be whole.

@@ -41,7 +41,8 @@ struct Reads {
     std::string unit = {}, meaning = {};
     std::uint32_t fixed = 0;  // bit c: column c is a flag, a whole number or the rasteriser's: nothing rounds it
     int channels = 4;         // of a sampled image; a buffer's are the twin's
-    // How large an image has to be; null: as the domain; (0, 0): any. A buffer: how many elements the kernel reads.
+    // How large an image has to be; null: as the domain; (0, 0): any. A buffer, or all layers of an image array: how many
+    // elements the kernel reads at most.
     glm::ivec2 (*size)(const View& v) = nullptr;
     std::size_t (*count)(const View& v) = nullptr;
     std::string why = {};     // "half of the outputs, rounded up"

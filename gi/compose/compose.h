@@ -3,13 +3,15 @@
 
 #include <vector>
 
-#include "core/image.h"
-#include "core/isa.h"
-#include "core/stage.h"
-#include "core/tap.h"
+#include "core/stage_description.h"
+#include "gi/compose/compose_kernel.h"
 #include "gi/compose/tonemap_kernel.h"
+#include "gi/lend.h"
 
 namespace plumb::compose {
+
+using plumb::explain;
+using plumb::run;
 
 struct ComposeParams {
     glm::vec3 shadow_color{0};  // W/(m2 sr)
@@ -19,6 +21,7 @@ std::vector<Field> fields(ComposeParams& params);
 inline bool reads_density(const ComposeParams& params) { return params.shadow_color != glm::vec3(0); }
 
 struct ComposeInputs {
+    using Kernel = ComposeKernel;
     const Image4* normal = nullptr;    // w: 1 on a surface, 0 where nothing is
     const Image4* albedo = nullptr;    // rho
     const Image4* emission = nullptr;  // W/m2
@@ -26,10 +29,27 @@ struct ComposeInputs {
     const Image4* indirect = nullptr;  // W/m2
     glm::vec3 environment{0};          // W/(m2 sr)
 };
-void validate(const ComposeInputs& inputs);
-void run(const ComposeParams& params, const ComposeInputs& inputs, const RunOptions& options, Image4& radiance);
-std::vector<TapValue> explain(const ComposeParams& params, const ComposeInputs& inputs, glm::ivec2 pixel);
-StageInfo compose_info();
+
+inline StageDescription<ComposeInputsView> describe(ComposeKernel) {
+    using View = ComposeInputsView;
+    ComposeParams defaults;
+    return {
+        .name = "compose",
+        .source = "VRSM 4.5 (direct light plus indirect light), 4.3 (shadow colour)",
+        .domain = "pixel",
+        .inputs = {{.name = "normal", .at = &View::normal, .meaning = "w: 1 on a surface, 0 where nothing is", .fixed = 8},
+                   {.name = "albedo", .at = &View::albedo, .meaning = "diffuse reflectance rho"},
+                   {.name = "emission", .at = &View::emission, .unit = "W/m2", .meaning = "radiant exitance M"},
+                   {.name = "direct", .at = &View::direct, .unit = "W/m2",
+                    .meaning = "direct irradiance; w: shadow density"},
+                   {.name = "indirect", .at = &View::indirect, .unit = "W/m2", .meaning = "indirect irradiance"}},
+        .outputs = {{.name = "radiance", .at = &View::radiance, .unit = "W/(m2 sr)",
+                     .meaning = "outgoing radiance towards the viewer"}},
+        .params = plumb::describe(fields(defaults)),
+        .cost = {3, "pixels"},
+    };
+}
+StageData data_of(const ComposeParams& params, const ComposeInputs& in);
 
 struct TonemapParams {
     Operator op = Operator::exposure;
@@ -37,10 +57,26 @@ struct TonemapParams {
 };
 std::vector<Field> fields(TonemapParams& params);
 
-// display: sRGB-encoded 0..1 in xyz, w = 1.
-void run(const TonemapParams& params, const Image4& radiance, const RunOptions& options, Image4& display);
-std::vector<TapValue> explain(const TonemapParams& params, const Image4& radiance, glm::ivec2 pixel);
-StageInfo tonemap_info();
+struct TonemapInputs {
+    using Kernel = TonemapKernel;
+    const Image4* radiance = nullptr;  // W/(m2 sr)
+};
+
+inline StageDescription<TonemapInputsView> describe(TonemapKernel) {
+    using View = TonemapInputsView;
+    TonemapParams defaults;
+    return {
+        .name = "tonemap",
+        .source = "IPR 3.3 (exposure, Reinhard, filmic); IEC 61966-2-1",
+        .domain = "pixel",
+        .inputs = {{.name = "radiance", .at = &View::radiance, .unit = "W/(m2 sr)", .meaning = "outgoing radiance"}},
+        .outputs = {{.name = "display", .at = &View::display, .meaning = "sRGB-encoded, 0..1; w 1"}},
+        .params = plumb::describe(fields(defaults)),
+        .uniforms = {{"op", 0, int(Operator::filmic)}},
+        .cost = {10, "pixels"},
+    };
+}
+StageData data_of(const TonemapParams& params, const TonemapInputs& in);
 
 // What a PNG holds: rint(255 x), nearest even; red, green, blue of each pixel.
 std::vector<unsigned char> to_bytes(const Image4& display);

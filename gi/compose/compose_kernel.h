@@ -57,4 +57,13 @@ PLUMB_INLINE vec3<F> compose(const ComposeInputsView& in, index_t<F> px, index_t
     return radiance;
 }
 
+struct ComposeKernel {
+    using View = ComposeInputsView;
+    template <class F, class Tap>
+    PLUMB_INLINE static vec4<F> item(const View& in, index_t<F> px, index_t<F> py, Tap& tap) {
+        return vec4<F>(compose::compose<F>(in, px, py, tap), F(0.0f));
+    }
+    static float* out(const View& in) { return in.radiance; }
+};
+
 }  // namespace plumb::compose

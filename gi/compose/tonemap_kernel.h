@@ -67,4 +67,13 @@ PLUMB_INLINE vec3<F> tonemap(const TonemapInputsView& in, index_t<F> px, index_t
     return display;
 }
 
+struct TonemapKernel {
+    using View = TonemapInputsView;
+    template <class F, class Tap>
+    PLUMB_INLINE static vec4<F> item(const View& in, index_t<F> px, index_t<F> py, Tap& tap) {
+        return vec4<F>(tonemap<F>(in, px, py, tap), F(1.0f));
+    }
+    static float* out(const View& in) { return in.display; }
+};
+
 }  // namespace plumb::compose

@@ -1,47 +1,13 @@
-// The stages shadow and direct: which lights a point sees, and the irradiance they send. See gi/direct/README.md.
+// The stage direct: the irradiance that lights send. See gi/direct/README.md.
 #pragma once
 
-#include <span>
 #include <vector>
 
-#include "core/image.h"
-#include "core/isa.h"
 #include "core/scene.h"
-#include "core/stage.h"
-#include "core/tap.h"
-#include "raster/covered.h"
-#include "raster/rsm.h"
+#include "gi/direct/direct_kernel.h"
+#include "gi/direct/shadow.h"
 
 namespace plumb::direct {
-
-enum class ShadowMode : int { hard, density, pcf, esm };
-enum class ShadowVariant : int { corrected, published };
-
-struct ShadowParams {
-    ShadowMode mode = ShadowMode::hard;
-    ShadowVariant variant = ShadowVariant::corrected;
-    int kernel = 4;
-    float bias = 0.001f;
-    float slope_bias = 1;
-    float max_slope = 16;
-    float esm_c = 90;
-    int esm_blur_radius = 3;
-    float esm_blur_sigma = 1.5f;
-};
-std::vector<Field> fields(ShadowParams& params);
-
-struct ShadowInputs {
-    const Image4* position = nullptr;  // xyz world, m
-    const Image4* normal = nullptr;    // xyz unit; all 0 where nothing is
-    std::span<const raster::Rsm> rsms; // the light's map, or the six of a point light; position.w is the depth map
-    const raster::Covered* tiles = nullptr;  // the others, which must see nothing, are not shaded; null: all are
-    std::span<const Image4> blurred = {};    // of mode = esm: read instead of the maps' own depths (log_blur.h)
-};
-// visibility: [height][width] floats, 1 lit, 0 shadowed. What a face of size 0 would serve is lit. Where nothing is seen,
-// position and normal are 0, and so the visibility is one number all over: that of the world's origin.
-void run(const ShadowParams& params, const ShadowInputs& inputs, const RunOptions& options, float* visibility);
-std::vector<TapValue> explain(const ShadowParams& params, const ShadowInputs& inputs, glm::ivec2 pixel);
-StageInfo shadow_info();
 
 enum class DirectVariant : int { corrected, published };
 
@@ -51,6 +17,7 @@ struct DirectParams {
 std::vector<Field> fields(DirectParams& params);
 
 struct DirectInputs {
+    using Kernel = DirectKernel;
     const Image4* position = nullptr;
     const Image4* normal = nullptr;  // w: 1 on a surface; all 0 where nothing is
     const std::vector<Light>* lights = nullptr;
@@ -58,9 +25,35 @@ struct DirectInputs {
     const raster::Covered* tiles = nullptr;     // the others keep 0 throughout; null: all are shaded
     bool density = false;                       // whether the shadow density is asked for; published has it always
 };
+
+inline StageDescription<DirectInputsView> describe(DirectKernel) {
+    using View = DirectInputsView;
+    DirectParams defaults;
+    return {
+        .name = "direct",
+        .source = "the rendering equation for point-like lights; LRA 4.4; VRSM 4.3 (shadow density)",
+        .domain = "pixel",
+        .inputs = {{.name = "position", .at = &View::position, .unit = "m",
+                    .meaning = "world-space position of the shading points"},
+                   {.name = "normal", .at = &View::normal, .meaning = "unit normal, w 1; all 0 where nothing is",
+                    .fixed = 8},
+                   {.name = "lights", .at = &View::lights, .unit = "m, W/sr, W/m2",
+                    .meaning = "four vec4 a light: position, cos_outer; direction, falloff_scale; intensity, "
+                               "directional; 1 / radius^2, radius^2",
+                    .count = [](const View& v) { return std::size_t(v.u.lights) * sizeof(raster::LightArgs) / 16; },
+                    .why = "four vec4 a light"},
+                   {.name = "visibility", .at = &View::visibility, .meaning = "a layer a light: 1 lit, 0 shadowed",
+                    .count = [](const View& v) { return std::size_t(v.u.lights) * std::size_t(v.u.width) * std::size_t(v.u.height); },
+                    .why = "a layer a light"}},
+        .outputs = {{.name = "irradiance", .at = &View::irradiance, .unit = "W/m2",
+                     .meaning = "direct irradiance; w: shadow density where it is asked for"}},
+        .params = plumb::describe(fields(defaults)),
+        .uniforms = {{"lights", 0, 0x7fffffff}},
+        .cost = {3, "pixels"},
+    };
+}
+
 // irradiance: W/m2 in xyz; w the shadow density (VRSM 4.3, fig. 4.3), 0 where it is not asked for.
-void run(const DirectParams& params, const DirectInputs& inputs, const RunOptions& options, Image4& irradiance);
-std::vector<TapValue> explain(const DirectParams& params, const DirectInputs& inputs, glm::ivec2 pixel);
-StageInfo direct_info();
+StageData data_of(const DirectParams& params, const DirectInputs& in);
 
 }  // namespace plumb::direct

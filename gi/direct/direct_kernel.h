@@ -89,4 +89,13 @@ PLUMB_INLINE vec4<F> direct(const DirectInputsView& in, index_t<F> px, index_t<F
     return vec4<F>(irradiance, alpha);
 }
 
+struct DirectKernel {
+    using View = DirectInputsView;
+    template <class F, class Tap>
+    PLUMB_INLINE static vec4<F> item(const View& in, index_t<F> px, index_t<F> py, Tap& tap) {
+        return direct::direct<F>(in, px, py, tap);
+    }
+    static float* out(const View& in) { return in.irradiance; }
+};
+
 }  // namespace plumb::direct

@@ -5,11 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "core/image.h"
-#include "core/isa.h"
-#include "core/stage.h"
-#include "core/tap.h"
-#include "gi/direct/direct.h"
+#include "gi/direct/log_blur_kernel.h"
+#include "gi/direct/shadow.h"
 
 namespace plumb::direct {
 
@@ -25,20 +22,40 @@ float c_per_metre(const ShadowParams& params, std::span<const raster::Rsm> rsms)
 enum class Direction : int { horizontal, vertical };
 
 struct LogBlurInputs {
+    using Kernel = LogBlurKernel;
     const Image4* map = nullptr;  // w: linear depth, m; 0 where nothing is
     Direction direction = Direction::horizontal;
     double range = 1;             // m: depth_range()
 };
+
+inline StageDescription<LogBlurInputsView> describe(LogBlurKernel) {
+    using View = LogBlurInputsView;
+    ShadowParams defaults;
+    return {
+        .name = "shadow.blur",
+        .source = "ISR 4.6 (logarithmic blur of the shadow map)",
+        .domain = "texel",
+        .inputs = {{.name = "depth_map", .at = &View::depth_map, .unit = "m",
+                    .meaning = "w: linear light-space depth; 0 where nothing is"},
+                   {.name = "spatial", .at = &View::spatial, .meaning = "[2 radius + 1]: Gaussian of the distance",
+                    .count = [](const View& v) { return std::size_t(2 * v.u.radius + 1); },
+                    .why = "a weight for each texel of the row or the column"}},
+        .outputs = {{.name = "blurred", .at = &View::blurred, .unit = "m",
+                     .meaning = "w: blurred depth; 0 where no tap has anything"}},
+        .params = plumb::describe(fields(defaults), {"esm_c", "esm_blur_radius", "esm_blur_sigma"}),
+        .uniforms = {{"radius", 0, most_blur_radius}},
+        .cost = {4, "samples"},
+    };
+}
+
 // One dispatch. blurred: w linear depth, m, 0 where no tap has anything; xyz 0.
-void run(const ShadowParams& params, const LogBlurInputs& inputs, const RunOptions& options, Image4& blurred);
+StageData data_of(const ShadowParams& params, const LogBlurInputs& in);
+
 // Along the rows, then along the columns: each map of a light. Maps of size 0 stay empty images.
 void blur_maps(const ShadowParams& params, std::span<const raster::Rsm> rsms, const RunOptions& options,
                std::vector<Image4>& blurred);
 
 // exp(-i^2 / (2 sigma^2)), [2 radius + 1], made in double precision; none is below 2^-100.
 Buffer<float> blur_weights(const ShadowParams& params);
-
-std::vector<TapValue> explain(const ShadowParams& params, const LogBlurInputs& inputs, glm::ivec2 texel);
-StageInfo log_blur_info();
 
 }  // namespace plumb::direct

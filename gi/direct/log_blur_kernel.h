@@ -94,4 +94,13 @@ PLUMB_INLINE vec4<F> log_blur(const LogBlurInputsView& in, index_t<F> px, index_
     return {zero, zero, zero, depth};
 }
 
+struct LogBlurKernel {
+    using View = LogBlurInputsView;
+    template <class F, class Tap>
+    PLUMB_INLINE static vec4<F> item(const View& in, index_t<F> px, index_t<F> py, Tap& tap) {
+        return log_blur<F>(in, px, py, tap);
+    }
+    static float* out(const View& in) { return in.blurred; }
+};
+
 }  // namespace plumb::direct

@@ -222,4 +222,18 @@ PLUMB_INLINE F shadow(const ShadowInputsView& in, index_t<F> px, index_t<F> py, 
     return soft_shadow<F>(in, x, n, r, tap);
 }
 
+struct ShadowKernel {
+    using View = ShadowInputsView;
+    template <class F, class Tap>
+    PLUMB_INLINE static F item(const View& in, index_t<F> px, index_t<F> py, Tap& tap) {
+        return shadow<F>(in, px, py, tap);
+    }
+    static float* out(const View& in) { return in.visibility; }
+    template <class F>
+    PLUMB_INLINE static mask_t<F> writes(const View& in, index_t<F> px, index_t<F> py) {
+        if (in.u.face < 0) return index_t<F>(in.u.face) < index_t<F>(0);
+        return serves<F>(in.u, xyz<F>(number<F>::fetch4(in.position, py * index_t<F>(in.u.width) + px)));
+    }
+};
+
 }  // namespace plumb::direct

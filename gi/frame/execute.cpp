@@ -146,7 +146,8 @@ class Execution {
         ContentHasher h;
         h.add(keys_.empty() ? 0 : keys_[i], tonemap_key(c_.settings));
         if (keys_.empty() || !holds("truth_display", h.hash))
-            compose::run(c_.settings.tonemap, f_.traced.back().estimate.mean, given_, f_.truth_display);
+            compose::run(c_.settings.tonemap, compose::TonemapInputs{&f_.traced.back().estimate.mean}, given_,
+                         f_.truth_display);
         made()["truth_display"].key = h.hash;
     }
 

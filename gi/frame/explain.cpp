@@ -119,8 +119,9 @@ struct Explainer {
             return with_stored(direct::explain(settings.shadow, shadow_inputs(settings, frame, l, g), pixel), "visibility",
                                settings.layout.visibility, settings.layout);
         if (stage.name == "direct")
-            return direct::explain(settings.direct, {&g.position, &g.normal, &lights, &frame.visibility, nullptr,
-                                                     compose::reads_density(settings.compose)},
+            return direct::explain(settings.direct,
+                                   direct::DirectInputs{&g.position, &g.normal, &lights, &frame.visibility, nullptr,
+                                                        compose::reads_density(settings.compose)},
                                    pixel);
         if (is_gather(stage.name)) {
             const rsm::Pattern pattern = rsm::pattern_of(settings.rsm, lights[l].rsm_size, settings.seed);
@@ -135,10 +136,11 @@ struct Explainer {
         if (stage.name == "filter.blur")
             return filter::explain(settings.indirect, blur_inputs(settings, frame, stage), pixel);
         if (stage.name == "compose")
-            return compose::explain(settings.compose, {&g.normal, &g.albedo, &g.emission, &frame.direct,
-                                                       &frame.indirect, scene.environment.radiance},
+            return compose::explain(settings.compose,
+                                    compose::ComposeInputs{&g.normal, &g.albedo, &g.emission, &frame.direct,
+                                                           &frame.indirect, scene.environment.radiance},
                                     pixel);
-        return compose::explain(settings.tonemap, frame.radiance, pixel);
+        return compose::explain(settings.tonemap, compose::TonemapInputs{&frame.radiance}, pixel);
     }
 };
 

@@ -12,15 +12,15 @@ namespace plumb::frame {
 namespace {
 
 std::vector<StageInfo> frame_stages() {
-    return {raster::info_gbuffer(), raster::info_gbuffer_layer(), raster::info_rsm(), direct::log_blur_info(),
-            direct::shadow_info(), rsm::info_disc(),
+    return {raster::info_gbuffer(), raster::info_gbuffer_layer(), raster::info_rsm(), stage<direct::LogBlurKernel>().info,
+            stage<direct::ShadowKernel>().info, rsm::info_disc(),
             rsm::info_disc(rsm::Texels::continuous), rsm::info_paths(), rsm::info_paths(rsm::Texels::continuous),
-            rsm::info_all(),       rsm::info_all_rays(),     direct::direct_info(),
+            rsm::info_all(),       rsm::info_all_rays(),     stage<direct::DirectKernel>().info,
             stage<isr::DownsampleKernel>().info, stage<isr::GatherKernel>().info, stage<isr::BounceKernel>().info,
             stage<isr::UnseenKernel>().info, stage<isr::GatherCameraKernel>().info, stage<isr::SsaoKernel>().info,
             stage<isr::BlurKernel>().info, stage<isr::UpsampleKernel>().info, stage<isr::ComposeKernel>().info,
             stage<filter::ReduceKernel>().info, stage<filter::UpsampleKernel>().info, stage<filter::BlurKernel>().info,
-            compose::compose_info(), reference::info(),    compose::tonemap_info()};
+            stage<compose::ComposeKernel>().info, reference::info(),    stage<compose::TonemapKernel>().info};
 }
 
 }  // namespace

@@ -155,8 +155,9 @@ void light_directly(Context& c, const PlannedStage& stage, StageRun& run) {
     Buffer<float>& visibility = stage.view == 0 ? c.frame.visibility : c.frame.views[std::size_t(stage.view)].visibility;
     if (!casts_shadows(c.settings)) std::fill(visibility.begin(), visibility.end(), 1.0f);
     const raster::Covered tiles = tiles_to_shade(c.plan, c.frame, stage, run, &g.covered);
-    direct::run(c.settings.direct, {&g.position, &g.normal, &c.lights, &visibility, or_all(tiles),
-                                    compose::reads_density(c.settings.compose)},
+    direct::run(c.settings.direct,
+                direct::DirectInputs{&g.position, &g.normal, &c.lights, &visibility, or_all(tiles),
+                                     compose::reads_density(c.settings.compose)},
                 c.options, direct_of(c, stage));
     run.bytes = bytes_of(direct_of(c, stage));
 }
@@ -278,8 +279,9 @@ void run_no_isr(Context& c, const PlannedStage& stage, StageRun&) {
 
 void compose_radiance(Context& c, const PlannedStage&, StageRun& run) {
     const Frame& f = c.frame;
-    compose::run(c.settings.compose, {&f.gbuffer.normal, &f.gbuffer.albedo, &f.gbuffer.emission, &f.direct,
-                                      &f.indirect, c.scene.environment.radiance},
+    compose::run(c.settings.compose,
+                 compose::ComposeInputs{&f.gbuffer.normal, &f.gbuffer.albedo, &f.gbuffer.emission, &f.direct,
+                                        &f.indirect, c.scene.environment.radiance},
                  c.options, c.frame.radiance);
     run.bytes = bytes_of(f.radiance);
 }
@@ -296,7 +298,7 @@ void trace_nothing(Context& c, const PlannedStage& stage, StageRun&) {
 }
 
 void map_tones(Context& c, const PlannedStage&, StageRun& run) {
-    compose::run(c.settings.tonemap, c.frame.radiance, c.options, c.frame.display);
+    compose::run(c.settings.tonemap, compose::TonemapInputs{&c.frame.radiance}, c.options, c.frame.display);
     run.bytes = bytes_of(c.frame.display);
 }
 

@@ -1,8 +1,9 @@
 #include <algorithm>
 
 #include "core/error.h"
-#include "gi/compose/bindings.h"
-#include "gi/direct/bindings.h"
+#include "gi/compose/compose.h"
+#include "gi/direct/direct.h"
+#include "gi/direct/log_blur.h"
 #include "gi/filter/filter.h"
 #include "gi/frame/filters.h"
 #include "gi/frame/isr.h"
@@ -152,7 +153,7 @@ struct Builder {
                 direct::run(settings.shadow, in, {}, across);
                 in = {&across, direct::Direction::vertical, range};
             }
-            keep(direct::log_blur_data(settings.shadow, in), stage.label, stage.light, face);
+            keep(direct::data_of(settings.shadow, in), stage.label, stage.light, face);
             // A face's name stays last.
             out.back().id.insert(stage.name.size(), "." + stage.form);
         });
@@ -242,12 +243,12 @@ struct Builder {
         } else if (stage.name == "shadow") {
             const direct::ShadowInputs in{&position_of(stage), &normal_of(stage), maps_of(l), nullptr, blurred_of(l)};
             each_map(l, [&](const raster::Rsm&, int face) {
-                keep(direct::shadow_data(settings.shadow, in, std::max(face, 0)), stage.label, l, face);
+                keep(direct::data_of(settings.shadow, in, std::max(face, 0)), stage.label, l, face);
             });
         } else if (stage.name == "direct") {
-            keep(direct::direct_data(settings.direct, {&position_of(stage), &normal_of(stage), &lights, &visibility_of(stage), nullptr,
-                                                       compose::reads_density(settings.compose)}),
-                 stage.label);
+            const direct::DirectInputs in{&position_of(stage), &normal_of(stage), &lights, &visibility_of(stage), nullptr,
+                                          compose::reads_density(settings.compose)};
+            keep(direct::data_of(settings.direct, in), stage.label);
         } else if (frame::is_gather(stage.name) && stage.name != "rsm.all_rays") {
             const rsm::Pattern pattern =
                 rsm::pattern_of(settings.rsm, lights[std::size_t(l)].rsm_size, settings.seed);
@@ -264,11 +265,10 @@ struct Builder {
         } else if (stage.name == "filter.blur") {
             keep_filter(filter::data_of(settings.indirect, frame::blur_inputs(settings, filtered, stage)), stage);
         } else if (stage.name == "compose") {
-            keep(compose::compose_data(settings.compose, {&normal, &albedo, &emission, &direct, &indirect,
-                                                          scene.environment.radiance}),
-                 stage.label);
+            const compose::ComposeInputs in{&normal, &albedo, &emission, &direct, &indirect, scene.environment.radiance};
+            keep(compose::data_of(settings.compose, in), stage.label);
         } else if (stage.name == "tonemap") {
-            keep(compose::tonemap_data(settings.tonemap, radiance), stage.label);
+            keep(compose::data_of(settings.tonemap, compose::TonemapInputs{&radiance}), stage.label);
         }
     }
 };

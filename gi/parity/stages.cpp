@@ -3,8 +3,9 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
-#include "gi/compose/bindings.h"
-#include "gi/direct/bindings.h"
+#include "gi/compose/compose.h"
+#include "gi/direct/direct.h"
+#include "gi/direct/log_blur.h"
 #include "gi/filter/filter.h"
 #include "gi/isr/isr.h"
 #include "gi/rsm/bindings.h"
@@ -15,13 +16,14 @@ namespace plumb::parity {
 const std::vector<StageBinding>& bindings() {
     static const std::vector<StageBinding> all = {
         raster::gbuffer_binding(), raster::gbuffer_layer_binding(), raster::rsm_binding(),
-        direct::log_blur_binding(), direct::shadow_binding(),  rsm::disc_binding(),        rsm::paths_binding(),       rsm::all_binding(),
+        stage<direct::LogBlurKernel>(), stage<direct::ShadowKernel>(),
+        rsm::disc_binding(),        rsm::paths_binding(),       rsm::all_binding(),
         rsm::disc_continuous_binding(), rsm::paths_continuous_binding(),
         stage<filter::ReduceKernel>(), stage<filter::UpsampleKernel>(), stage<filter::BlurKernel>(),
         stage<isr::DownsampleKernel>(), stage<isr::GatherKernel>(), stage<isr::BounceKernel>(), stage<isr::UnseenKernel>(),
         stage<isr::GatherCameraKernel>(), stage<isr::SsaoKernel>(),
         stage<isr::BlurKernel>(), stage<isr::UpsampleKernel>(), stage<isr::ComposeKernel>(),
-        direct::direct_binding(), compose::compose_binding(), compose::tonemap_binding(),
+        stage<direct::DirectKernel>(), stage<compose::ComposeKernel>(), stage<compose::TonemapKernel>(),
     };
     return all;
 }

@@ -11,7 +11,8 @@ namespace {
 // The display value of a grey radiance.
 float shown(float radiance, compose::Operator op, float exposure = 1) {
     Image4 display;
-    compose::run(compose::TonemapParams{op, exposure}, Image4(1, 1, glm::vec4(radiance)), {}, display);
+    const Image4 image(1, 1, glm::vec4(radiance));
+    compose::run(compose::TonemapParams{op, exposure}, compose::TonemapInputs{&image}, {}, display);
     CHECK(display(0, 0).w == 1);
     return display(0, 0).x;
 }
@@ -28,7 +29,7 @@ TEST_CASE("compose: L = (rho (E_direct + E_indirect) + M) / pi; environment wher
         direct(2, 1, glm::vec4(4)), indirect(2, 1, glm::vec4(2));
     normal(0, 0) = glm::vec4(0, 0, 1, 1);
     Image4 radiance;
-    compose::run(compose::ComposeParams{}, {&normal, &albedo, &emission, &direct, &indirect, glm::vec3(7, 8, 9)}, {}, radiance);
+    compose::run(compose::ComposeParams{}, compose::ComposeInputs{&normal, &albedo, &emission, &direct, &indirect, glm::vec3(7, 8, 9)}, {}, radiance);
     const double pi = 3.141592653589793;
     CHECK(radiance(0, 0).x == Approx((0.5 * 6 + 1) / pi).epsilon(1e-7));
     CHECK(radiance(0, 0).y == Approx((0.25 * 6 + 2) / pi).epsilon(1e-7));
@@ -39,9 +40,10 @@ TEST_CASE("compose: L = (rho (E_direct + E_indirect) + M) / pi; environment wher
 TEST_CASE("compose: inputs of different sizes are refused by name", "[compose]") {
     const Image4 two(2, 1), one(1, 1);
     Image4 radiance;
-    CHECK_THROWS_WITH(compose::run(compose::ComposeParams{}, {&two, &two, &one, &two, &two, {}}, {}, radiance),
-                      "compose: emission is 1 x 1, normal is 2 x 1: expected equal sizes");
-    CHECK_THROWS_AS(compose::run(compose::ComposeParams{}, {&two, &two, &two, &two, nullptr, {}}, {}, radiance), InputError);
+    CHECK_THROWS_WITH(compose::run(compose::ComposeParams{}, compose::ComposeInputs{&two, &two, &one, &two, &two, {}}, {}, radiance),
+                      "compose: input \"emission\" is [1, 1, 4]: expected [1, 2, 4]");
+    CHECK_THROWS_WITH(compose::run(compose::ComposeParams{}, compose::ComposeInputs{&two, &two, &two, &two, nullptr, {}}, {}, radiance),
+                      "compose: indirect must be bound");
 }
 
 TEST_CASE("tonemap: the four curves, then the curve of sRGB", "[tonemap][analytic]") {
@@ -92,7 +94,8 @@ TEST_CASE("tonemap: bytes are rint(255 x), ties to even", "[tonemap]") {
 }
 
 TEST_CASE("tonemap: exposure out of range names field, value and range", "[tonemap]") {
+    const Image4 image(1, 1);
     Image4 display;
-    CHECK_THROWS_WITH(compose::run(compose::TonemapParams{compose::Operator::clamp, -1}, Image4(1, 1), {}, display),
+    CHECK_THROWS_WITH(compose::run(compose::TonemapParams{compose::Operator::clamp, -1}, compose::TonemapInputs{&image}, {}, display),
                       "tonemap: exposure = -1: expected 0 to 1e+20 m2 sr/W");
 }

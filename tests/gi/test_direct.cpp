@@ -16,7 +16,7 @@ glm::vec4 irradiance_at(const Light& light, glm::vec3 x, glm::vec3 n, float visi
     const std::vector<Light> lights{light};
     const Buffer<float> visible{visibility};
     Image4 e;
-    direct::run(direct::DirectParams{}, {&point.position, &point.normal, &lights, &visible}, {}, e);
+    direct::run(direct::DirectParams{}, direct::DirectInputs{&point.position, &point.normal, &lights, &visible}, {}, e);
     return e(0, 0);
 }
 

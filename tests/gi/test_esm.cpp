@@ -82,7 +82,7 @@ ShadowParams blur_params(double c, int radius, float sigma) {
 Image4 blurred_row(const ShadowParams& params, const Image4& map, double range = 1,
                    direct::Direction direction = direct::Direction::horizontal, const RunOptions& options = {}) {
     Image4 out;
-    direct::run(params, {&map, direction, range}, options, out);
+    direct::run(params, direct::LogBlurInputs{&map, direction, range}, options, out);
     return out;
 }
 
@@ -478,12 +478,12 @@ TEST_CASE("shadow.blur: what is out of range is refused, and texels are explaine
     ShadowParams params = blur_params(90, 2, 1);
     Image4 out;
     for (double range : {0.0, -1.0, double(INFINITY), double(NAN)})
-        CHECK_THROWS_AS(direct::run(params, {&map, direct::Direction::horizontal, range}, {}, out), InputError);
-    CHECK_THROWS_WITH(direct::run(params, {}, {}, out), "shadow.blur: map must be bound");
+        CHECK_THROWS_AS(direct::run(params, direct::LogBlurInputs{&map, direct::Direction::horizontal, range}, {}, out), InputError);
+    CHECK_THROWS_WITH(direct::run(params, direct::LogBlurInputs{}, {}, out), "shadow.blur: map must be bound");
     params.esm_blur_radius = 33;
-    CHECK_THROWS_WITH(direct::run(params, {&map}, {}, out), Catch::Contains("esm_blur_radius = 33"));
+    CHECK_THROWS_WITH(direct::run(params, direct::LogBlurInputs{&map}, {}, out), Catch::Contains("esm_blur_radius = 33"));
     params.esm_blur_radius = 2;
-    const auto taps = direct::explain(params, {&map, direct::Direction::horizontal, 7}, {2, 0});
+    const auto taps = direct::explain(params, direct::LogBlurInputs{&map, direct::Direction::horizontal, 7}, {2, 0});
     out = blurred_row(params, map, 7);
     CHECK(taps.back().name == "depth");
     CHECK(float(taps.back().value.at(0)) == out(2, 0).w);

@@ -180,7 +180,7 @@ TEST_CASE("direct: the same bits for every instruction set and thread count", "[
             for (bool density : {false, true})
                 require_same_bits([&](const RunOptions& options, Image4& out) {
                     direct::run(direct::DirectParams{variant},
-                                {&position, &normal, &lights, &visibility, nullptr, density}, options, out);
+                                direct::DirectInputs{&position, &normal, &lights, &visibility, nullptr, density}, options, out);
                 });
     }
 }
@@ -215,7 +215,7 @@ TEST_CASE("compose, tonemap: the same bits for every instruction set and thread 
         for (auto op : {compose::Operator::clamp, compose::Operator::exposure, compose::Operator::reinhard,
                         compose::Operator::filmic})
             require_same_bits([&](const RunOptions& options, Image4& out) {
-                compose::run(compose::TonemapParams{op, 3}, images[3], options, out);
+                compose::run(compose::TonemapParams{op, 3}, compose::TonemapInputs{&images[3]}, options, out);
             });
     }
 }
@@ -227,7 +227,7 @@ TEST_CASE("a NaN is stored as 7fc00000, whatever its sign and payload were", "[b
     const Image4 one(17, 2, glm::vec4(1)), zero(17, 2);
     for_all_options([&](const RunOptions& options) {
         Image4 out;
-        compose::run(compose::ComposeParams{}, {&one, &one, &zero, &radiance, &zero, glm::vec3(0)}, options, out);
+        compose::run(compose::ComposeParams{}, compose::ComposeInputs{&one, &one, &zero, &radiance, &zero, glm::vec3(0)}, options, out);
         for (int i = 0; i < 4; ++i) {
             std::uint32_t bits;
             std::memcpy(&bits, &out(3 * i, i % 2).y, 4);

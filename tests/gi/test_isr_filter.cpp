@@ -390,7 +390,7 @@ TEST_CASE("isr.compose: what it leaves alone, to the bit", "[isr][ISR (29)][bits
     auto composed = [&](const Image4& indirect, glm::vec3 environment) {
         Image4 out;
         compose::run(compose::ComposeParams{},
-                     {&p.normal, &p.albedo, &p.emission, &p.direct, &indirect, environment}, {}, out);
+                     compose::ComposeInputs{&p.normal, &p.albedo, &p.emission, &p.direct, &indirect, environment}, {}, out);
         return out(0, 0);
     };
     // k_isr = 0 and no ambient light: direct light alone, in both variants.

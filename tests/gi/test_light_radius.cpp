@@ -39,7 +39,7 @@ double irradiance_at(const Light& light, glm::vec3 x, glm::vec3 n) {
     const std::vector<Light> lights{light};
     const Buffer<float> visible{1.0f};
     Image4 e;
-    direct::run(direct::DirectParams{}, {&point.position, &point.normal, &lights, &visible}, {}, e);
+    direct::run(direct::DirectParams{}, direct::DirectInputs{&point.position, &point.normal, &lights, &visible}, {}, e);
     return e(0, 0).x;
 }
 

@@ -34,7 +34,7 @@ glm::vec4 lit(const std::vector<Light>& lights, const std::vector<float>& visibl
     Buffer<float> visibility;
     for (const float v : visible) visibility.push_back(v);
     Image4 e;
-    direct::run(direct::DirectParams{variant}, {&point.position, &point.normal, &lights, &visibility, nullptr, density},
+    direct::run(direct::DirectParams{variant}, direct::DirectInputs{&point.position, &point.normal, &lights, &visibility, nullptr, density},
                 {}, e);
     return e(0, 0);
 }
@@ -44,7 +44,7 @@ glm::vec3 composed(glm::vec3 shadow_color, glm::vec3 albedo, glm::vec4 direct, g
     const Image4 normal(1, 1, {0, 1, 0, covered}), rho(1, 1, {albedo, 0}), emission(1, 1), d(1, 1, direct),
         i(1, 1, {indirect, 0});
     Image4 radiance;
-    compose::run(compose::ComposeParams{shadow_color}, {&normal, &rho, &emission, &d, &i, glm::vec3(7, 8, 9)}, {},
+    compose::run(compose::ComposeParams{shadow_color}, compose::ComposeInputs{&normal, &rho, &emission, &d, &i, glm::vec3(7, 8, 9)}, {},
                  radiance);
     CHECK(radiance(0, 0).w == 0);
     return radiance(0, 0);

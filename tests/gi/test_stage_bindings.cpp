@@ -266,7 +266,7 @@ TEST_CASE("stage bindings: outputs are 1 to 32767 pixels a side, and so are maps
     CHECK(sized({0, 1}) == "tonemap: size 0 x 1: expected 1 to 32767");
     CHECK(sized({1, 0}) == "tonemap: size 1 x 0: expected 1 to 32767");
 
-    CHECK_THAT(with_shape(shadow_case(), "map_position", {1, 32767, 4}), Catch::Contains("expected map.size = 48"));
+    CHECK_THAT(with_shape(shadow_case(), "map_position", {1, 32767, 4}), Catch::Contains("expected 48 x 48, map.size a side"));
     CHECK_THAT(with_shape(shadow_case(), "map_position", {1, 32768, 4}), Catch::Contains("expected [*, *, 4]"));
     CHECK_THAT(with_shape(shadow_case(), "map_position", {0, 48, 4}), Catch::Contains("expected [*, *, 4]"));
 }
@@ -277,7 +277,7 @@ TEST_CASE("stage bindings: a map of another size than the block's is refused", "
         const double side = uniform(data, "map.size");
         CHECK(with_uniform(data, "map.size", side) == "");
         for (double other : {side - 1, side + 1})
-            CHECK_THAT(with_uniform(data, "map.size", other), Catch::Contains("expected map.size = "));
+            CHECK_THAT(with_uniform(data, "map.size", other), Catch::Contains(", map.size a side") || Catch::Contains("expected map.size = "));
     }
 }
 
@@ -310,8 +310,7 @@ TEST_CASE("stage bindings: numbers that kernels loop over and index by are held 
         CHECK(with_uniform(r.data, r.member, r.last) == "");
         for (double beyond : {r.first - 1, r.last + 1})
             CHECK_THAT(with_uniform(r.data, r.member, beyond),
-                       (Catch::StartsWith(r.data.label + ": ") && Catch::Contains("expected")) ||
-                           Catch::StartsWith("direct: lights = "));
+                       Catch::StartsWith(r.data.label + ": ") && Catch::Contains("expected"));
     }
     // The rotation is picked by the lower bits of a hash.
     for (const StageData& data : {disc_case(), continuous_case(), paths_case(), isr_gather}) {
@@ -347,12 +346,12 @@ TEST_CASE("stage bindings: buffers hold all that is read of them", "[bindings]")
     // Four lights of four vec4, a layer each.
     const StageData direct = test::direct_case(small, "direct");
     CHECK(with_shape(direct, "lights", {16, 4}) == "");
-    CHECK_THAT(with_shape(direct, "lights", {15, 4}), Catch::Contains("\"lights\" has 3"));
+    CHECK_THAT(with_shape(direct, "lights", {15, 4}), Catch::Contains("\"lights\" has 15 elements: expected 16"));
     CHECK_THAT(with_shape(direct, "lights", {35}), Catch::Contains("35 numbers: expected elements of 4"));
     CHECK_THAT(with_shape(direct, "lights", {0, 4}), Catch::Contains("0 numbers"));
     CHECK(with_shape(direct, "visibility", {5, small.y, small.x}) == "");
     CHECK(with_shape(direct, "visibility", {4, small.y, small.x}) == "");
-    CHECK_THAT(with_shape(direct, "visibility", {3, small.y, small.x}), Catch::Contains("\"visibility\" has 3"));
+    CHECK_THAT(with_shape(direct, "visibility", {3, small.y, small.x}), Catch::Contains("\"visibility\" has 135 elements: expected 180"));
     CHECK_THAT(with_shape(direct, "visibility", {0, small.y, small.x}), Catch::Contains("is [0, 5, 9]"));
 }
 

@@ -10,8 +10,8 @@
 #include "core/error.h"
 #include "core/hash.h"
 #include "core/outcomes.h"
-#include "gi/compose/bindings.h"
-#include "gi/direct/bindings.h"
+#include "gi/compose/compose.h"
+#include "gi/direct/direct.h"
 #include "gi/frame/frame.h"
 #include "gi/parity/stages.h"
 #include "gi/parity/stored.h"
@@ -664,7 +664,7 @@ TEST_CASE("verdict: a pixel whose face of a point light is undecided may be anot
     position.texels[0] = {x, 0.2f, x - 0.15f, 1};    // the float kernel has them equal, and takes +x
     position.texels[1] = {x, 0.2f, 0.5f, 1};
     normal.texels[0] = normal.texels[1] = {-1, 0, 0, 0};
-    const StageData d = direct::shadow_data({}, {&position, &normal, maps}, 0);
+    const StageData d = direct::data_of(direct::ShadowParams{}, direct::ShadowInputs{&position, &normal, maps}, 0);
     Bundle own;
     const auto stage = parity::find_binding("shadow", "test").bind(d);
     REQUIRE(stage->writes({0, 0}));

@@ -5,8 +5,9 @@
 #include <vector>
 
 #include "core/hash.h"
-#include "gi/compose/bindings.h"
-#include "gi/direct/bindings.h"
+#include "gi/compose/compose.h"
+#include "gi/direct/direct.h"
+#include "gi/direct/log_blur.h"
 #include "gi/filter/filter.h"
 #include "gi/isr/isr.h"
 #include "gi/parity/stages.h"
@@ -92,6 +93,11 @@ inline StageData named(StageData data, const std::string& id) {
     return data;
 }
 
+// A copy of all that is lent.
+inline StageData owned_data(const StageData& data) {
+    return owned(parity::find_binding(data.stage, data.stage), data);
+}
+
 inline StageData shadow_case(glm::ivec2 size, LightType type, int face, direct::ShadowMode mode,
                              direct::ShadowVariant variant, const std::string& id) {
     const Light light = make_light(type, 48);
@@ -101,7 +107,7 @@ inline StageData shadow_case(glm::ivec2 size, LightType type, int face, direct::
     direct::ShadowParams params;
     params.mode = mode;
     params.variant = variant;
-    return named(direct::shadow_data(params, {&p.position, &p.normal, maps}, face), id);
+    return named(owned_data(direct::data_of(params, direct::ShadowInputs{&p.position, &p.normal, maps}, face)), id);
 }
 
 // A map of two layers, near each other in places, with holes.
@@ -116,7 +122,7 @@ inline StageData log_blur_case(glm::ivec2 size, int radius, float sigma, direct:
     direct::ShadowParams params;
     params.mode = direct::ShadowMode::esm;
     params.esm_blur_radius = radius, params.esm_blur_sigma = sigma;
-    return named(direct::log_blur_data(params, {&map, direction, 10}), id);
+    return named(owned_data(direct::data_of(params, direct::LogBlurInputs{&map, direction, 10})), id);
 }
 
 inline StageData direct_case(glm::ivec2 size, const std::string& id, bool density = false,
@@ -127,7 +133,8 @@ inline StageData direct_case(glm::ivec2 size, const std::string& id, bool densit
     Buffer<float> visibility(lights.size() * std::size_t(size.x) * std::size_t(size.y));
     for (std::size_t i = 0; i < visibility.size(); ++i) visibility[i] = noise(int(i), 0, 0, 9);
     const Points p = room(size, 5);
-    return named(direct::direct_data({variant}, {&p.position, &p.normal, &lights, &visibility, nullptr, density}), id);
+    const direct::DirectInputs in{&p.position, &p.normal, &lights, &visibility, nullptr, density};
+    return named(owned_data(direct::data_of(direct::DirectParams{variant}, in)), id);
 }
 
 inline StageData gather_case(glm::ivec2 size, rsm::Gather gather, LightType type, float min_distance,
@@ -229,12 +236,12 @@ inline StageData compose_case(glm::ivec2 size, const std::string& id, const glm:
                               1e-20f};
     for (int i = 0; i < 28; ++i) images[i % 4].texels[std::size_t(2 * i) % images[i % 4].size()].x = extremes[i % 7];
     compose::ComposeInputs in{&p.normal, &images[0], &images[1], &images[2], &images[3], {0.25f, 0.5f, 1}};
-    return named(compose::compose_data({shadow_color}, in), id);
+    return named(owned_data(compose::data_of(compose::ComposeParams{shadow_color}, in)), id);
 }
 
 inline StageData tonemap_case(glm::ivec2 size, compose::Operator op, const std::string& id) {
     const Image4 radiance = noise_image(size, 31, -0.1f, 6);
-    return named(compose::tonemap_data({op, 0.7f}, radiance), id);
+    return named(owned_data(compose::data_of(compose::TonemapParams{op, 0.7f}, compose::TonemapInputs{&radiance})), id);
 }
 
 // ---- Image-space radiosity ------------------------------------------------------------------------------------------

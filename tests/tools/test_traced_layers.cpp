@@ -75,7 +75,7 @@ TEST_CASE("traced layers: the truth's picture is the truth under the picture's t
     const frame::Settings settings = traced_settings(scene);
     const frame::Frame f = render(scene, settings);
     Image4 display;
-    compose::run(settings.tonemap, frame::find_traced(f, "truth")->estimate.mean, RunOptions{}, display);
+    compose::run(settings.tonemap, compose::TonemapInputs{&frame::find_traced(f, "truth")->estimate.mean}, RunOptions{}, display);
     CHECK(content_hash(f.truth_display) == content_hash(display));
     CHECK(content_hash(f.truth_display) != content_hash(f.display));
 }

@@ -155,7 +155,7 @@ Image4 isr_display(const Image4& radiance, double exposure, const RunOptions& op
     compose::TonemapParams params;
     params.exposure = float(exposure);
     Image4 display;
-    compose::run(params, radiance, options, display);
+    compose::run(params, compose::TonemapInputs{&radiance}, options, display);
     return display;
 }
 

@@ -27,7 +27,8 @@ double white_of(const VrsmViews& views, const Plane& truth) {
 
 Image4 shown(const Image4& irradiance, double white, const RunOptions& options) {
     Image4 display;
-    compose::run({compose::Operator::clamp, float(1 / white)}, irradiance, options, display);
+    compose::run(compose::TonemapParams{compose::Operator::clamp, float(1 / white)}, compose::TonemapInputs{&irradiance}, options,
+                 display);
     return display;
 }
 

@@ -5,7 +5,7 @@
 #include <cstddef>
 
 #include "core/hash.h"
-#include "gi/compose/bindings.h"
+#include "gi/compose/compose.h"
 #include "gi/filter/filter.h"
 #include "gi/frame/frame.h"
 #include "gi/parity/stages.h"
@@ -194,17 +194,20 @@ void append_values(std::vector<Dispatch>& out) {
                  emission = any_image(size, 300000, -3, 4), direct = any_image(size, 400000, -12, 10),
                  indirect = any_image(size, 500000, -14, 8), radiance = any_image(size, 600000, -16, 8);
     const compose::ComposeInputs inputs{&normal, &albedo, &emission, &direct, &indirect, glm::vec3(0.3f, 0.5f, 0.9f)};
+    auto keep = [&](const std::string& name, StageData data) {
+        data.label = data.id = data.stage;
+        out.push_back({name, owned(parity::find_binding(data.stage, name), data)});
+    };
     for (const glm::vec3 shadow_color : {glm::vec3(0), glm::vec3(0.5f, 0.2f, 0.7f)}) {
-        out.push_back({"values: compose", compose::compose_data({shadow_color}, inputs)});
-        out.back().data.label = out.back().data.id = "compose";
+        keep("values: compose", compose::data_of(compose::ComposeParams{shadow_color}, inputs));
     }
     const std::pair<const char*, compose::Operator> operators[] = {{"exposure", compose::Operator::exposure},
                                                                    {"clamp", compose::Operator::clamp},
                                                                    {"reinhard", compose::Operator::reinhard},
                                                                    {"filmic", compose::Operator::filmic}};
     for (const auto& [name, op] : operators) {
-        out.push_back({std::string("values: tonemap ") + name, compose::tonemap_data({op, 0.7f}, radiance)});
-        out.back().data.label = out.back().data.id = "tonemap";
+        keep(std::string("values: tonemap ") + name,
+             compose::data_of(compose::TonemapParams{op, 0.7f}, compose::TonemapInputs{&radiance}));
     }
 }
 

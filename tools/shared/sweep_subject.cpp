@@ -42,8 +42,9 @@ reference::Estimate compose_truth(const Scene& scene, const frame::Frame& frame,
         }
     }
     // A truth has no shadow colour: what one adds is an error.
-    compose::run(compose::ComposeParams{}, {&g.normal, &g.albedo, &g.emission, &irradiance, &none, scene.environment.radiance}, options,
-                 result.mean);
+    compose::run(compose::ComposeParams{},
+                 compose::ComposeInputs{&g.normal, &g.albedo, &g.emission, &irradiance, &none, scene.environment.radiance},
+                 options, result.mean);
     for (std::size_t i = 0; i < none.size(); ++i)
         for (int c = 0; c < 3; ++c)
             result.error.texels[i][c] = float(double(g.albedo.texels[i][c]) * result.error.texels[i][c] / host::pi);
@@ -97,7 +98,7 @@ void trace_truths(const RunOptions& options, reference::Store* store, Subject& s
     if (!pictures) return;
     auto shown = [&](const Image4& radiance) {
         Image4 display;
-        compose::run(subject.truth.tonemap, radiance, options, display);
+        compose::run(subject.truth.tonemap, compose::TonemapInputs{&radiance}, options, display);
         return compose::to_bytes(display);
     };
     pictures->truth = shown(subject.full.mean);

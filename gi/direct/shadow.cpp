@@ -1,0 +1,136 @@
+#include "gi/direct/shadow.h"
+
+#include <algorithm>
+
+#include "gi/direct/log_blur.h"
+#include "raster/light_view.h"
+
+namespace plumb::direct {
+
+namespace {
+
+void validate(const ShadowParams& params, const ShadowInputs& in) {
+    ShadowParams copy = params;
+    validate_fields("shadow", fields(copy));
+    const Image4& position = bound("shadow", "position", in.position);
+    if (in.tiles && !in.tiles->fits(size_of(position))) throw InputError("shadow: tiles are of another size");
+    if (in.rsms.size() != 1 && in.rsms.size() != raster::light_faces)
+        throw InputError(fmt::format("shadow: {} maps are bound: expected 1, or {} of a point light", in.rsms.size(),
+                                     raster::light_faces));
+    if (!in.blurred.empty() && in.blurred.size() != in.rsms.size())
+        throw InputError(fmt::format("shadow: {} blurred maps are bound: expected {}, as of maps", in.blurred.size(),
+                                     in.rsms.size()));
+}
+
+// What the shadow test of that map reads: its own depth, or the blurred one.
+const Image4& map_of(const ShadowInputs& in, int face) {
+    return in.blurred.empty() ? in.rsms[std::size_t(face)].position : in.blurred[std::size_t(face)];
+}
+
+// A map alone serves every point; of six, each serves its face's.
+ShadowUniforms block_of(const ShadowParams& params, const ShadowInputs& in, int face) {
+    ShadowUniforms u{};
+    const raster::Rsm& rsm = in.rsms[std::size_t(face)];
+    u.face = in.rsms.size() == 1 ? -1 : face;
+    u.map = raster::projection_args(rsm.view, rsm.size, u.face >= 0);
+    for (int c = 0; c < 3; ++c) u.eye[c] = float(rsm.view.eye[c]), u.forward[c] = float(rsm.view.forward[c]);
+    u.kernel = params.mode == ShadowMode::density ? params.kernel : 1;
+    u.soft = int(params.mode == ShadowMode::pcf ? Soft::pcf : params.mode == ShadowMode::esm ? Soft::esm : Soft::none);
+    u.c = params.mode == ShadowMode::esm ? c_per_metre(params, in.rsms) : 0;
+    u.samples = float(u.kernel * u.kernel);
+    u.published = params.variant == ShadowVariant::published ? 1 : 0;
+    u.footprint_scale = rsm.view.orthographic ? 0 : float(rsm.texel_scale);
+    u.footprint_base = rsm.view.orthographic ? float(rsm.texel_scale) : 0;
+    u.bias = params.bias;
+    // The farthest texel centre of the kernel lies kernel/2 + 1/2 texels away along a side, of one texel 1/2.
+    // The four texels of a soft test lie up to 1 away.
+    u.slope_bias = params.slope_bias * float(u.soft != int(Soft::none) ? 2 : 2 * (u.kernel / 2) + 1);
+    u.max_slope = params.max_slope;
+    u.perspective = rsm.view.orthographic ? 0 : 1;
+    u.width = in.position->width;
+    u.height = in.position->height;
+    return u;
+}
+
+// Writes the visibility of the world's origin to the tiles that are not shaded.
+void fill_where_nothing_is(const ShadowParams& params, const ShadowInputs& in, Isa isa, float* visibility) {
+    const Image4 nothing(1, 1);
+    RunOptions one;
+    one.isa = isa, one.threads = 1;
+    float value = 1;
+    run(params, {&nothing, &nothing, in.rsms, nullptr, in.blurred}, one, &value);
+    const int width = in.position->width;
+    for (int y = 0; y < in.position->height; ++y)
+        for (int x = 0; x < width; x += raster::Covered::side)
+            if (!in.tiles->row(y)[x >> raster::Covered::shift])
+                std::fill(visibility + std::ptrdiff_t(y) * width + x,
+                          visibility + std::ptrdiff_t(y) * width + std::min(x + raster::Covered::side, width), value);
+}
+
+}  // namespace
+
+std::vector<Field> fields(ShadowParams& p) {
+    return {
+        {"mode", as_int(p.mode), "",
+         "hard: one texel; density: the share of a kernel of texels (VRSM Algorithm 4); pcf: four comparisons, weighed "
+         "bilinearly; esm: four exponentials of the distance behind the map (ISR (30))", 0, 3,
+         {"hard", "density", "pcf", "esm"}, false},
+        {"variant", as_int(p.variant), "",
+         "corrected, or as printed: VRSM Algorithm 4 with a constant bias; of pcf and esm ISR Listing 8", 0, 1,
+         {"corrected", "published"}, false},
+        {"kernel", &p.kernel, "texels", "side of the kernel of mode = density; 4 is ours", 1, 64, {}, true},
+        {"bias", &p.bias, "m", "constant part of the depth bias; ours", 0, unbounded, {}, true},
+        {"slope_bias", &p.slope_bias, "texels", "part that follows the surface's slope; 0.71 is exact, 1 is ours", 0, 64,
+         {}, true},
+        {"max_slope", &p.max_slope, "", "limit of that slope: 16 is a surface at 86 degrees to the light", 0, 1e6, {},
+         true},
+        {"esm_c", &p.esm_c, "",
+         "c of ISR (30), for depths over the light's range (far plane, or depth of the box); 90 is Listing 8's", 1e-3, 1e9,
+         {}, true},
+        {"esm_blur_radius", &p.esm_blur_radius, "texels",
+         "of the logarithmic blur of esm's map (ISR 4.6), 0 none; 3 is ours", 0, most_blur_radius, {}, true},
+        {"esm_blur_sigma", &p.esm_blur_sigma, "texels", "of its Gaussian; ours", 0.05, 1e6, {}, false},
+    };
+}
+
+StageData data_of(const ShadowParams& params, const ShadowInputs& in, int face) {
+    validate(params, in);
+    StageData d = begin_data<ShadowKernel>(size_of(*in.position), block_of(params, in, face));
+    lend(d, {{"position", in.position}, {"normal", in.normal}, {"map_position", &map_of(in, face)}});
+    lend_tiles(d, in.tiles);
+    return d;
+}
+
+void run(const ShadowParams& params, const ShadowInputs& in, const RunOptions& options, float* visibility) {
+    validate(params, in);
+    const int maps = int(in.rsms.size());
+    if (maps > 1) std::fill_n(visibility, in.position->size(), 1.0f);
+    if (in.tiles) fill_where_nothing_is(params, in, options.isa, visibility);
+    for (int face = 0; face < maps; ++face) {
+        if (in.rsms[std::size_t(face)].size == 0) continue;
+        RunOptions part = options;
+        if (options.progress) part.progress = [&, face](double done) { options.progress((face + done) / maps); };
+        run(stage<ShadowKernel>(), data_of(params, in, face), part, visibility);
+    }
+}
+
+std::vector<TapValue> explain(const ShadowParams& params, const ShadowInputs& in, glm::ivec2 pixel) {
+    validate(params, in);
+    Recorder recorder;
+    int face = 0;
+    if (in.rsms.size() > 1) {
+        // Take the face that serves the point.
+        const vec3<float> x(in.position->operator()(pixel.x, pixel.y));
+        while (!serves<float>(block_of(params, in, face), x)) ++face;
+        recorder("face", std::int32_t(face), "of the point light: +x -x +y -y +z -z");
+    }
+    if (in.rsms[std::size_t(face)].size == 0) {
+        recorder("visibility", 1.0f, "the face sees nothing");
+    } else {
+        const std::vector<TapValue> taps = explain(stage<ShadowKernel>(), data_of(params, in, face), pixel);
+        recorder.values.insert(recorder.values.end(), taps.begin(), taps.end());
+    }
+    return recorder.values;
+}
+
+}  // namespace plumb::direct
