@@ -81,7 +81,7 @@ void check_slots(const StageBinding& binding, const StageData& data) {
                                  binding.uniform_bytes));
     for (const Slot& slot : binding.inputs) {
         const Array* array = find(data.inputs, slot.name);
-        if (!array && slot.optional) continue;
+        if (!array && (slot.optional || (!slot.instead.empty() && find(data.inputs, slot.instead)))) continue;
         if (!array) refuse(data, fmt::format("input \"{}\" is missing", slot.name));
         check_shape(slot, data, *array);
     }
@@ -144,6 +144,7 @@ StageData owned(const StageBinding& binding, const StageData& data) {
             inputs.arrays.push_back(*array);
             inputs.arrays.back().bytes.own();
         } else {
+            if (!slot.optional) refuse(data, fmt::format("input \"{}\" is missing", slot.name));
             add(inputs, slot.name, slot.dtype, expected_shape(slot, data));
         }
     }

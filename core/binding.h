@@ -45,6 +45,7 @@ struct Slot {
     std::uint32_t fixed = 0;   // bit c: column c is a flag, a whole number or the rasteriser's: nothing rounds it
     glm::vec4 unwritten{0};    // of an output: what an item holds that is not computed
     bool optional = false;     // of an input: may be missing, and then is 0 everywhere
+    std::string instead = "";  // of an input: may be missing where this one is lent, which holds the same (Lends)
 };
 
 // A member of the uniform block; members of a struct are written with a dot: "map.to_texel_x".
@@ -156,7 +157,8 @@ const StageBinding& stage();
 // Data of one dispatch without inputs: they are added, or lent.
 StageData begin_data(const StageBinding& binding, glm::ivec2 size, std::vector<unsigned char> uniforms);
 
-// As a device binds it and a file holds it: with copies of what is lent to it, and zeros for what is missing.
+// As a device binds it and a file holds it: the binding's inputs alone, with copies of what is lent, and zeros for what
+// may be missing.
 StageData owned(const StageBinding& binding, const StageData& data);
 
 // Binds the data and runs the dispatch into its one output, which takes its size and starts as what is not computed.

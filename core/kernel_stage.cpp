@@ -23,7 +23,8 @@ void set_element(Slot& slot, const std::string& element) {
 
 Slot slot_of(const NamedSlot& named, const TwinBinding& b, bool output) {
     Slot s{.name = named.name, .binding = b.binding, .channels = named.channels, .frame = named.frame, .unit = named.unit,
-           .meaning = named.meaning, .fixed = named.fixed, .unwritten = named.unwritten, .optional = named.optional};
+           .meaning = named.meaning, .fixed = named.fixed, .unwritten = named.unwritten, .optional = named.optional,
+           .instead = named.instead};
     switch (b.kind) {
         case TwinKind::sampled_image: s.kind = SlotKind::image; break;
         case TwinKind::sampled_array: s.kind = SlotKind::image_array, s.channels = 1; break;
@@ -94,6 +95,19 @@ void check_count(const StageData& data, const Slot& slot, std::size_t count, con
     const std::size_t there = element_count(slot.name, at(data.inputs, slot.name).shape) / std::size_t(slot.channels);
     if (there < count)
         throw InputError(fmt::format("{}: input \"{}\" has {} elements: expected {}{}", data.label, slot.name, there, count,
+                                     why.empty() ? "" : ", " + why));
+}
+
+bool is_lent(const StageData& data, const std::string& name, DType dtype) {
+    const Array* array = find(data.inputs, name);
+    return array && array->dtype == dtype;
+}
+
+void check_lent(const StageData& data, const std::string& name, std::size_t count, const std::string& why) {
+    const Array& array = at(data.inputs, name);
+    const std::size_t there = array.bytes.size() / dtype_size(array.dtype);
+    if (there < count)
+        throw InputError(fmt::format("{}: input \"{}\" has {} numbers: expected {}{}", data.label, name, there, count,
                                      why.empty() ? "" : ", " + why));
 }
 

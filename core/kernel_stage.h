@@ -33,6 +33,7 @@ struct NamedSlot {
     bool frame;
     glm::vec4 unwritten;
     bool optional;
+    std::string instead;
 };
 void add_slots(StageBinding& binding, const TwinLayout& twin, const std::vector<NamedSlot>& inputs,
                const std::vector<NamedSlot>& outputs,
@@ -45,8 +46,9 @@ StageBinding binding_of(const StageDescription<View>& d, const TwinLayout& twin)
     b.domain = d.domain, b.cost = d.cost;
     std::vector<NamedSlot> inputs, outputs;
     for (const Reads<View>& r : d.inputs)
-        inputs.push_back({r.name, r.unit, r.meaning, r.fixed, r.channels, !r.size && !r.read, glm::vec4(0), r.optional});
-    for (const Writes<View>& w : d.outputs) outputs.push_back({w.name, w.unit, w.meaning, w.fixed, 4, true, w.unwritten, false});
+        inputs.push_back({r.name, r.unit, r.meaning, r.fixed, r.channels, !r.size && !r.read, glm::vec4(0), r.optional,
+                          r.instead});
+    for (const Writes<View>& w : d.outputs) outputs.push_back({w.name, w.unit, w.meaning, w.fixed, 4, true, w.unwritten, false, {}});
     add_slots(b, twin, inputs, outputs, d.fixed_uniforms);
     return b;
 }
@@ -56,6 +58,11 @@ StageBinding binding_of(const StageDescription<View>& d, const TwinLayout& twin)
 void check_uniforms(const StageBinding& binding, const StageData& data, const std::vector<Within>& ranges);
 void check_size(const StageData& data, const std::string& input, glm::ivec2 size, const std::string& why);
 void check_count(const StageData& data, const Slot& slot, std::size_t count, const std::string& why);
+
+// Whether the data holds something of that name and type. Throws InputError for what is there but has fewer than `count`
+// numbers.
+bool is_lent(const StageData& data, const std::string& name, DType dtype);
+void check_lent(const StageData& data, const std::string& name, std::size_t count, const std::string& why);
 
 // All components of a value, in order.
 template <class F, class Each>
@@ -91,6 +98,8 @@ class KernelStage final : public BoundStage {
             if (const std::string cause = description.refuses(view_, data.size); !cause.empty())
                 throw InputError(data.label + ": " + cause);
         for (std::size_t i = 0; i < description.inputs.size(); ++i) bind(description.inputs[i], binding.inputs[i]);
+        for (const Lends<View>& lent : description.lends)
+            if (is_lent(data, lent.name, lent.dtype)) bind(lent);
         if (description.prepare) description.prepare(view_, own_);
     }
 
@@ -177,7 +186,7 @@ class KernelStage final : public BoundStage {
     }
 
     void bind(const Reads<View>& input, const Slot& slot) {
-        if (slot.optional && !find(data_.inputs, slot.name)) return;
+        if (!find(data_.inputs, slot.name)) return check_missing(slot);
         if (slot.kind == SlotKind::buffer || slot.kind == SlotKind::image_array) {
             if (input.count) check_count(data_, slot, input.count(view_), input.why);
         } else if (input.read && !input.read(view_)) {
@@ -188,6 +197,19 @@ class KernelStage final : public BoundStage {
             check_size(data_, slot.name, input.size ? input.size(view_) : data_.size, input.why);
         }
         input.at.set(view_, at(data_.inputs, slot.name).bytes.data());
+    }
+
+    // check_slots() found it optional, or what stands in its place: that has to be of a type that the kernel reads.
+    void check_missing(const Slot& slot) const {
+        if (slot.optional) return;
+        for (const Lends<View>& lent : description_.lends)
+            if (lent.name == slot.instead && is_lent(data_, lent.name, lent.dtype)) return;
+        throw InputError(fmt::format("{}: input \"{}\" is missing", data_.label, slot.name));
+    }
+
+    void bind(const Lends<View>& lent) {
+        check_lent(data_, lent.name, lent.count(view_), lent.why);
+        lent.at.set(view_, at(data_.inputs, lent.name).bytes.data());
     }
 
     bool fits(const Bundle& outputs) const {
@@ -225,16 +247,34 @@ class KernelStage final : public BoundStage {
     View view_{};
 };
 
-// The one binding of a stage. Twin: the struct of its generated header.
-template <class Kernel, class Twin>
+template <class Kernel>
+const StageDescription<typename Kernel::View>& description_of() {
+    static const StageDescription<typename Kernel::View> description = describe(Kernel{});
+    return description;
+}
+
+// Binds Kernel where the data lends what it reads.
+template <class Kernel>
+bool bind_lent(const StageBinding& binding, const StageData& data, std::unique_ptr<BoundStage>& bound) {
+    const auto& description = description_of<Kernel>();
+    for (const auto& lent : description.lends)
+        if (!is_lent(data, lent.name, lent.dtype)) return false;
+    bound = std::make_unique<KernelStage<Kernel>>(binding, description, data);
+    return true;
+}
+
+// The one binding of a stage. Twin: the struct of its generated header. ForLent: the kernel for other storage, each bound
+// where all that it lends is lent.
+template <class Kernel, class Twin, class... ForLent>
 const StageBinding& made() {
-    using View = typename Kernel::View;
-    static_assert(Twin::template fits<decltype(View::u)>());
-    static const StageDescription<View> description = describe(Kernel{});
+    static_assert(Twin::template fits<decltype(Kernel::View::u)>());
     static const StageBinding binding = [] {
-        StageBinding b = binding_of(description, Twin::layout);
+        StageBinding b = binding_of(description_of<Kernel>(), Twin::layout);
         b.bind = [](const StageData& data) -> std::unique_ptr<BoundStage> {
-            return std::make_unique<KernelStage<Kernel>>(made<Kernel, Twin>(), description, data);
+            const StageBinding& self = made<Kernel, Twin, ForLent...>();
+            std::unique_ptr<BoundStage> bound;
+            if ((bind_lent<ForLent>(self, data, bound) || ...)) return bound;
+            return std::make_unique<KernelStage<Kernel>>(self, description_of<Kernel>(), data);
         };
         return b;
     }();

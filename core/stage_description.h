@@ -18,6 +18,7 @@
 #include <string>
 #include <vector>
 
+#include "core/bundle.h"
 #include "core/stage.h"
 
 namespace plumb {
@@ -48,6 +49,18 @@ struct Reads {
     std::string why = {};     // "half of the outputs, rounded up"
     bool (*read)(const View& v) = nullptr;  // whether the kernel reads it at all; else a texel of nothing will do
     bool optional = false;                  // may be missing: the kernel gets null, a device zeros
+    std::string instead = {};               // may be missing where this one of `lends` is there: the kernel gets null
+};
+
+// What the host may lend beside the twin's inputs, because it has the same in a form that the kernel reads faster. No
+// device binds it and no file holds it.
+template <class View>
+struct Lends {
+    std::string name;
+    PointerOf<View> at;
+    DType dtype;
+    std::size_t (*count)(const View& v);  // numbers that the kernel reads at most
+    std::string why = {};
 };
 
 template <class View>
@@ -72,6 +85,7 @@ struct StageDescription {
     std::string domain;  // what an item is: "pixel", "coarse pixel", "texel", "receiver"
     std::vector<Reads<View>> inputs;
     std::vector<Writes<View>> outputs;
+    std::vector<Lends<View>> lends = {};
     std::vector<ParamInfo> params = {};
     std::vector<Within> uniforms = {};
     std::vector<std::pair<std::string, std::uint32_t>> fixed_uniforms = {};  // members that nothing rounds: bit a component

@@ -13,9 +13,10 @@ namespace {
 
 std::vector<StageInfo> frame_stages() {
     return {raster::info_gbuffer(), raster::info_gbuffer_layer(), raster::info_rsm(), stage<direct::LogBlurKernel>().info,
-            stage<direct::ShadowKernel>().info, rsm::info_disc(),
-            rsm::info_disc(rsm::Texels::continuous), rsm::info_paths(), rsm::info_paths(rsm::Texels::continuous),
-            rsm::info_all(),       rsm::info_all_rays(),     stage<direct::DirectKernel>().info,
+            stage<direct::ShadowKernel>().info, rsm::stage_of(rsm::Gather::disc).info,
+            rsm::stage_of(rsm::Gather::disc, rsm::Texels::continuous).info, rsm::stage_of(rsm::Gather::paths).info,
+            rsm::stage_of(rsm::Gather::paths, rsm::Texels::continuous).info, rsm::stage_of(rsm::Gather::all).info,
+            rsm::info_all_rays(), stage<direct::DirectKernel>().info,
             stage<isr::DownsampleKernel>().info, stage<isr::GatherKernel>().info, stage<isr::BounceKernel>().info,
             stage<isr::UnseenKernel>().info, stage<isr::GatherCameraKernel>().info, stage<isr::SsaoKernel>().info,
             stage<isr::BlurKernel>().info, stage<isr::UpsampleKernel>().info, stage<isr::ComposeKernel>().info,

@@ -9,7 +9,7 @@
 #include "gi/frame/isr.h"
 #include "gi/isr/isr.h"
 #include "gi/parity/stages.h"
-#include "gi/rsm/bindings.h"
+#include "gi/rsm/gather.h"
 #include "raster/bindings.h"
 #include "raster/light_view.h"
 
@@ -256,7 +256,7 @@ struct Builder {
                 const bool half = frame::halves_indirect(settings);
                 const rsm::GatherInputs in{half ? &filtered.half_position : &position,
                                            half ? &filtered.half_normal : &normal, &map, &pattern, settings.seed};
-                keep(rsm::gather_data(settings.rsm, in), stage.label, l, face);
+                keep(rsm::data_of(settings.rsm, in), stage.label, l, face);
             });
         } else if (stage.name == "filter.reduce") {
             keep_filter(filter::data_of(settings.indirect, filter::ReduceInputs{&frame::reduce_input(filtered, stage)}), stage);

@@ -8,7 +8,7 @@
 #include "gi/direct/log_blur.h"
 #include "gi/filter/filter.h"
 #include "gi/isr/isr.h"
-#include "gi/rsm/bindings.h"
+#include "gi/rsm/gather.h"
 #include "raster/bindings.h"
 
 namespace plumb::parity {
@@ -17,8 +17,9 @@ const std::vector<StageBinding>& bindings() {
     static const std::vector<StageBinding> all = {
         raster::gbuffer_binding(), raster::gbuffer_layer_binding(), raster::rsm_binding(),
         stage<direct::LogBlurKernel>(), stage<direct::ShadowKernel>(),
-        rsm::disc_binding(),        rsm::paths_binding(),       rsm::all_binding(),
-        rsm::disc_continuous_binding(), rsm::paths_continuous_binding(),
+        rsm::stage_of(rsm::Gather::disc), rsm::stage_of(rsm::Gather::paths), rsm::stage_of(rsm::Gather::all),
+        rsm::stage_of(rsm::Gather::disc, rsm::Texels::continuous),
+        rsm::stage_of(rsm::Gather::paths, rsm::Texels::continuous),
         stage<filter::ReduceKernel>(), stage<filter::UpsampleKernel>(), stage<filter::BlurKernel>(),
         stage<isr::DownsampleKernel>(), stage<isr::GatherKernel>(), stage<isr::BounceKernel>(), stage<isr::UnseenKernel>(),
         stage<isr::GatherCameraKernel>(), stage<isr::SsaoKernel>(),

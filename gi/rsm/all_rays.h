@@ -24,7 +24,7 @@ RayOffsets ray_offsets(const raster::Layout& layout, const glm::vec3& low, const
 // What the run did, for its reason: "subset of 512 of 250101 lit texels a pixel".
 std::string summary(const RaysReport& report);
 
-// The kernels' constants, gather.cpp.
+// The kernels' constants, gather_data.cpp.
 float least_distance2(const GatherParams& params);   // m2: the floor of |x - x_p|^2
 float irradiance_scale(const GatherParams& params);  // 1/pi; published: 1
 

@@ -2,19 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cstdlib>
-#include <type_traits>
-
 #include "core/error.h"
-#include "core/host_math.h"
 #include "core/fp_environment.h"
-#include "core/parallel.h"
 #include "gi/rsm/all_rays.h"
-#include "gi/rsm/bindings.h"
-#include "gi/rsm/gather_rows.h"
-#include "gi/rsm/paths.h"
-#include "raster/light_view.h"
 
 namespace plumb::rsm {
 
@@ -86,14 +76,7 @@ int sample_count(const GatherParams& params) {
 }
 
 std::string stage_name(Gather gather, Texels texels) {
-    const bool continuous = texels == Texels::continuous;
-    switch (gather) {
-        case Gather::disc: return continuous ? "rsm.disc_continuous" : "rsm.disc";
-        case Gather::paths: return continuous ? "rsm.paths_continuous" : "rsm.paths";
-        case Gather::all: return "rsm.all";
-        case Gather::all_rays: break;
-    }
-    return "rsm.all_rays";
+    return gather == Gather::all_rays ? "rsm.all_rays" : stage_of(gather, texels).info.name;
 }
 
 std::string stage_name(const GatherParams& params) { return stage_name(params.gather, params.texels); }
@@ -138,8 +121,8 @@ void validate(const GatherParams& params, const GatherInputs& in) {
     require(in.position->width == in.normal->width && in.position->height == in.normal->height,
             fmt::format("normal is {} x {}, position is {} x {}: expected equal sizes", in.normal->width,
                         in.normal->height, in.position->width, in.position->height));
-    require(in.rsm->size >= 1 && in.rsm->size <= 32767,
-            fmt::format("the map's side is {} texels: expected 1 to 32767", in.rsm->size));
+    require(in.rsm->size >= 1 && in.rsm->size <= most_side,
+            fmt::format("the map's side is {} texels: expected 1 to {}", in.rsm->size, most_side));
     const bool depth_alone = in.rsm->flux.empty() && in.rsm->records.empty() && in.rsm->half_records.empty();
     require(!depth_alone, "the map was drawn for its depth alone: it holds no flux");
     require(!in.tiles || in.tiles->fits({in.position->width, in.position->height}), "tiles are of another size");
@@ -159,98 +142,9 @@ void validate(const GatherParams& params, const GatherInputs& in) {
             fmt::format("radius = {} of {} texels: whole-texel offsets end at 32767", params.radius, in.rsm->size));
 }
 
-float least_distance2(const GatherParams& params) {
-    // Below 1e-37 m2 the inverse would overflow.
-    return std::max(params.min_distance * params.min_distance, 1e-37f);
-}
-
-float irradiance_scale(const GatherParams& params) {
-    return params.variant == Variant::published ? 1.0f : float(1 / host::pi);
-}
-
-Buffer<float> widened(const Buffer<Half>& halves) {
-    Buffer<float> floats(halves.size());
-    for (std::size_t i = 0; i < halves.size(); ++i) floats[i] = half_to_float(halves[i]);
-    return floats;
-}
-
-int reach_of(const Pattern& pattern) {
-    int reach = 0;
-    for (const std::int32_t offset : pattern.offsets)
-        reach = std::max({reach, std::abs(std::int32_t(std::int16_t(offset))), std::abs(offset >> 16)});
-    float farthest = 0;
-    for (const float d : pattern.positions) farthest = std::max(farthest, std::abs(d));
-    return pattern.positions.empty() ? reach : int(farthest) + 2;
-}
-
-GatherUniforms gather_uniforms(const GatherParams& params, const GatherInputs& in) {
-    GatherUniforms u{};
-    u.map = raster::projection_args(in.rsm->view, in.rsm->size, params.projection == Projection::clamped);
-    u.least_distance2 = least_distance2(params);
-    u.scale = irradiance_scale(params);
-    u.samples = sample_count(params);
-    u.rotations = params.rotations;
-    u.width = in.position->width;
-    u.height = in.position->height;
-    u.seed = in.seed;
-    if (in.pattern) u.reach = reach_of(*in.pattern);
-    return u;
-}
-
-namespace {
-
-// Fills the kernel's view of the inputs.
-template <class Component>
-GatherInputsView<Component> view_of(const GatherParams& params, const GatherInputs& in, const Component* records) {
-    GatherInputsView<Component> v{};
-    v.u = gather_uniforms(params, in);
-    v.position = &in.position->data()->x;
-    v.normal = &in.normal->data()->x;
-    v.records = records;
-    if (!in.pattern) return v;
-    v.weights = in.pattern->weights.data();
-    if (params.texels == Texels::whole)
-        v.offsets = in.pattern->offsets.data();
-    else
-        v.positions = in.pattern->positions.data();
-    return v;
-}
-
-// One lane over the whole image: F is double (the truth of a stability report).
-template <class F, class Component>
-vec3<F> one_pixel(const GatherParams& params, const GatherInputsView<Component>& in, int x, int y) {
-    NoTap tap;
-    if constexpr (std::is_same_v<Component, float>)
-        if (params.gather == Gather::all) return gather_all<F>(in, x, y, tap);
-    return in.positions ? gather_disc<F, true>(in, x, y, tap) : gather_disc<F>(in, x, y, tap);
-}
-
-}  // namespace
-
 void run(const GatherParams& params, const GatherInputs& in, const RunOptions& options, Image4& irradiance) {
-    validate(params, in);
-    if (params.gather == Gather::all_rays)
-        return run_all_rays(params, in, {in.rsm, 1}, options, irradiance, nullptr);
-    if (params.gather == Gather::paths) return run_paths(params, in, options, irradiance);
-    irradiance = Image4(in.position->width, in.position->height);
-    const int band = params.gather == Gather::all ? 1 : 16;
-    auto shade = [&](auto view, auto rows) {
-        view.irradiance = &irradiance.data()->x;
-        parallel_bands(irradiance.height, band, options, [&](int first, int last) {
-            rows(view, first, last, in.tiles ? in.tiles->row(first) : nullptr);
-        });
-    };
-    dispatch(options.isa, [&](auto isa) {
-        if (params.gather == Gather::all) {
-            const Buffer<float> floats = in.rsm->half ? widened(in.rsm->half_records) : Buffer<float>();
-            const float* records = in.rsm->half ? floats.data() : in.rsm->records.data();
-            shade(view_of(params, in, records), GatherRows<isa(), float>::all);
-        } else if (in.rsm->half) {
-            shade(view_of(params, in, in.rsm->half_records.data()), GatherRows<isa(), Half>::disc);
-        } else {
-            shade(view_of(params, in, in.rsm->records.data()), GatherRows<isa(), float>::disc);
-        }
-    });
+    if (params.gather == Gather::all_rays) return run_all_rays(params, in, {in.rsm, 1}, options, irradiance, nullptr);
+    plumb::run(stage_of(params), data_of(params, in), options, irradiance);
 }
 
 void run_maps(const GatherParams& params, const GatherInputs& given, std::span<const raster::Rsm> maps,
@@ -274,35 +168,9 @@ void run_maps(const GatherParams& params, const GatherInputs& given, std::span<c
     }
 }
 
-void run_double(const GatherParams& params, const GatherInputs& in, const RunOptions& options,
-                Image<glm::dvec4>& irradiance) {
-    validate(params, in);
-    if (params.gather == Gather::paths) return run_paths_double(params, in, options, irradiance);
-    irradiance = Image<glm::dvec4>(in.position->width, in.position->height);
-    const Buffer<float> floats = in.rsm->half ? widened(in.rsm->half_records) : in.rsm->records;
-    const auto view = view_of(params, in, floats.data());
-    parallel_bands(irradiance.height, 1, options, [&](int first, int last) {
-        for (int y = first; y < last; ++y)
-            for (int x = 0; x < irradiance.width; ++x)
-                irradiance(x, y) = glm::dvec4(one_pixel<double>(params, view, x, y), 0);
-    });
-}
-
 std::vector<TapValue> explain(const GatherParams& params, const GatherInputs& in, glm::ivec2 pixel) {
-    validate(params, in);
     if (params.gather == Gather::all_rays) return explain_all_rays(params, in, {in.rsm, 1}, pixel);
-    if (params.gather == Gather::paths) return explain_paths(params, in, pixel);
-    const Buffer<float> floats = in.rsm->half ? widened(in.rsm->half_records) : in.rsm->records;
-    const auto view = view_of(params, in, floats.data());
-    FpEnvironment environment;
-    Recorder recorder;
-    if (params.gather == Gather::all)
-        gather_all<float>(view, pixel.x, pixel.y, recorder);
-    else if (view.positions)
-        gather_disc<float, true>(view, pixel.x, pixel.y, recorder);
-    else
-        gather_disc<float>(view, pixel.x, pixel.y, recorder);
-    return recorder.values;
+    return plumb::explain(stage_of(params), data_of(params, in), pixel);
 }
 
 std::vector<TapValue> explain_maps(const GatherParams& params, const GatherInputs& given,
@@ -328,61 +196,23 @@ std::vector<TapValue> explain_maps(const GatherParams& params, const GatherInput
     return recorder.values;
 }
 
-namespace {
-
-// The table that says where the samples are.
-Port samples_info(Texels texels, const std::string& shape) {
-    if (texels == Texels::whole)
-        return {"offsets", "buffer i32", "texels", shape + " whole-texel offsets, 16 bits each"};
-    return {"positions", "buffer f32 x 2", "texels", shape + " offsets from the projection"};
-}
-
-StageInfo info(Gather gather, Texels texels = Texels::whole) {
+StageInfo info_all_rays() {
     GatherParams defaults;
-    defaults.gather = gather, defaults.texels = texels;
-    const std::string continuous = texels == Texels::continuous ? "_continuous" : "";
+    defaults.gather = Gather::all_rays;
     StageInfo s;
+    s.name = stage_name(defaults);
+    s.source = "VRSM fig. 5.1 d: (3.2) over every texel, a shadow ray each; a reference on the CPU, so without a twin";
     s.inputs = {
         {"position", "image rgba32f", "m", "world-space position of the shading points"},
         {"normal", "image rgba32f", "", "unit normal of the shading points"},
         {"rsm", "records rsm", "", "reflective shadow map: position m, normal, flux W; of a point light a map a face"},
+        {"rays", "ray query", "", "the scene's triangles"},
     };
-    s.outputs = {{"irradiance", "image rgba32f", "W/m2", "indirect irradiance, one bounce"}};
+    s.outputs = {{"irradiance", "image rgba32f", "W/m2", "indirect irradiance, one bounce"},
+                 {"standard_error", "image rgba32f", "W/m2",
+                  "of the irradiance, by channel, where a subset of the texels was asked; else 0"}};
     s.params = describe(fields(defaults));
-    s.name = stage_name(defaults);
-    if (gather == Gather::all) {
-        s.source = "VRSM (3.2), summed over every texel";
-        s.twin = "gi/rsm/gather_all.comp";
-        return s;
-    }
-    if (gather == Gather::all_rays) {
-        s.source = "VRSM fig. 5.1 d: (3.2) over every texel, a shadow ray each; a reference on the CPU, so without a twin";
-        s.inputs.push_back({"rays", "ray query", "", "the scene's triangles"});
-        s.outputs.push_back({"standard_error", "image rgba32f", "W/m2",
-                             "of the irradiance, by channel, where a subset of the texels was asked; else 0"});
-        return s;
-    }
-    if (gather == Gather::paths) {
-        s.source = "VRSM 3.2, 3.3, Algorithms 2, 3, 5 and 6";
-        s.inputs.push_back(samples_info(texels, "[directions][steps][rotations]"));
-        s.inputs.push_back({"weights", "buffer f32", "texels",
-                            "[directions][steps][rotations] texels that a sample stands for"});
-        s.inputs.push_back({"edges", "buffer f32", "", "[slots - 1] where slots meet: s |s|, s the elevation's sine"});
-        s.twin = "gi/rsm/paths" + continuous + ".comp";
-        return s;
-    }
-    s.source = "Dachsbacher and Stamminger 2005; LRA 4.3.3; VRSM (3.2)";
-    s.inputs.push_back(samples_info(texels, "[samples][rotations]"));
-    s.inputs.push_back({"weights", "buffer f32", "texels", "[samples] texels that a sample stands for"});
-    s.twin = "gi/rsm/gather" + continuous + ".comp";
     return s;
 }
-
-}  // namespace
-
-StageInfo info_disc(Texels texels) { return info(Gather::disc, texels); }
-StageInfo info_paths(Texels texels) { return info(Gather::paths, texels); }
-StageInfo info_all() { return info(Gather::all); }
-StageInfo info_all_rays() { return info(Gather::all_rays); }
 
 }  // namespace plumb::rsm

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/binding.h"
 #include "core/image.h"
 #include "core/isa.h"
 #include "core/ray_query.h"
@@ -66,6 +67,7 @@ std::vector<Field> fields(GatherParams& params);
 // Samples of a pixel, for those that read a pattern; validate() allows so many.
 int sample_count(const GatherParams& params);
 inline constexpr int most_samples = 65536;
+inline constexpr int most_side = 32767;  // texels of a map
 
 // A sample pattern around the projection of the shading point, as the kernel binds it.
 struct Pattern {
@@ -91,6 +93,9 @@ Pattern own_pattern(const GatherParams& params);
 
 // What the gather of `params` reads: empty for those that read every texel. Throws InputError for rows that do not fit.
 Pattern pattern_of(const GatherParams& params, int map_size, std::uint32_t seed);
+
+// Texels: the largest |dx| or |dy| of whole-texel offsets; of positions a texel more, rounded up.
+int reach_of(const Pattern& pattern);
 
 // Where slots of the micro linear buffer meet, ascending: s |s|, s the sine of the elevation. slots - 1 numbers; without
 // visibility one, which is not read.
@@ -123,6 +128,12 @@ void validate(const GatherParams& params);
 // Throws InputError that names the input or parameter at fault.
 void validate(const GatherParams& params, const GatherInputs& inputs);
 
+// What disc, paths and all are bound as. Throws std::logic_error for all_rays, which no device runs.
+const StageBinding& stage_of(Gather gather, Texels texels = Texels::whole);
+inline const StageBinding& stage_of(const GatherParams& params) { return stage_of(params.gather, params.texels); }
+// One dispatch for the map inputs.rsm: what it reads is lent, not copied.
+StageData data_of(const GatherParams& params, const GatherInputs& inputs);
+
 // irradiance: W/m2 in xyz, w = 0; the size of `position`. Allocates the result, nothing else per pixel.
 void run(const GatherParams& params, const GatherInputs& inputs, const RunOptions& options, Image4& irradiance);
 
@@ -130,10 +141,6 @@ void run(const GatherParams& params, const GatherInputs& inputs, const RunOption
 // A map of size 0 sends nothing. inputs.rsm is not read. `report` is written by all_rays.
 void run_maps(const GatherParams& params, const GatherInputs& inputs, std::span<const raster::Rsm> maps,
               const RunOptions& options, Image4& irradiance, RaysReport* report = nullptr);
-
-// disc, paths and all in double precision from the same inputs, on one lane: the truth that float is held against.
-void run_double(const GatherParams& params, const GatherInputs& inputs, const RunOptions& options,
-                Image<glm::dvec4>& irradiance);
 
 // Every named value of one invocation, in the order in which the kernel computes them.
 std::vector<TapValue> explain(const GatherParams& params, const GatherInputs& inputs, glm::ivec2 pixel);
@@ -143,9 +150,6 @@ std::vector<TapValue> explain_maps(const GatherParams& params, const GatherInput
 // "rsm.disc", "rsm.disc_continuous", ...
 std::string stage_name(Gather gather, Texels texels = Texels::whole);
 std::string stage_name(const GatherParams& params);
-StageInfo info_disc(Texels texels = Texels::whole);
-StageInfo info_paths(Texels texels = Texels::whole);
-StageInfo info_all();
 StageInfo info_all_rays();
 
 }  // namespace plumb::rsm

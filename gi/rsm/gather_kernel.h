@@ -15,7 +15,7 @@
 
 namespace plumb::rsm {
 
-// The twins' uniform block, member by member (std140). The host fills it in gather.cpp.
+// The disc's uniform block (std140).
 struct GatherUniforms {
     raster::Projection map;
     float least_distance2;  // m2: the floor of |x - x_p|^2
@@ -29,17 +29,43 @@ struct GatherUniforms {
 };
 static_assert(sizeof(GatherUniforms) == 96);
 
-// One invocation's inputs. Component is float or Half: the storage of the map's records.
+// That of the sum over every texel.
+struct AllUniforms {
+    raster::Projection map;  // its size alone is read
+    float least_distance2;
+    float scale;
+    std::int32_t width;
+    std::int32_t height;
+};
+static_assert(sizeof(AllUniforms) == 80);
+
+// One invocation's inputs. Component is float or Half: the storage of the map's records. A device binds the map as three
+// images; where nobody lends its records, they are made of these.
 template <class Component>
 struct GatherInputsView {
     GatherUniforms u;
     const float* position;        // [height][width] rgba32f: xyz world, m
     const float* normal;          // [height][width] rgba32f: xyz unit
-    const Component* records;     // [size][size] records: position, normal, flux W
+    const float* rsm_position;    // [size][size] rgba32f: xyz world, m
+    const float* rsm_normal;      // [size][size] rgba32f: xyz unit; w: 1 where there is a surface
+    const float* rsm_flux;        // [size][size] rgba32f: xyz W
+    const Component* records;     // [size][size] records: the three of them
     const std::int32_t* offsets;  // [samples][rotations]: whole texels, dx in the lower 16 bits, dy in the upper 16
     const float* positions;       // continuous: [samples][rotations][2]: dx, dy in texels
     const float* weights;         // [samples]: texels that a sample stands for
     float* irradiance;            // [height][width] rgba32f, out: W/m2
+};
+
+struct AllInputsView {
+    AllUniforms u;
+    const float* position;  // as above
+    const float* normal;
+    const float* rsm_position;
+    const float* rsm_normal;
+    const float* rsm_flux;
+    const float* records;
+    const Half* half_records;  // where they are lent, `records` is made of them
+    float* irradiance;
 };
 
 // The geometry of VRSM (3.2), everything but the flux: 1/m2. Dividing twice by d^2 keeps the range of a float, where
@@ -111,10 +137,10 @@ PLUMB_INLINE vec3<F> gather_disc(const GatherInputsView<Component>& in, index_t<
 // Every texel of the map, without visibility: what the disc gather estimates. Rows are summed one by one and then
 // added, so that the error grows with the map's side, not with its area.
 template <class F, class Tap>
-PLUMB_INLINE vec3<F> gather_all(const GatherInputsView<float>& in, index_t<F> px, index_t<F> py, Tap& tap) {
+PLUMB_INLINE vec3<F> gather_all(const AllInputsView& in, index_t<F> px, index_t<F> py, Tap& tap) {
     using N = number<F>;
     using I = index_t<F>;
-    const GatherUniforms& u = in.u;
+    const AllUniforms& u = in.u;
     const I pixel = py * I(u.width) + px;
     const vec3<F> x = xyz<F>(N::fetch4(in.position, pixel));      tap("x", x, "world, m");
     const vec3<F> n = xyz<F>(N::fetch4(in.normal, pixel));        tap("n", n, "unit normal of x");
@@ -144,5 +170,28 @@ PLUMB_INLINE vec3<F> gather_all(const GatherInputsView<float>& in, index_t<F> px
     const vec3<F> irradiance = sum * F(u.scale);                  tap("irradiance", irradiance, "E = sum / pi, W/m2");
     return irradiance;
 }
+
+template <bool continuous_texels, class Component = float>
+struct DiscKernel {
+    using View = GatherInputsView<Component>;
+    static constexpr bool continuous = continuous_texels;
+
+    template <class F, class Tap>
+    PLUMB_INLINE static vec4<F> item(const View& in, index_t<F> px, index_t<F> py, Tap& tap) {
+        return vec4<F>(gather_disc<F, continuous>(in, px, py, tap), F(0.0f));
+    }
+    static float* out(const View& in) { return in.irradiance; }
+};
+
+struct AllKernel {
+    using View = AllInputsView;
+    static constexpr int band = 1;  // a row takes long enough
+
+    template <class F, class Tap>
+    PLUMB_INLINE static vec4<F> item(const View& in, index_t<F> px, index_t<F> py, Tap& tap) {
+        return vec4<F>(gather_all<F>(in, px, py, tap), F(0.0f));
+    }
+    static float* out(const View& in) { return in.irradiance; }
+};
 
 }  // namespace plumb::rsm

@@ -24,7 +24,7 @@
 
 namespace plumb::rsm {
 
-// The twin's uniform block, member by member (std140). The host fills it in paths.cpp.
+// The twin's uniform block (std140).
 struct PathsUniforms {
     raster::Projection map;
     float axis[4];            // xyz: unit, from the scene towards the light along the view's axis
@@ -49,7 +49,10 @@ struct PathsInputsView {
     PathsUniforms u;
     const float* position;        // [height][width] rgba32f: xyz world, m
     const float* normal;          // [height][width] rgba32f: xyz unit
-    const Component* records;     // [size][size] records: position, normal (w: 1 where there is a surface), flux W
+    const float* rsm_position;    // [size][size] rgba32f: xyz world, m
+    const float* rsm_normal;      // [size][size] rgba32f: xyz unit; w: 1 where there is a surface
+    const float* rsm_flux;        // [size][size] rgba32f: xyz W
+    const Component* records;     // [size][size] records: the three of them
     const std::int32_t* offsets;  // [directions][steps][rotations]: whole texels, dx in the lower 16 bits, dy in the upper
     const float* positions;       // continuous: [directions][steps][rotations][2]: dx, dy in texels
     const float* weights;         // [directions][steps][rotations]: texels that a sample stands for
@@ -188,5 +191,17 @@ PLUMB_INLINE vec3<F> gather_paths(const PathsInputsView<Component>& in, index_t<
         gather_path<F, continuous>(in, point, point.rotation, path, sum, tap);
     return irradiance_of<F, continuous>(in.u, point, sum, tap);
 }
+
+// Rows are shaded in an order of their own: paths_packets.h.
+template <bool continuous_texels, class Component = float>
+struct PathsKernel {
+    using View = PathsInputsView<Component>;
+    static constexpr bool continuous = continuous_texels;
+
+    template <class F, class Tap>
+    PLUMB_INLINE static vec4<F> item(const View& in, index_t<F> px, index_t<F> py, Tap& tap) {
+        return vec4<F>(gather_paths<F, continuous>(in, px, py, tap), F(0.0f));
+    }
+};
 
 }  // namespace plumb::rsm

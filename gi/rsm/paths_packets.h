@@ -1,6 +1,6 @@
-// Which pixels of a band rsm.paths shades together. Only paths_isa.cpp includes it.
+// Which pixels of a band rsm.paths shades together. Only stages_isa.cpp includes it.
 //
-// shade_rows() would give a packet neighbours, each with a rotation of its own: two gathers a sample to read the
+// shade_packets() would give a packet neighbours, each with a rotation of its own: two gathers a sample to read the
 // tables, and every lane somewhere else on the map. There time goes into waiting for memory: a disc of 0.3 x 512
 // texels is 2.4 MB of half records, more than the processor's second cache level holds, and hardly two samples share
 // a line.
@@ -13,6 +13,7 @@
 // A pixel's samples are added up as gather_paths() does, whatever packet it is in: not a bit depends on any of this.
 #pragma once
 
+#include "core/kernel_rows.h"
 #include "core/tap.h"
 #include "core/wide.h"
 #include "gi/rsm/paths_kernel.h"
@@ -104,16 +105,18 @@ struct SortedBlock {
 
     // The columns [left, right) of rows [first, last).
     PLUMB_INLINE SortedBlock(const PathsUniforms& u, int left, int right, int first, int last,
-                             const std::uint8_t* tiles) {
+                             const Tiles& tiles) {
         std::int32_t found[most], rotation[most];
         int n = 0;
-        for (int y = first; y < last; ++y)
+        for (int y = first; y < last; ++y) {
+            const std::uint8_t* row = tiles.row(y);
             for (int x = left; x < right; x += width) {
-                if (tiles && !tiles[x >> 4]) continue;
+                if (row && !row[x >> 4]) continue;
                 const auto of_lanes = rotation_of<index_t<F>>(u, number<F>::iota(x), index_t<F>(y));
                 std::memcpy(rotation + n, &of_lanes, sizeof of_lanes);
                 for (int i = 0; i < width && x + i < right; ++i) found[n++] = y << 16 | (x + i);
             }
+        }
         sort(u.rotations <= most_rotations ? u.rotations : 0, found, rotation, n);
     }
 
@@ -136,9 +139,9 @@ struct SortedBlock {
     }
 };
 
-// Rows [first, last) of the image; `tiles` as shade_rows() takes them.
+// Rows [first, last) of the image.
 template <class F, bool continuous, class Component>
-PLUMB_INLINE void shade_paths(const PathsInputsView<Component>& in, int first, int last, const std::uint8_t* tiles) {
+PLUMB_INLINE void shade_paths(const PathsInputsView<Component>& in, int first, int last, const Tiles& tiles) {
     using Block = SortedBlock<F>;
     for (int y = first; y < last; y += Block::rows)
         for (int x = 0; x < in.u.width; x += Block::columns) {

@@ -9,7 +9,7 @@
 #include "core/hash.h"
 #include "gi/frame/kept.h"
 #include "gi/parity/stages.h"
-#include "gi/rsm/bindings.h"
+#include "gi/rsm/gather.h"
 #include "rsm_scenes.h"
 #include "tests/gi/moving_scene.h"
 
@@ -211,7 +211,7 @@ TEST_CASE("continuous: no rounding brings a sample to the map of what reach says
         const rsm::Pattern pattern = rsm::pattern_of(params, map_size, 1);
         CHECK(rsm::reach_of(pattern) >= int(0.3 * map_size));
         CHECK(rsm::reach_of(pattern) <= int(0.3 * map_size) + 3);
-        StageData data = rsm::gather_data(params, {&points.position, &points.normal, &noise_map(), &pattern, 1});
+        StageData data = rsm::data_of(params, {&points.position, &points.normal, &noise_map(), &pattern, 1});
         const StageBinding& binding = parity::find_binding(data.stage, "test");
         auto run = [&] {
             Bundle out = make_outputs(binding, data);
@@ -311,7 +311,7 @@ TEST_CASE("continuous: how many pixels have a choice of texel within the bound",
         }
     auto open = [&](const rsm::GatherParams& params) {
         const rsm::Pattern pattern = rsm::pattern_of(params, map_size, 1);
-        const StageData data = rsm::gather_data(params, {&points.position, &points.normal, &noise_map(), &pattern, 1});
+        const StageData data = rsm::data_of(params, {&points.position, &points.normal, &noise_map(), &pattern, 1});
         const auto bound = parity::find_binding(data.stage, "test").bind(data);
         int several = 0;
         std::vector<Outcome> out;

@@ -150,7 +150,8 @@ TEST_CASE("rsm: float stays within its budget of double", "[rsm][budget]") {
         const rsm::Pattern pattern = rsm::pattern_of(params, map.size, 1);
         const Image4 got = gather(params, points, map, &pattern);
         Image<glm::dvec4> exact;
-        rsm::run_double(params, {&points.position, &points.normal, &map, &pattern, 1}, {}, exact);
+        const rsm::GatherInputs in{&points.position, &points.normal, &map, &pattern, 1};
+        run_double(rsm::stage_of(params), rsm::data_of(params, in), {}, exact);
         double scale = 0;
         for (const glm::dvec4& e : exact.texels) scale = std::max(scale, e.x);
         REQUIRE(scale > 0);

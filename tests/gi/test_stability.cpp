@@ -338,19 +338,13 @@ TEST_CASE("stability: the double that follows is the double kernel where no deci
     const rsm::Pattern pattern = rsm::disc_pattern(params, map.size, 7);
     const test::Points p = room({16, 8}, 5);
     const rsm::GatherInputs in{&p.position, &p.normal, &map, &pattern, 7};
-    raster::Rsm records = map;
-    for (std::size_t i = 0; i < map.position.size(); ++i) {
-        std::memcpy(&records.records[16 * i], &map.position.texels[i], 16);
-        std::memcpy(&records.records[16 * i + 4], &map.normal.texels[i], 16);
-        std::memcpy(&records.records[16 * i + 8], &map.flux.texels[i], 16);
-    }
-    rsm::GatherInputs of_records = in;
-    of_records.rsm = &records;
     Image<glm::dvec4> expected;
-    rsm::run_double(params, of_records, {}, expected);
+    const StageData d = rsm::data_of(params, in);
+    run_double(rsm::stage_of(params), d, {}, expected);
 
-    const StageData d = rsm::gather_data(params, in);
-    const auto stage = rsm::disc_binding().bind(d);
+    // As a device is bound to it: without the records that the frame lends.
+    const StageData of_images = owned(rsm::stage_of(params), d);
+    const auto stage = rsm::stage_of(params).bind(of_images);
     int same = 0;
     std::vector<Followed> out;
     for (int y = 0; y < 8; ++y)

@@ -1,5 +1,7 @@
 // What a stage binds, by name and number, is what its twin declares; and data at the edge of what a kernel may follow
 // is bound, one step beyond it is refused.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <fstream>
@@ -277,7 +279,7 @@ TEST_CASE("stage bindings: a map of another size than the block's is refused", "
         const double side = uniform(data, "map.size");
         CHECK(with_uniform(data, "map.size", side) == "");
         for (double other : {side - 1, side + 1})
-            CHECK_THAT(with_uniform(data, "map.size", other), Catch::Contains(", map.size a side") || Catch::Contains("expected map.size = "));
+            CHECK_THAT(with_uniform(data, "map.size", other), Catch::Contains("expected ") && Catch::Contains("map.size"));
     }
 }
 
@@ -331,17 +333,20 @@ TEST_CASE("stage bindings: buffers hold all that is read of them", "[bindings]")
     const auto samples = std::int64_t(uniform(disc_case(), "samples"));
     const std::int64_t offsets = samples * std::int64_t(uniform(disc_case(), "rotations"));
     CHECK(with_shape(disc_case(), "offsets", {offsets}) == "");
-    CHECK_THAT(with_shape(disc_case(), "offsets", {offsets - 1}), Catch::Contains("offsets and"));
+    CHECK_THAT(with_shape(disc_case(), "offsets", {offsets - 1}),
+               Catch::Contains(fmt::format("\"offsets\" has {} elements: expected {}", offsets - 1, offsets)));
     CHECK(with_shape(disc_case(), "weights", {samples}) == "");
-    CHECK_THAT(with_shape(disc_case(), "weights", {samples - 1}), Catch::Contains("weights: expected"));
+    CHECK_THAT(with_shape(disc_case(), "weights", {samples - 1}),
+               Catch::Contains(fmt::format("\"weights\" has {} elements: expected {}", samples - 1, samples)));
 
     const std::int64_t rows = 4 * 3 * std::int64_t(uniform(paths_case(), "rotations"));
     for (const char* table : {"offsets", "weights"}) {
         CHECK(with_shape(paths_case(), table, {rows}) == "");
-        CHECK_THAT(with_shape(paths_case(), table, {rows - 1}), Catch::Contains("offsets and"));
+        CHECK_THAT(with_shape(paths_case(), table, {rows - 1}),
+                   Catch::Contains(fmt::format("\"{}\" has {} elements: expected {}", table, rows - 1, rows)));
     }
     CHECK(with_shape(paths_case(), "edges", {4}) == "");
-    CHECK_THAT(with_shape(paths_case(), "edges", {3}), Catch::Contains("slots = 5 with 3 edges"));
+    CHECK_THAT(with_shape(paths_case(), "edges", {3}), Catch::Contains("\"edges\" has 3 elements: expected 4"));
 
     // Four lights of four vec4, a layer each.
     const StageData direct = test::direct_case(small, "direct");

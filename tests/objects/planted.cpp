@@ -9,7 +9,8 @@
 
 #include "core/image.h"
 #include "core/isa.h"
-#include "gi/rsm/gather_rows.h"
+#include "core/kernel_rows.h"
+#include "gi/rsm/gather_kernel.h"
 
 namespace {
 
@@ -71,7 +72,7 @@ std::uint64_t gathered(Isa isa) {
     in.u.width = width, in.u.height = height, in.u.seed = 1;
     in.position = position.data(), in.normal = normal.data(), in.records = records.data();
     in.offsets = offsets.data(), in.weights = weights.data(), in.irradiance = irradiance.data();
-    dispatch(isa, [&](auto set) { rsm::GatherRows<set.value, float>::disc(in, 0, height); });
+    dispatch(isa, [&](auto set) { Rows<rsm::DiscKernel<false>, set.value>::run(in, 0, height, {}, nullptr); });
     return hash(irradiance);
 }
 

@@ -17,7 +17,7 @@ if(NOT PLUMB_SANITIZE AND NOT PLUMB_FEW_ISAS)
 
   # planted_<set>: the real gather kernels, but one set's object is compiled with contraction to fma. The executable
   # defines that set's symbols itself, so the linker leaves the library's object alone.
-  set(kernel ${PROJECT_SOURCE_DIR}/gi/rsm/gather_isa.cpp)
+  set(kernel ${PROJECT_SOURCE_DIR}/gi/rsm/stages_isa.cpp)
   set_source_files_properties(${kernel} PROPERTIES COMPILE_OPTIONS "-O2;-mfma;-ffp-contract=fast")
   add_library(planted OBJECT ${CMAKE_CURRENT_LIST_DIR}/planted.cpp)
   target_link_libraries(planted PRIVATE plumb::gi plumb_warnings)

@@ -11,7 +11,7 @@
 #include "gi/filter/filter.h"
 #include "gi/isr/isr.h"
 #include "gi/parity/stages.h"
-#include "gi/rsm/bindings.h"
+#include "gi/rsm/gather.h"
 #include "raster/light_view.h"
 #include "raster/rsm.h"
 
@@ -80,6 +80,11 @@ inline raster::Rsm make_map(const Light& light, int face, std::uint32_t seed) {
         if (!covered) map.flux.texels[i] = glm::vec4(0);
     }
     map.records.assign(map.position.size() * 16, 0);
+    for (std::size_t i = 0; i < map.position.size(); ++i) {
+        std::memcpy(&map.records[16 * i], &map.position.texels[i], 16);
+        std::memcpy(&map.records[16 * i + 4], &map.normal.texels[i], 16);
+        std::memcpy(&map.records[16 * i + 8], &map.flux.texels[i], 16);
+    }
     return map;
 }
 
@@ -154,7 +159,7 @@ inline StageData gather_case(glm::ivec2 size, rsm::Gather gather, LightType type
     in.rsm = &map;
     in.pattern = &pattern;
     in.seed = 7;
-    return named(rsm::gather_data(params, in), id);
+    return named(owned_data(rsm::data_of(params, in)), id);
 }
 
 inline StageData paths_case(glm::ivec2 size, LightType type, const rsm::GatherParams& given, const std::string& id) {
@@ -170,7 +175,7 @@ inline StageData paths_case(glm::ivec2 size, LightType type, const rsm::GatherPa
     in.rsm = &map;
     in.pattern = &pattern;
     in.seed = 7;
-    return named(rsm::gather_data(params, in), id);
+    return named(owned_data(rsm::data_of(params, in)), id);
 }
 
 // A rough wall with steps in depth, so that neighbours weigh anything from 0 to 1; every 11th pixel is empty.

@@ -1,0 +1,102 @@
+// One dispatch of a gather: its uniform block, and what it is lent.
+#include <algorithm>
+#include <cstdlib>
+
+#include "core/host_math.h"
+#include "gi/lend.h"
+#include "gi/rsm/all_rays.h"
+#include "gi/rsm/paths_kernel.h"
+#include "raster/light_view.h"
+
+namespace plumb::rsm {
+
+float least_distance2(const GatherParams& params) {
+    // Below 1e-37 m2 the inverse would overflow.
+    return std::max(params.min_distance * params.min_distance, 1e-37f);
+}
+
+float irradiance_scale(const GatherParams& params) {
+    return params.variant == Variant::published ? 1.0f : float(1 / host::pi);
+}
+
+int reach_of(const Pattern& pattern) {
+    int reach = 0;
+    for (const std::int32_t offset : pattern.offsets)
+        reach = std::max({reach, std::abs(std::int32_t(std::int16_t(offset))), std::abs(offset >> 16)});
+    float farthest = 0;
+    for (const float d : pattern.positions) farthest = std::max(farthest, std::abs(d));
+    return pattern.positions.empty() ? reach : int(farthest) + 2;
+}
+
+namespace {
+
+// The members that the blocks share.
+template <class Uniforms>
+Uniforms shared_uniforms(const GatherParams& params, const GatherInputs& in) {
+    Uniforms u{};
+    u.map = raster::projection_args(in.rsm->view, in.rsm->size, params.projection == Projection::clamped);
+    u.least_distance2 = least_distance2(params);
+    u.scale = irradiance_scale(params);
+    u.width = in.position->width;
+    u.height = in.position->height;
+    if constexpr (requires { u.rotations; }) {
+        u.rotations = params.rotations;
+        u.seed = in.seed;
+        u.reach = reach_of(*in.pattern);
+    }
+    return u;
+}
+
+std::vector<unsigned char> block_of(const GatherParams& params, const GatherInputs& in) {
+    if (params.gather == Gather::all) return uniform_block(shared_uniforms<AllUniforms>(params, in));
+    if (params.gather == Gather::disc) {
+        auto u = shared_uniforms<GatherUniforms>(params, in);
+        u.samples = sample_count(params);
+        return uniform_block(u);
+    }
+    auto u = shared_uniforms<PathsUniforms>(params, in);
+    for (int c = 0; c < 3; ++c) u.axis[c] = float(-in.rsm->view.forward[c]);
+    u.directions = params.directions;
+    u.steps = params.steps;
+    u.tiled = params.turn == Turn::tile;
+    u.slots = params.visibility == Visibility::none ? 0 : params.slots;
+    u.propagates = params.visibility == Visibility::algorithm_2 ? 0 : -1;
+    return uniform_block(u);
+}
+
+// Its images for a device, its records for us: a map may have either.
+void lend_map(StageData& d, const raster::Rsm& map) {
+    if (!map.flux.empty())
+        lend(d, {{"rsm_position", &map.position}, {"rsm_normal", &map.normal}, {"rsm_flux", &map.flux}});
+    const Shape shape{std::int64_t(map.size) * map.size, record_stride};
+    if (map.half)
+        lend(d.inputs, "rsm_records", shape, map.half_records.data());
+    else if (!map.records.empty())
+        lend(d.inputs, "rsm_records", shape, map.records.data());
+}
+
+void lend_pattern(StageData& d, const GatherParams& params, const Pattern& pattern) {
+    const int samples = pattern.samples, rotations = pattern.rotations;
+    if (params.texels == Texels::whole)
+        lend(d.inputs, "offsets", {samples, rotations}, pattern.offsets.data());
+    else
+        lend(d.inputs, "positions", {samples, rotations, 2}, pattern.positions.data());
+    if (params.gather == Gather::disc) return void(lend(d.inputs, "weights", {samples}, pattern.weights.data()));
+    lend(d.inputs, "weights", {samples, rotations}, pattern.weights.data());
+    const Buffer<float> edges = slot_edges(params);
+    add(d.inputs, "edges", {std::int64_t(edges.size())}, edges.data());
+}
+
+}  // namespace
+
+StageData data_of(const GatherParams& params, const GatherInputs& in) {
+    validate(params, in);
+    StageData d = begin_data(stage_of(params), size_of(*in.position), block_of(params, in));
+    lend(d, {{"position", in.position}, {"normal", in.normal}});
+    lend_map(d, *in.rsm);
+    if (params.gather != Gather::all) lend_pattern(d, params, *in.pattern);
+    lend_tiles(d, in.tiles);
+    return d;
+}
+
+}  // namespace plumb::rsm
