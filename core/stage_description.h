@@ -1,4 +1,4 @@
-// What a stage says of itself, once: one aggregate, from which everything else about it follows (core/bound_kernel.h).
+// What a stage says of itself, once: one aggregate, from which everything else about it follows (core/kernel_stage.h).
 //
 // Kernel is a struct beside the algorithm, in <stage>_kernel.h:
 //

@@ -157,17 +157,6 @@ Projection projection_args(const View& view, int size, bool clamped) {
     return map;
 }
 
-std::vector<UniformMember> projection_members(const std::string& name, int offset) {
-    using P = Projection;
-    return {{name + ".to_texel_x", "vec4", offset + int(offsetof(P, to_texel_x))},
-            {name + ".to_texel_y", "vec4", offset + int(offsetof(P, to_texel_y))},
-            {name + ".to_texel_w", "vec4", offset + int(offsetof(P, to_texel_w))},
-            {name + ".least_w", "float", offset + int(offsetof(P, least_w))},
-            {name + ".low", "float", offset + int(offsetof(P, low))},
-            {name + ".high", "float", offset + int(offsetof(P, high))},
-            {name + ".size", "int", offset + int(offsetof(P, size))}};
-}
-
 LightArgs light_args(const Light& light) {
     LightArgs a{};
     const glm::dvec3 direction = light.type == LightType::point ? glm::dvec3(0, -1, 0) : unit_direction(light);

@@ -45,8 +45,6 @@ glm::dvec2 project_to_texels(const View& view, int size, const glm::dvec3& x);
 
 // The same for kernels: composed in double and rounded once. `clamped` holds the projection on the map.
 Projection projection_args(const View& view, int size, bool clamped);
-// Its members in a uniform block, "<name>.to_texel_x" and so on.
-std::vector<UniformMember> projection_members(const std::string& name, int offset);
 
 // Cosines are computed in double and rounded once. Throws InputError for a radius that is not 0, below or above these, or of
 // a directional light.

@@ -1,0 +1,59 @@
+#include "gi/methods.h"
+
+#include "gi/compose/compose.h"
+#include "gi/direct/direct.h"
+#include "gi/direct/log_blur.h"
+#include "gi/filter/filter.h"
+#include "gi/isr/isr.h"
+#include "gi/reference/reference.h"
+#include "gi/rsm/all_rays.h"
+#include "gi/rsm/gather.h"
+#include "raster/bindings.h"
+#include "raster/hemicube.h"
+#include "raster/texture_space.h"
+
+namespace plumb {
+
+namespace {
+
+ListedStage listed(const StageBinding& binding) { return {binding.info, &binding}; }
+ListedStage without_twin(const StageInfo& info, bool of_frame = true) { return {info, nullptr, of_frame}; }
+
+}  // namespace
+
+const std::vector<ListedStage>& stages() {
+    static const std::vector<ListedStage> all = {
+        listed(raster::gbuffer_binding()),
+        listed(raster::gbuffer_layer_binding()),
+        listed(raster::rsm_binding()),
+        listed(stage<direct::LogBlurKernel>()),
+        listed(stage<direct::ShadowKernel>()),
+        listed(rsm::stage_of(rsm::Gather::disc)),
+        listed(rsm::stage_of(rsm::Gather::disc, rsm::Texels::continuous)),
+        listed(rsm::stage_of(rsm::Gather::paths)),
+        listed(rsm::stage_of(rsm::Gather::paths, rsm::Texels::continuous)),
+        listed(rsm::stage_of(rsm::Gather::all)),
+        without_twin(rsm::info_all_rays()),
+        listed(stage<direct::DirectKernel>()),
+        listed(stage<isr::DownsampleKernel>()),
+        listed(stage<isr::GatherKernel>()),
+        listed(stage<isr::BounceKernel>()),
+        listed(stage<isr::UnseenKernel>()),
+        listed(stage<isr::GatherCameraKernel>()),
+        listed(stage<isr::SsaoKernel>()),
+        listed(stage<isr::BlurKernel>()),
+        listed(stage<isr::UpsampleKernel>()),
+        listed(stage<isr::ComposeKernel>()),
+        listed(stage<filter::ReduceKernel>()),
+        listed(stage<filter::UpsampleKernel>()),
+        listed(stage<filter::BlurKernel>()),
+        listed(stage<compose::ComposeKernel>()),
+        without_twin(reference::info()),
+        listed(stage<compose::TonemapKernel>()),
+        without_twin(raster::info_hemicube(), false),
+        without_twin(raster::info_texture_space(), false),
+    };
+    return all;
+}
+
+}  // namespace plumb
