@@ -5,8 +5,9 @@
 
 namespace plumb::mutants {
 
-// Lets every loop end after so many turns of all loops of an invocation, whatever a change does to its condition.
-SpirvModule with_bounded_loops(const SpirvModule& module, std::uint32_t most_turns);
+// The module with loops that end after so many turns of all loops of an invocation, and with reads beyond an image or a
+// buffer that give garbage: a change can neither hang a device nor hide behind its robust access.
+SpirvModule guarded(const SpirvModule& module, std::uint32_t most_turns);
 
 // The module with that one change.
 SpirvModule changed(const SpirvModule& module, const SpirvIndex& index, const Site& site);

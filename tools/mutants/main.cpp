@@ -15,6 +15,7 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
+#include "tools/mutants/generic_run.h"
 #include "tools/mutants/trial.h"
 #include "tools/vulkan/twins.h"
 
@@ -29,6 +30,8 @@ struct Options {
     std::vector<std::string> only, stages;
     bool list = false, sensitivity = false;
     int threads = 0, least_wrong = 0, least_legal = 0, least_a_stage = 0;
+    bool generic = false;
+    GenericOptions of_generic;
 };
 
 bool wanted(const Options& options, const std::string& stage) {
@@ -170,6 +173,13 @@ int run(const Options& options) {
         fmt::print("SKIPPED: built without glslangValidator (glslang-tools)\n");
         return 0;
     }
+    if (options.generic) {
+        GenericOptions generic = options.of_generic;
+        generic.glslang = options.glslang, generic.source = options.source, generic.device = options.device;
+        generic.profile = options.profile, generic.stages = options.stages, generic.threads = options.threads;
+        generic.list = options.list;
+        return run_generic(generic);
+    }
     std::vector<Mutant> mutants;
     for (Mutant& mutant : read_mutants(options.lists))
         if (wanted(options, mutant)) mutants.push_back(std::move(mutant));
@@ -221,6 +231,11 @@ int main(int argc, char** argv) {
     app.add_option("--least-legal", o.least_legal, "fail below so many legal variants");
     app.add_flag("--list", o.list, "print the list and do nothing");
     app.add_flag("--sensitivity", o.sensitivity, "instead: the smallest relative error that is found, place by place");
+    CLI::Option* generic = app.add_flag("--generic", o.generic, "instead: every place of the twins' SPIR-V, changed in every way");
+    app.add_option("--sample", o.of_generic.sample, "so many of each stage; 0: all")->needs(generic);
+    app.add_option("--seed", o.of_generic.seed, "of the sample: a number, or \"commit\" for the one that is checked out")->needs(generic);
+    app.add_option("--survivors", o.of_generic.survivors, "list of those that need not be found")->needs(generic);
+    app.add_flag("--json", o.of_generic.json, "print all of it as JSON")->needs(generic);
     CLI11_PARSE(app, argc, argv);
     try {
         return run(o);

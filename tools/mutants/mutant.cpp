@@ -143,11 +143,15 @@ std::vector<std::uint32_t> TwinCompiler::compile(const StageBinding& binding, co
     return compile_file(overlay, is_main ? file : source_ / main_file(binding), mutant.place + ": " + mutant.name);
 }
 
+std::vector<std::uint32_t> TwinCompiler::compile_with_lines(const std::string& file) const {
+    return compile_file(new_overlay(), source_ / file, file, "-g");
+}
+
 std::vector<std::uint32_t> TwinCompiler::compile_file(const fs::path& overlay, const fs::path& file,
-                                                      const std::string& name) const {
+                                                      const std::string& name, const std::string& more) const {
     const fs::path spirv = overlay / "out.spv", log = overlay / "log";
     const std::string command =
-        fmt::format("{} -V --quiet --target-env vulkan1.1 {} {} -o {} {} > {} 2>&1", quoted(glslang_),
+        fmt::format("{} -V --quiet --target-env vulkan1.1 {} {} {} -o {} {} > {} 2>&1", quoted(glslang_), more,
                     quoted("-I" + overlay.string()), quoted("-I" + source_.string()), quoted(spirv.string()),
                     quoted(file.string()), quoted(log.string()));
     if (std::system(command.c_str()) != 0 || !fs::exists(spirv))

@@ -49,9 +49,12 @@ class TwinCompiler {
     std::vector<std::uint32_t> compile(const StageBinding& binding) const;
     std::vector<std::uint32_t> compile(const StageBinding& binding, const Mutant& mutant, double scale = 1) const;
 
+    // Any twin as it is, by its path from the project's root, with its text and lines (-g).
+    std::vector<std::uint32_t> compile_with_lines(const std::string& file) const;
+
   private:
     std::vector<std::uint32_t> compile_file(const std::filesystem::path& overlay, const std::filesystem::path& file,
-                                            const std::string& name) const;
+                                            const std::string& name, const std::string& more = "") const;
     std::filesystem::path new_overlay() const;
 
     std::string glslang_;

@@ -21,11 +21,9 @@ class Finder {
   public:
     Finder(const SpirvModule& module, const SpirvIndex& index) : module_(module), index_(index) { find_loops(); }
 
-    std::vector<Site> find(std::uint32_t first_own_id) {
+    std::vector<Site> find() {
         for (at_ = index_.first_function(); at_ < module_.code.size(); ++at_) {
             const Instruction& i = module_.code[at_];
-            const std::size_t named = has_result(i.opcode) ? 1 : 0;
-            if (i.words.size() > named && i.words[named] >= first_own_id) continue;
             arithmetic(i), functions(i), conditions(i), constants(i), vectors(i), inputs(i);
         }
         return std::move(sites_);
@@ -284,8 +282,8 @@ std::uint32_t indexed_type(const SpirvIndex& index, const Instruction& chain) {
     return type;
 }
 
-std::vector<Site> find_sites(const SpirvModule& module, const SpirvIndex& index, std::uint32_t first_own_id) {
-    return Finder(module, index).find(first_own_id);
+std::vector<Site> find_sites(const SpirvModule& module, const SpirvIndex& index) {
+    return Finder(module, index).find();
 }
 
 }  // namespace plumb::mutants

@@ -41,8 +41,8 @@ struct Site {
     Place place;
 };
 
-// In the order of the instructions. Those whose first id is `first_own_id` or above are ours, not the twin's.
-std::vector<Site> find_sites(const SpirvModule& module, const SpirvIndex& index, std::uint32_t first_own_id = ~0u);
+// In the order of the instructions.
+std::vector<Site> find_sites(const SpirvModule& module, const SpirvIndex& index);
 
 // The type of what a chain of indices points to, before its last index.
 std::uint32_t indexed_type(const SpirvIndex& index, const Instruction& chain);

@@ -13,15 +13,15 @@ namespace plumb::mutants {
 
 enum Op : std::uint32_t {
     op_source_continued = 2, op_source = 3, op_source_extension = 4, op_name = 5, op_member_name = 6, op_string = 7,
-    op_line = 8, op_ext_inst_import = 11, op_ext_inst = 12, op_entry_point = 15, op_type_void = 19, op_type_bool = 20,
+    op_line = 8, op_ext_inst_import = 11, op_ext_inst = 12, op_entry_point = 15, op_capability = 17, op_type_void = 19, op_type_bool = 20,
     op_type_int = 21, op_type_float = 22, op_type_vector = 23, op_type_array = 28, op_type_runtime_array = 29,
     op_type_struct = 30, op_type_pointer = 32, op_constant = 43, op_constant_composite = 44, op_constant_null = 46,
     op_function = 54, op_function_parameter = 55, op_function_end = 56, op_function_call = 57, op_variable = 59,
-    op_load = 61, op_store = 62, op_access_chain = 65, op_decorate = 71, op_vector_shuffle = 79,
+    op_load = 61, op_store = 62, op_access_chain = 65, op_array_length = 68, op_decorate = 71, op_vector_shuffle = 79,
     op_composite_construct = 80, op_composite_extract = 81, op_copy_object = 83, op_image_fetch = 95,
     op_image_write = 99, op_bitcast = 124, op_s_negate = 126, op_f_negate = 127, op_i_add = 128, op_f_add = 129, op_i_sub = 130,
     op_f_sub = 131, op_i_mul = 132, op_f_mul = 133, op_u_div = 134, op_s_div = 135, op_f_div = 136,
-    op_vector_times_scalar = 142, op_any = 154, op_logical_or = 166, op_logical_and = 167, op_logical_not = 168, op_select = 169,
+    op_vector_times_scalar = 142, op_image_query_size_lod = 103, op_any = 154, op_all = 155, op_logical_or = 166, op_logical_and = 167, op_logical_not = 168, op_select = 169,
     op_i_equal = 170, op_i_not_equal = 171, op_u_greater = 172, op_s_greater = 173, op_u_greater_equal = 174,
     op_s_greater_equal = 175, op_u_less = 176, op_s_less = 177, op_u_less_equal = 178, op_s_less_equal = 179,
     op_f_equal = 180, op_f_not_equal = 183, op_f_less = 184, op_f_greater = 186, op_f_less_equal = 188,

@@ -104,7 +104,7 @@ struct PreparedTwin::Parts {
     const Device& device;
     const StageBinding& binding;
     const std::string label;
-    const RunTwin options;
+    RunTwin options;
     const VkExtent2D size;
     const bool reversed_z;
     const int most_choices;     // of a pixel
@@ -113,7 +113,7 @@ struct PreparedTwin::Parts {
     std::int64_t vertices = 0;  // of all of them
 
     Twin twin;    // of the compute or the fragment stage
-    Spirv spirv;  // what runs of it
+    Spirv spirv, vertex_spirv;  // what runs of it
     Sampler sampler;
     std::vector<Buffer> buffers;
     std::vector<Image> textures, stored;  // stored: outputs of a compute stage
@@ -122,9 +122,10 @@ struct PreparedTwin::Parts {
     std::vector<Resource> resources;              // that every batch sees
     std::vector<std::vector<Resource>> of_batch;  // and its own
     std::vector<DescriptorSet> sets;              // one a batch, one of a compute stage
-    ComputePipeline compute;
+    std::shared_ptr<const ComputePipeline> compute;
     Targets targets;
-    GraphicsPipeline graphics;
+    std::shared_ptr<const GraphicsPipeline> graphics;
+    bool clears = false;  // outputs, before each run
     VkCommandBuffer commands = VK_NULL_HANDLE;
 
     Parts(const Device& d, const StageBinding& b, const StageData& data, const RunTwin& o);
@@ -143,6 +144,7 @@ struct PreparedTwin::Parts {
     void add_outputs();
     void bind_all();
     void make_pipelines();
+    void clear_stored(VkCommandBuffer to) const;
     void record();
     void read(const Image& image, VkImageLayout layout, Array& out) const;
 };
@@ -177,6 +179,10 @@ void PreparedTwin::Parts::choose_spirv() {
                                                 : stores_choices() ? twin.choosing
                                                                    : twin.spirv;
     spirv.assign(code.begin(), code.end());
+    if (binding.raster) {
+        const auto vertex = options.vertex_spirv.empty() ? find_twin(binding.twin + ".vert").spirv : options.vertex_spirv;
+        vertex_spirv.assign(vertex.begin(), vertex.end());
+    }
     if (options.colour == Format::rgba16f && !binding.raster) spirv = with_half_images(spirv);
     if (options.tap && binding.raster && !device.features().fragmentStoresAndAtomics)
         throw Error(
@@ -313,27 +319,41 @@ void PreparedTwin::Parts::bind_all() {
 
 void PreparedTwin::Parts::make_pipelines() {
     if (!binding.raster) {
-        compute = make_compute_pipeline(device, make_shader(device, spirv, binding.twin), sets[0].layout.get());
+        compute = std::make_shared<ComputePipeline>(
+            make_compute_pipeline(device, make_shader(device, spirv, binding.twin), sets[0].layout.get()));
         return;
     }
-    const auto words = [](std::span<const std::uint32_t> s) { return Spirv(s.begin(), s.end()); };
     GraphicsOptions how;
-    how.vertex_shader = words(find_twin(binding.twin + ".vert").spirv);
+    how.vertex_shader = vertex_spirv;
     how.fragment_shader = spirv;
     how.name = binding.twin;
     how.set = sets[0].layout.get();
     how.depth_test = reversed_z ? VK_COMPARE_OP_GREATER : VK_COMPARE_OP_LESS;
-    graphics = make_graphics_pipeline(device, targets, how);
+    graphics = std::make_shared<GraphicsPipeline>(make_graphics_pipeline(device, targets, how));
+}
+
+void PreparedTwin::Parts::clear_stored(VkCommandBuffer to) const {
+    auto image = stored.begin();
+    for (const Slot& slot : binding.outputs) {
+        if (slot.kind != SlotKind::storage_image) continue;
+        const VkClearColorValue value = empty_value(slot);
+        const VkImageSubresourceRange all{image->aspect, 0, 1, 0, image->layers};
+        vkCmdClearColorImage(to, (image++)->image.get(), VK_IMAGE_LAYOUT_GENERAL, &value, 1, &all);
+    }
+    full_barrier(to);
 }
 
 void PreparedTwin::Parts::record() {
+    if (commands) device.free(commands);
+    commands = VK_NULL_HANDLE;
     commands = device.record([&](VkCommandBuffer to) {
-        if (!binding.raster) return compute.dispatch(to, sets[0].set, size);
+        if (clears) clear_stored(to);
+        if (!binding.raster) return compute->dispatch(to, sets[0].set, size);
         targets.begin(to);
-        graphics.bind(to);
+        graphics->bind(to);
         for (std::size_t i = 0; i < sets.size(); ++i) {
             const Batch& batch = batches.list[i];
-            vkCmdBindDescriptorSets(to, VK_PIPELINE_BIND_POINT_GRAPHICS, graphics.layout.get(), 0, 1, &sets[i].set, 0,
+            vkCmdBindDescriptorSets(to, VK_PIPELINE_BIND_POINT_GRAPHICS, graphics->layout.get(), 0, 1, &sets[i].set, 0,
                                     nullptr);
             if (batch.count > 0) vkCmdDraw(to, 3 * batch.count, 1, 3 * batch.first, 0);
         }
@@ -360,6 +380,21 @@ PreparedTwin::PreparedTwin(PreparedTwin&&) noexcept = default;
 double PreparedTwin::submit() {
     if (parts_->options.tap) parts_->taps.clear();
     return parts_->device.submit(parts_->commands);
+}
+
+void PreparedTwin::use(std::span<const std::uint32_t> spirv, std::span<const std::uint32_t> vertex_spirv) {
+    parts_->options.spirv = spirv, parts_->options.vertex_spirv = vertex_spirv;
+    parts_->choose_spirv();
+    parts_->options.spirv = parts_->options.vertex_spirv = {};
+    parts_->make_pipelines();
+    parts_->clears = true;
+    parts_->record();
+}
+
+void PreparedTwin::use(const PreparedTwin& other) {
+    parts_->compute = other.parts_->compute, parts_->graphics = other.parts_->graphics;
+    parts_->clears = true;
+    parts_->record();
 }
 
 TwinResult PreparedTwin::read() {

@@ -13,6 +13,7 @@ struct RunTwin {
     bool choices = false;                  // also list every pixel's discrete choices, from the choosing twin
     // Instead of the embedded SPIR-V (raster stages: of the fragment stage): what the mutator compiled.
     std::span<const std::uint32_t> spirv = {};
+    std::span<const std::uint32_t> vertex_spirv = {};  // the same, of a raster stage's vertex stage
     int repeat = 1;                   // runs; the median of their times is reported
     Format colour = Format::rgba32f;  // of storage images and colour targets of four floats: or rgba16f
     // Of input images of four floats that are not of the frame's size, a light's maps: or rgba16f, for values that halves
@@ -43,6 +44,12 @@ class PreparedTwin {
     PreparedTwin(PreparedTwin&&) noexcept;
     double submit();  // ms of wall clock, submission to completion
     TwinResult read();
+
+    // Runs other SPIR-V from now on, on the same data, and what it does not write is as at first. An empty vertex_spirv is
+    // the embedded one. Throws Error for what the device refuses.
+    void use(std::span<const std::uint32_t> spirv, std::span<const std::uint32_t> vertex_spirv = {});
+    // The same with the pipeline of another twin of this stage on the same device, which is not compiled again.
+    void use(const PreparedTwin& other);
 
   private:
     struct Parts;
