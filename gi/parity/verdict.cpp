@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <limits>
@@ -370,10 +371,11 @@ StageVerdict judge(const StageBinding& binding, const StageData& data, const std
         std::vector<WorstPixel> worst;
     };
     std::vector<Row> rows(std::size_t(data.size.y));
+    std::atomic<bool> enough = false;
     parallel_bands(data.size.y, 1, options.run, [&](int first, int last) {
         for (int y = first; y < last; ++y)
             for (int x = 0; x < data.size.x; ++x) {
-                if (!judge.judged({x, y})) continue;
+                if (enough || !judge.judged({x, y})) continue;
                 Row& row = rows[std::size_t(y)];
                 const Judged j = judge({x, y});
                 v.map(x, y) = std::uint8_t(j.verdict);
@@ -381,6 +383,7 @@ StageVerdict judge(const StageBinding& binding, const StageData& data, const std
                 if (!judge.expects_nothing({x, y})) ++row.nonzero[std::size_t(j.verdict)];
                 row.unwritten += j.unwritten;
                 if (j.verdict == Verdict::equal) continue;
+                enough = enough || (options.until_wrong && j.verdict == Verdict::wrong);
                 row.worst.push_back(j.worst);
                 if (int(row.worst.size()) >= 8 * options.worst + 64) keep_worst(row.worst, options.worst);
             }

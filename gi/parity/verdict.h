@@ -72,6 +72,7 @@ struct JudgeOptions {
     DeviceProfile profile;
     double max_ambiguous = 0.005;  // share of all pixels, and of those that are not 0
     int worst = 8;
+    bool until_wrong = false;      // judge no pixel after one that is wrong: counts are those of a part
     RunOptions run;
     std::vector<std::int32_t> choices;  // [height][width][n]: discrete choices that the device dumped, or empty
     int choices_a_pixel = 0;

@@ -33,16 +33,16 @@ class Bench {
     ~Bench();
     Bench(Bench&&) noexcept;
 
-    // Throws InputError where the twin itself, with its lines and bounded loops, does not pass.
-    void check_twin(std::size_t shader);
+    // Throws InputError where a twin itself, with its lines and its guards, does not pass.
     Fate operator()(const GenericMutant& mutant);
 
   private:
     struct Prepared;
+    void check_twin(const TwinShader& shader);
     std::vector<std::unique_ptr<Prepared>>& prepared(const StageBinding& binding);
     void use(Prepared& first, const TwinShader& shader, std::span<const std::uint32_t> spirv);
     void use_too(Prepared& p, const Prepared& first, const TwinShader& shader, std::span<const std::uint32_t> spirv);
-    bool passes(const Prepared& p, const Bundle& outputs) const;
+    parity::StageVerdict judged(const Prepared& p, const Bundle& outputs) const;
     bool changes_output(const TwinShader& shader, const SpirvModule& module);
     Fate run(const TwinShader& shader, const Site& site);
     Fate why(const TwinShader& shader, const Site& site);

@@ -2,43 +2,93 @@
 
 #include <algorithm>
 #include <bit>
-#include <cstddef>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <set>
+#include <sstream>
 
+#include "core/error.h"
 #include "core/hash.h"
 #include "gi/compose/compose.h"
 #include "gi/filter/filter.h"
 #include "gi/frame/frame.h"
 #include "gi/parity/stages.h"
+#include "io/document.h"
 #include "io/scene_file.h"
-#include "raster/light_kernel.h"
 #include "tests/parity/twin_data.h"
-#include "tools/mutants/panels.h"
+#include "tools/mutants/quads.h"
 #include "tools/mutants/ties.h"
 
 namespace plumb::mutants {
 namespace {
 
-struct Lit {
-    Scene scene;
-    frame::Settings settings;
-    frame::Plan plan;
-    frame::Frame frame;
+// A panel of tests/parity/panels.toml.
+struct Panel {
+    std::string name, scene, place;
+    glm::ivec2 size{0};
+    int maps = 0;
+    std::vector<std::string> settings, ties;
 };
 
-Lit execute(Scene scene, const frame::Settings& settings) {
-    Lit lit{std::move(scene), settings, {}, {}};
-    lit.plan = frame::plan(lit.scene, lit.settings);
-    lit.frame = frame::execute(lit.scene, lit.settings, lit.plan, {});
-    return lit;
+std::vector<std::string> words_of(io::DocumentReader& reader, const std::string& key) {
+    std::vector<std::string> out;
+    if (const io::DocumentValue* list = reader.find(key))
+        for (const io::DocumentValue& v : list->list) out.push_back(v.text);
+    return out;
 }
 
-// The dispatches of those stages, under other settings, of a frame that is there.
-void append(const std::string& name, const Lit& lit, const frame::Settings& settings,
-            const std::vector<std::string>& stages, std::vector<Dispatch>& out) {
-    const frame::Plan plan = frame::plan(lit.scene, settings);
-    for (StageData& data : parity::frame_data(lit.scene, settings, plan, lit.frame))
-        if (std::find(stages.begin(), stages.end(), data.stage) != stages.end())
-            out.push_back({name + ": " + data.id, std::move(data)});
+std::vector<Panel> read_panels(const std::filesystem::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    if (!in) throw InputError(file.string() + ": cannot be read");
+    std::ostringstream text;
+    text << in.rdbuf();
+    const std::string path = file.filename().string();
+    const io::DocumentValue document = io::parse_document(path, text.str());
+    io::DocumentReader all(document, path, "");
+    std::vector<Panel> out;
+    for (const io::DocumentValue* table : all.tables("panel")) {
+        io::DocumentReader reader(*table, path, "panel");
+        Panel p;
+        p.place = reader.place(), p.name = reader.filled("name", ""), p.scene = reader.filled("scene", "box");
+        const io::DocumentValue* size = reader.find("size");
+        if (!size || size->list.size() != 2) reader.fail("size", "must be two numbers");
+        p.size = {int(size->list[0].integer), int(size->list[1].integer)};
+        p.maps = int(reader.integer("maps", 0, 0, 4096));
+        p.settings = words_of(reader, "settings"), p.ties = words_of(reader, "ties");
+        reader.finish();
+        out.push_back(std::move(p));
+    }
+    all.finish();
+    return out;
+}
+
+std::string trimmed(const std::string& word) {
+    const std::size_t first = word.find_first_not_of(' '), last = word.find_last_not_of(' ');
+    return first == std::string::npos ? "" : word.substr(first, last - first + 1);
+}
+
+FieldValue value_of(const std::string& word) {
+    glm::vec3 v;
+    if (std::sscanf(word.c_str(), "[%f, %f, %f]", &v.x, &v.y, &v.z) == 3) return v;
+    if (word == "true" || word == "false") return word == "true";
+    char* end = nullptr;
+    const double number = std::strtod(word.c_str(), &end);
+    if (end != word.c_str() && *end == 0) return number;
+    return word;
+}
+
+// "table.key = value", as a scene file has it.
+void set(Scene& scene, const std::string& setting, const std::string& place) {
+    const std::size_t dot = setting.find('.'), equals = setting.find('=');
+    if (dot == std::string::npos || equals == std::string::npos || equals < dot)
+        throw InputError(place + ": \"" + setting + "\": expected table.key = value");
+    const std::string table = setting.substr(0, dot), key = trimmed(setting.substr(dot + 1, equals - dot - 1)),
+                      value = trimmed(setting.substr(equals + 1));
+    if (table == "render" && key == "method")
+        scene.method = value;
+    else
+        scene.settings.push_back({table, key, value_of(value), place + ": " + setting});
 }
 
 // A spot with a wide penumbra, a lamp that shines everywhere, and a sun through the open side.
@@ -54,122 +104,42 @@ std::vector<Light> three_lights() {
     return {key, bulb, sun};
 }
 
-void append_cornell(const std::filesystem::path& source, std::vector<Dispatch>& out) {
+Scene box(const std::filesystem::path& source) {
     Scene scene = io::load_scene((source / "data/scenes/cornell_small.toml").string(), frame::method_tables());
     scene.settings.clear();
     scene.lights = three_lights();
-    scene.frame_size = {96, 80};
-    frame::Settings settings;
-    settings.rsm.samples = 40, settings.rsm.rotations = 16, settings.rsm.radius = 0.4f;
-    settings.shadow.mode = direct::ShadowMode::density, settings.shadow.kernel = 3;
-    const Lit lit = execute(scene, settings);
-    append("cornell", lit, settings, {"gbuffer", "rsm", "shadow", "direct", "rsm.disc", "compose"}, out);
-
-    frame::Settings hard = settings, published = settings;
-    hard.shadow.mode = direct::ShadowMode::hard, hard.shadow.max_slope = 1.5f;
-    published.shadow.variant = direct::ShadowVariant::published;
-    append("cornell, hard", lit, hard, {"shadow"}, out);
-    append("cornell, published", lit, published, {"shadow"}, out);
-    frame::Settings coloured = settings, printed = settings;
-    coloured.compose.shadow_color = glm::vec3(0.1f, 0.2f, 0.4f);
-    printed.direct.variant = direct::DirectVariant::published;
-    append("cornell, shadow density", lit, coloured, {"direct"}, out);
-    append("cornell, density without the first light", lit, coloured, {"direct"}, out);
-    for (Array& input : out.back().data.inputs.arrays)
-        if (input.name == "lights")
-            std::fill_n(input.bytes.begin() + offsetof(raster::LightArgs, intensity), 3 * sizeof(float), 0);
-    append("cornell, direct light as printed", lit, printed, {"direct"}, out);
-
-    // Paths of eight by five, and what the twin's branches are for: Algorithm 2, tiles, no visibility.
-    frame::Settings paths = settings, tiled = settings, unhidden = settings;
-    paths.rsm.gather = rsm::Gather::paths, paths.rsm.directions = 8, paths.rsm.steps = 5;
-    tiled.rsm = unhidden.rsm = paths.rsm;
-    tiled.rsm.visibility = rsm::Visibility::algorithm_2, tiled.rsm.slots = 9, tiled.rsm.turn = rsm::Turn::tile;
-    tiled.rsm.projection = rsm::Projection::clamped;
-    unhidden.rsm.visibility = rsm::Visibility::none;
-    append("cornell, paths", lit, paths, {"rsm.paths"}, out);
-    append("cornell, paths by tiles", lit, tiled, {"rsm.paths"}, out);
-    append("cornell, paths without visibility", lit, unhidden, {"rsm.paths"}, out);
-
-    // Ties, for the lights that have one map.
-    std::vector<Dispatch> tied;
-    append("cornell with ties", lit, settings, {"shadow", "rsm.disc"}, tied);
-    append("cornell with ties, hard", lit, hard, {"shadow"}, tied);
-    append("cornell with ties, paths", lit, paths, {"rsm.paths"}, tied);
-    for (Dispatch& d : tied)
-        if (d.data.id.find(".bulb.") == std::string::npos) plant_ties(d.data), out.push_back(std::move(d));
-
-    // The filters of indirect light, on odd sides, in their modes and forms.
-    scene.frame_size = {95, 79};
-    frame::Settings filtered = settings, by_depth = settings, bilinear = settings, printed_picks = settings;
-    filtered.indirect.resolution = filter::Resolution::half, filtered.indirect.blur = filter::Blur::separable;
-    filtered.indirect.kernel = 7;
-    by_depth.indirect = bilinear.indirect = printed_picks.indirect = filtered.indirect;
-    by_depth.indirect.similarity = filter::Similarity::depth, by_depth.indirect.blur = filter::Blur::full;
-    bilinear.indirect.upsample = filter::Upsample::bilinear;
-    printed_picks.indirect.upsample = filter::Upsample::published;
-    const Lit half = execute(scene, filtered);
-    append("cornell, filtered", half, filtered, {"filter.reduce", "filter.upsample", "filter.blur"}, out);
-    append("cornell, filtered by depth", half, by_depth, {"filter.upsample", "filter.blur"}, out);
-    append("cornell, bilinear", half, bilinear, {"filter.upsample"}, out);
-    append("cornell, bilinear as printed", half, printed_picks, {"filter.upsample"}, out);
-
-    // Every texel of a small map.
-    for (Light& light : scene.lights) light.rsm_size = 16;
-    scene.frame_size = {48, 40};
-    settings.rsm.gather = rsm::Gather::all, settings.rsm.min_distance = 0.05f;
-    append("small cornell", execute(scene, settings), settings, {"rsm.all"}, out);
+    return scene;
 }
 
-// Soft shadows, and the blur of the maps that they read.
-void append_soft_shadows(const std::filesystem::path& source, std::vector<Dispatch>& out) {
-    using direct::ShadowMode, direct::ShadowVariant;
-    Scene scene = io::load_scene((source / "data/scenes/cornell_small.toml").string(), frame::method_tables());
-    scene.settings.clear();
-    scene.lights = three_lights();
-    scene.frame_size = {61, 47};
-    frame::Settings settings;
-    for (const auto& [name, mode] : {std::pair{"pcf", ShadowMode::pcf}, {"esm", ShadowMode::esm}}) {
-        settings.shadow.mode = mode;
-        const Lit lit = execute(scene, settings);
-        append(std::string("cornell, ") + name, lit, settings, {"shadow", "shadow.blur"}, out);
-        frame::Settings printed = settings;
-        printed.shadow.variant = ShadowVariant::published;
-        append(std::string("cornell, ") + name + " as printed", lit, printed, {"shadow"}, out);
-        std::vector<Dispatch> tied;
-        append(std::string("cornell with ties, ") + name, lit, settings, {"shadow"}, tied);
-        for (Dispatch& d : tied)
-            if (d.data.id.find(".bulb.") == std::string::npos) plant_ties(d.data), out.push_back(std::move(d));
-    }
-    const glm::ivec2 size(37, 23);
-    for (StageData& data : test::compute_cases(size)) {
-        const bool soft = data.id.starts_with("shadow.pcf") || data.id.starts_with("shadow.esm");
-        if (soft || data.stage == "shadow.blur") out.push_back({"by hand: " + data.id, std::move(data)});
+// Every stage of the panel's frame.
+void append(const Panel& panel, const std::filesystem::path& source, std::vector<Dispatch>& out) {
+    Scene scene = panel.scene == "quads" ? quads() : box(source);
+    scene.frame_size = panel.size;
+    for (Light& light : scene.lights)
+        if (panel.maps > 0) light.rsm_size = panel.maps;
+    for (const std::string& setting : panel.settings) set(scene, setting, panel.place);
+    const frame::Settings settings = frame::settings_of(scene);
+    const frame::Plan plan = frame::plan(scene, settings);
+    const frame::Frame frame = frame::execute(scene, settings, plan, {});
+    for (StageData& data : parity::frame_data(scene, settings, plan, frame)) {
+        const bool tied = std::find(panel.ties.begin(), panel.ties.end(), data.stage) != panel.ties.end();
+        if (tied && data.id.find(".bulb.") == std::string::npos) {
+            out.push_back({panel.name + " with ties: " + data.id, data});
+            plant_ties(out.back().data);
+        }
+        out.push_back({panel.name + ": " + data.id, std::move(data)});
     }
 }
 
-// Image-space radiosity, on odd sides: with all that ISR's chapter 6 adds, as printed, and by inverse matrices.
-void append_image_space(const std::filesystem::path& source, std::vector<Dispatch>& out) {
-    Scene scene = io::load_scene((source / "data/scenes/cornell_small.toml").string(), frame::method_tables());
-    scene.settings.clear();
-    scene.lights = three_lights();
-    scene.frame_size = {59, 45};
-    frame::Settings settings;
-    settings.method = frame::Method::isr;
-    settings.isr.rings = 3, settings.isr.spacing = 2, settings.isr.k_ssao = 0.5f, settings.isr.blur_radius = 3;
-    frame::Settings wide = settings, edges = settings, printed = settings, inverse = settings;
-    wide.isr.bounces = 2, wide.isr.guard = 8, wide.isr.cameras = 1;
-    edges.isr.blur = isr::Blur::edge_aware, edges.isr.rotations = 4;
-    edges.isr.far_rings = 1, edges.isr.full_depth = 2, edges.isr.upsample = isr::Upsample::bilinear;
-    printed.isr.variant = isr::Variant::published, printed.isr.guard = 4;
-    inverse.isr.position = isr::Position::inverse_matrix;
-    for (const auto& [name, of] : {std::pair{"wide", wide}, {"edges", edges}, {"as printed", printed}, {"inverse", inverse}}) {
-        const Lit lit = execute(scene, of);
-        append(std::string("cornell, isr ") + name, lit, of,
-               {"isr.downsample", "isr.gather", "isr.bounce", "isr.unseen", "isr.gather_camera", "isr.ssao", "isr.blur",
-                "isr.upsample", "isr.compose"}, out);
-    }
-    for (StageData& data : test::isr_cases({29, 22})) out.push_back({"by hand: " + data.id, std::move(data)});
+// Frames of one scene have stages in common.
+void drop_repeated(std::vector<Dispatch>& all) {
+    std::set<std::uint64_t> met;
+    std::erase_if(all, [&](const Dispatch& d) {
+        std::string bytes = d.data.stage + std::to_string(d.data.size.x) + "x" + std::to_string(d.data.size.y);
+        bytes.append(d.data.uniforms.begin(), d.data.uniforms.end());
+        for (const Array& a : d.data.inputs.arrays) bytes.append(a.bytes.begin(), a.bytes.end());
+        return !met.insert(std::hash<std::string>()(bytes)).second;
+    });
 }
 
 // A number of any size up to 2^high, of both signs now and then, or 0.
@@ -249,15 +219,11 @@ void append_surfaces(std::vector<Dispatch>& out) {
 
 std::vector<Dispatch> dispatches(const std::filesystem::path& source) {
     std::vector<Dispatch> out;
-    const Scene scene = panels();
-    frame::Settings settings;
-    settings.method = frame::Method::rsm, settings.rsm.samples = 8;
-    append("panels", execute(scene, settings), settings, {"gbuffer", "rsm"}, out);
-    append_cornell(source, out);
-    append_soft_shadows(source, out);
-    append_image_space(source, out);
+    for (const Panel& panel : read_panels(source / "tests/parity/panels.toml")) append(panel, source, out);
+    for (StageData& data : test::compute_cases({37, 23})) out.push_back({"by hand: " + data.id, std::move(data)});
     append_values(out);
     append_surfaces(out);
+    drop_repeated(out);
     return out;
 }
 

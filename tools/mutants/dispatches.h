@@ -16,11 +16,10 @@ struct Dispatch {
 
 // Of every stage that has a twin, in the order in which a mutant runs on them. `source` is the project's root.
 //
-//     cornell   the Cornell box under a spot, a lamp that shines everywhere and a sun, all of whose maps are drawn
-//     panels    quads with textures of every filter and wrap mode, levels of detail, normal maps, alpha masks, emission
-//     surfaces  for the filters: pixels at two depths, up to the borders of an odd frame, and holes
-//     by hand   for shadow.blur, soft shadows and image-space radiosity: twin_data.h of the parity tests, every variant
+//     frames    every stage of the frames of tests/parity/panels.toml
+//     by hand   twin_data.h of the parity tests, every variant
 //     values    for compose and tonemap: images that span thirty powers of two, with zeros and negative numbers
+//     surfaces  for the filters: pixels at two depths, up to the borders of an odd frame, and holes
 std::vector<Dispatch> dispatches(const std::filesystem::path& source);
 
 }  // namespace plumb::mutants

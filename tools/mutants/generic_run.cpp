@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <chrono>
 #include <cstdio>
 #include <map>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <thread>
 
 #include "core/error.h"
@@ -76,6 +76,39 @@ std::vector<const StageBinding*> wanted_stages(const GenericOptions& options) {
     return out;
 }
 
+// Deals out mutants so that a thread stays with a stage, whose data it has on its device.
+class Queue {
+  public:
+    Queue(const GenericMutants& all, const std::vector<GenericMutant>& chosen) {
+        for (std::size_t i = chosen.size(); i-- > 0;) left_[all.stage(chosen[i])].push_back(i);
+    }
+    // False where nothing is left. `stage` is the thread's, "" at first.
+    bool take(std::string& stage, std::size_t& mutant) {
+        const std::lock_guard lock(mutex_);
+        auto list = left_.find(stage);
+        if (list == left_.end()) {
+            list = std::max_element(left_.begin(), left_.end(), [&](const auto& a, const auto& b) {
+                return std::pair(!held_.count(a.first), a.second.size()) < std::pair(!held_.count(b.first), b.second.size());
+            });
+            if (list == left_.end()) return false;
+            stage = list->first, held_.insert(stage);
+        }
+        mutant = list->second.back();
+        list->second.pop_back();
+        if (list->second.empty()) left_.erase(list);
+        return true;
+    }
+    void drop_all() {
+        const std::lock_guard lock(mutex_);
+        left_.clear();
+    }
+
+  private:
+    std::mutex mutex_;
+    std::map<std::string, std::vector<std::size_t>> left_;  // the next one last
+    std::set<std::string> held_;
+};
+
 class Run {
   public:
     Run(const GenericOptions& options, const GenericMutants& all, std::vector<GenericMutant> chosen,
@@ -84,17 +117,18 @@ class Run {
 
     // Each bench on a thread of its own.
     void judge_all(std::vector<Bench>& benches) {
-        std::atomic<std::size_t> next = 0;
+        Queue queue(all_, chosen_);
         std::exception_ptr failure;
         std::mutex mutex;
         std::vector<std::jthread> threads;
         for (Bench& bench : benches)
             threads.emplace_back([&] {
                 try {
-                    for (std::size_t i; (i = next++) < chosen_.size();) judge(bench, i);
+                    std::string stage;
+                    for (std::size_t i = 0; queue.take(stage, i);) judge(bench, i);
                 } catch (...) {
                     const std::lock_guard lock(mutex);
-                    next = chosen_.size(), failure = std::current_exception();
+                    queue.drop_all(), failure = std::current_exception();
                 }
             });
         threads.clear();
@@ -230,8 +264,6 @@ int run_generic(const GenericOptions& options) {
     for (const auto& device : devices) benches.emplace_back(*device, all, data, profile);
     const auto seconds = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
     std::fprintf(stderr, "%zu of %zu mutants, %.1f s\n", chosen.size(), all.mutants.size(), seconds());
-    for (std::size_t i = 0; i < all.shaders.size(); ++i) benches[i % benches.size()].check_twin(i);
-    std::fprintf(stderr, "twins pass, %.1f s\n", seconds());
     Run run(options, all, std::move(chosen), survivors);
     run.judge_all(benches);
     return run.report(seconds()) ? 0 : 1;

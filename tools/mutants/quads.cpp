@@ -1,4 +1,4 @@
-#include "tools/mutants/panels.h"
+#include "tools/mutants/quads.h"
 
 #include "core/hash.h"
 #include "core/number.h"
@@ -69,9 +69,9 @@ Material textured(int texture, const glm::vec3& reflectance = glm::vec3(0.9f, 0.
 
 }  // namespace
 
-Scene panels() {
+Scene quads() {
     Scene s;
-    s.name = "panels";
+    s.name = "quads";
     Texture levels = noise("levels", 64, 64, 5);
     levels.mips = true;
     Texture linear = noise("linear", 9, 14, 29);

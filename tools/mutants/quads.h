@@ -5,6 +5,6 @@
 
 namespace plumb::mutants {
 
-Scene panels();
+Scene quads();
 
 }  // namespace plumb::mutants
