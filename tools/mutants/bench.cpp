@@ -50,9 +50,14 @@ std::vector<std::unique_ptr<Bench::Prepared>>& Bench::prepared(const StageBindin
     if (stage_ == binding.info.name) return prepared_;
     prepared_.clear();
     stage_ = binding.info.name;
+    const TwinShader& twin = **std::find_if(all_.shaders.begin(), all_.shaders.end(), [&](const auto& shader) {
+        return shader->binding == &binding && !shader->vertex;
+    });
+    const std::vector<std::uint32_t> spirv = runnable(twin.module);
     for (const Dispatch& d : dispatches_) {
         if (d.data.stage != stage_) continue;
-        prepared_.push_back(std::make_unique<Prepared>(Prepared{binding, d, {device_, binding, d.data}, {}}));
+        prepared_.push_back(std::make_unique<Prepared>(Prepared{binding, d, {device_, binding, d.data, {.spirv = spirv}}, {}}));
+        if (prepared_.size() > 1) use_too(*prepared_.back(), *prepared_[0], twin, spirv);
         Prepared& p = *prepared_.back();
         p.twin.submit();
         p.own = p.twin.read().outputs;
@@ -67,7 +72,7 @@ std::vector<std::unique_ptr<Bench::Prepared>>& Bench::prepared(const StageBindin
     }
     if (prepared_.empty()) throw InputError(stage_ + ": no dispatch of this stage");
     for (const auto& shader : all_.shaders)
-        if (shader->binding == &binding) check_twin(*shader);
+        if (shader->binding == &binding && shader->vertex) check_twin(*shader);
     return prepared_;
 }
 

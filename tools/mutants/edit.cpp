@@ -428,6 +428,35 @@ void bound_loops(Editor& e, const SpirvModule& module, std::uint32_t most_turns)
     }
 }
 
+// Lets no branch depend on uniforms alone: lavapipe compiles a shader again for each value of uniforms that decide one,
+// which a mutant on many dispatches pays each time. The first input is never that number.
+void hide_uniform_branches(Editor& e, const SpirvModule& module) {
+    const Instruction* input = nullptr;
+    std::uint32_t type = 0;
+    for (const Instruction& i : module.code) {
+        if (i.opcode != op_variable || i.words[2] != storage_input || input) continue;
+        type = e.index().definition(i.words[0])->words[2];
+        if (e.index().components(type) > 0) input = &i;
+    }
+    if (!input) return;
+    const std::uint32_t scalar = e.index().component_type(type), impossible = 0x7fedcba9;
+    for (std::size_t n = e.index().first_function(); n < module.code.size(); ++n) {
+        if (module.code[n].opcode != op_branch_conditional) continue;
+        std::size_t at = n;  // a merge stands right before its branch
+        if (module.code[n - 1].opcode == op_selection_merge || module.code[n - 1].opcode == op_loop_merge) --at;
+        const std::uint32_t loaded = e.new_id(), first = e.new_id(), bits = e.new_id(), real = e.new_id(), both = e.new_id();
+        e.before(at, {op_load, {type, loaded, input->words[1]}});
+        if (e.index().components(type) > 1)
+            e.before(at, {op_composite_extract, {scalar, first, loaded, 0}});
+        else
+            e.before(at, {op_copy_object, {scalar, first, loaded}});
+        e.before(at, {scalar == e.int_type() ? op_copy_object : op_bitcast, {e.int_type(), bits, first}});
+        e.before(at, {op_i_not_equal, {e.bool_type(), real, bits, e.global(op_constant, e.int_type(), {impossible})}});
+        e.before(at, {op_logical_and, {e.bool_type(), both, e[n].words[0], real}});
+        e[n].words[0] = both;
+    }
+}
+
 }  // namespace
 
 SpirvModule changed(const SpirvModule& module, const SpirvIndex& index, const Site& site) {
@@ -458,6 +487,7 @@ SpirvModule guarded(const SpirvModule& module, std::uint32_t most_turns) {
     Editor e(module, index);
     bound_loops(e, module, most_turns);
     check_reads(e, module);
+    hide_uniform_branches(e, module);
     return e.apply();
 }
 
