@@ -7,6 +7,25 @@ if(TARGET plumb_vulkan)
 endif()
 if(TARGET test_parity)
   target_compile_definitions(test_parity PRIVATE PLUMB_SPIRV_DIR="${CMAKE_BINARY_DIR}/twins")
+  # The generator of generic mutants, on a shader of its own with its lines.
+  set(kinds tests/parity/mutants/generic/kinds.comp)
+  set(kinds_spirv ${CMAKE_BINARY_DIR}/twins/kinds.lines.spv)
+  if(GLSLANG AND SPIRV_VAL)
+    add_custom_command(OUTPUT ${kinds_spirv}
+      COMMAND ${CMAKE_COMMAND} -E make_directory ${CMAKE_BINARY_DIR}/twins
+      COMMAND ${GLSLANG} -V -g --quiet --target-env vulkan1.1 -o ${kinds_spirv} ${PROJECT_SOURCE_DIR}/${kinds}
+      DEPENDS ${PROJECT_SOURCE_DIR}/${kinds} VERBATIM)
+    add_custom_target(mutant_kinds DEPENDS ${kinds_spirv})
+    add_dependencies(test_parity mutant_kinds)
+    foreach(file spirv sites edit generic survivors mutant)
+      target_sources(test_parity PRIVATE ${PROJECT_SOURCE_DIR}/tools/mutants/${file}.cpp)
+    endforeach()
+    target_compile_definitions(test_parity PRIVATE PLUMB_MUTANT_KINDS="${kinds_spirv}" PLUMB_SPIRV_VAL="${SPIRV_VAL}")
+  else()
+    get_target_property(sources test_parity SOURCES)
+    list(FILTER sources EXCLUDE REGEX test_generic_mutants)
+    set_target_properties(test_parity PROPERTIES SOURCES "${sources}")
+  endif()
   foreach(shaders parity_shaders plumb_gi_twins plumb_raster_twins)
     if(TARGET ${shaders})
       add_dependencies(test_parity ${shaders})
@@ -31,6 +50,9 @@ set_tests_properties(${tests_parity} PROPERTIES LABELS vulkan SKIP_REGULAR_EXPRE
 # Errors planted in twins, all of which the judge must find, and legal changes, none of which it may call wrong.
 if(TARGET plumb_mutants)
   add_test(NAME mutants COMMAND plumb_mutants --lists ${PROJECT_SOURCE_DIR}/tests/parity/mutants
-    --least-wrong 200 --least-a-stage 20 --least-legal 80)
+    --least-wrong 350 --least-a-stage 7 --least-legal 200)
   set_tests_properties(mutants PROPERTIES LABELS vulkan SKIP_REGULAR_EXPRESSION "SKIPPED: " TIMEOUT 3000)
+  # Errors made from the twins' SPIR-V: a sample of each stage that changes with the commit; PLUMB_FULL=1 runs all.
+  add_test(NAME generic_mutants COMMAND plumb_mutants --generic --sample 20 --seed commit)
+  set_tests_properties(generic_mutants PROPERTIES LABELS vulkan SKIP_REGULAR_EXPRESSION "SKIPPED: " TIMEOUT 3000)
 endif()

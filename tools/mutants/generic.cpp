@@ -57,31 +57,36 @@ std::unique_ptr<const TwinShader> read_shader(const StageBinding& binding, const
     return made;
 }
 
-GenericMutants generic_mutants(const std::vector<const StageBinding*>& stages, const TwinCompiler& compiler,
-                               const std::string& source) {
+GenericMutants share(std::vector<std::unique_ptr<const TwinShader>> shaders) {
     GenericMutants all;
+    all.shaders = std::move(shaders);
     std::map<std::uint64_t, std::size_t> known;  // a function's first mutant
-    for (const StageBinding* stage : stages) {
-        const std::vector<std::string> ends = stage->raster ? std::vector<std::string>{".vert", ".frag"} : std::vector<std::string>{""};
-        for (const std::string& end : ends) {
-            const std::string file = stage->twin + end;
-            const std::vector<std::uint32_t> spirv = compiler.compile_with_lines(file);
-            const std::size_t number = all.shaders.size();
-            all.shaders.push_back(read_shader(*stage, file, spirv, source));
-            const std::vector<Site>& sites = all.shaders.back()->sites;
-            for (const Stretch& s : stretches_of(sites)) {
-                const auto [at, is_new] = known.try_emplace(s.hash, all.mutants.size());
-                for (std::size_t i = 0; i < s.count; ++i) {
-                    if (is_new) {
-                        const Site& site = sites[s.first + i];
-                        all.mutants.push_back({{}, mixed(mixed(mixed(s.hash, hash_of(site)), site.part), i)});
-                    }
-                    all.mutants[at->second + i].homes.push_back({number, s.first + i});
+    for (std::size_t number = 0; number < all.shaders.size(); ++number) {
+        const std::vector<Site>& sites = all.shaders[number]->sites;
+        for (const Stretch& s : stretches_of(sites)) {
+            const auto [at, is_new] = known.try_emplace(s.hash, all.mutants.size());
+            for (std::size_t i = 0; i < s.count; ++i) {
+                if (is_new) {
+                    const Site& site = sites[s.first + i];
+                    all.mutants.push_back({{}, mixed(mixed(mixed(s.hash, hash_of(site)), site.part), i)});
                 }
+                all.mutants[at->second + i].homes.push_back({number, s.first + i});
             }
         }
     }
     return all;
+}
+
+GenericMutants generic_mutants(const std::vector<const StageBinding*>& stages, const TwinCompiler& compiler,
+                               const std::string& source) {
+    std::vector<std::unique_ptr<const TwinShader>> shaders;
+    for (const StageBinding* stage : stages) {
+        std::vector<std::string> files{stage->twin};
+        if (stage->raster) files = {stage->twin + ".vert", stage->twin + ".frag"};
+        for (const std::string& file : files)
+            shaders.push_back(read_shader(*stage, file, compiler.compile_with_lines(file), source));
+    }
+    return share(std::move(shaders));
 }
 
 std::vector<GenericMutant> sample(const GenericMutants& all, std::size_t n, std::uint64_t seed) {

@@ -43,6 +43,8 @@ struct GenericMutants {
 // `source`: the project's root, which names of files leave out.
 std::unique_ptr<const TwinShader> read_shader(const StageBinding& binding, const std::string& file,
                                               std::span<const std::uint32_t> spirv, const std::string& source);
+// Their mutants: one a function, however many of them include it.
+GenericMutants share(std::vector<std::unique_ptr<const TwinShader>> shaders);
 GenericMutants generic_mutants(const std::vector<const StageBinding*>& stages, const TwinCompiler& compiler,
                                const std::string& source);
 

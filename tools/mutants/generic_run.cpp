@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -165,6 +166,7 @@ class Run {
         Outcome& o = outcomes_[i];
         o.fate = bench(chosen_[i]);
         o.ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+        if (const std::size_t n = ++judged_; n % 200 == 0) std::fprintf(stderr, "%zu of %zu\n", n, chosen_.size());
         if (o.fate == Fate::found) return;
         for (const Survivor& s : survivors_)
             if (!o.entry && s.matches(all_.site(chosen_[i]))) o.entry = &s;
@@ -228,6 +230,7 @@ class Run {
     const std::vector<GenericMutant> chosen_;
     const std::vector<Survivor>& survivors_;
     std::vector<Outcome> outcomes_;
+    std::atomic<std::size_t> judged_ = 0;
 };
 
 int list_sites(const GenericMutants& all, const std::vector<GenericMutant>& chosen) {

@@ -8,6 +8,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstdio>
+#include <cstdlib>
 #include <functional>
 #include <future>
 #include <map>
@@ -178,6 +179,7 @@ int run(const Options& options) {
         generic.glslang = options.glslang, generic.source = options.source, generic.device = options.device;
         generic.profile = options.profile, generic.stages = options.stages, generic.threads = options.threads;
         generic.list = options.list;
+        if (std::getenv("PLUMB_FULL")) generic.sample = 0;
         return run_generic(generic);
     }
     std::vector<Mutant> mutants;
@@ -232,7 +234,7 @@ int main(int argc, char** argv) {
     app.add_flag("--list", o.list, "print the list and do nothing");
     app.add_flag("--sensitivity", o.sensitivity, "instead: the smallest relative error that is found, place by place");
     CLI::Option* generic = app.add_flag("--generic", o.generic, "instead: every place of the twins' SPIR-V, changed in every way");
-    app.add_option("--sample", o.of_generic.sample, "so many of each stage; 0: all")->needs(generic);
+    app.add_option("--sample", o.of_generic.sample, "so many of each stage; 0, or with PLUMB_FULL set: all")->needs(generic);
     app.add_option("--seed", o.of_generic.seed, "of the sample: a number, or \"commit\" for the one that is checked out")->needs(generic);
     app.add_option("--survivors", o.of_generic.survivors, "list of those that need not be found")->needs(generic);
     app.add_flag("--json", o.of_generic.json, "print all of it as JSON")->needs(generic);
