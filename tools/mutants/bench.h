@@ -1,16 +1,8 @@
-// Changed twins on a device, held against the kernel: data, buffers and what the twin itself writes are made once a stage.
+// Generic mutants on a device, held against the kernel: found or not, and if not, why.
 #pragma once
 
-#include <map>
-#include <memory>
-#include <string>
-#include <vector>
-
-#include "gi/parity/verdict.h"
-#include "tools/mutants/dispatches.h"
 #include "tools/mutants/generic.h"
-#include "tools/vulkan/runner.h"
-#include "tools/vulkan/twins.h"
+#include "tools/mutants/on_device.h"
 
 namespace plumb::mutants {
 
@@ -29,30 +21,22 @@ const char* fate_name(Fate fate);
 class Bench {
   public:
     Bench(const vulkan::Device& device, const GenericMutants& all, const std::vector<Dispatch>& dispatches,
-          const DeviceProfile& profile);
-    ~Bench();
-    Bench(Bench&&) noexcept;
+          const DeviceProfile& profile)
+        : all_(all), panels_(device, dispatches, profile) {}
 
     // Throws InputError where a twin itself, with its lines and its guards, does not pass.
     Fate operator()(const GenericMutant& mutant);
 
   private:
-    struct Prepared;
-    void check_twin(const TwinShader& shader);
-    std::vector<std::unique_ptr<Prepared>>& prepared(const StageBinding& binding);
-    void use(Prepared& first, const TwinShader& shader, std::span<const std::uint32_t> spirv);
-    void use_too(Prepared& p, const Prepared& first, const TwinShader& shader, std::span<const std::uint32_t> spirv);
-    parity::StageVerdict judged(const Prepared& p, const Bundle& outputs) const;
+    void hold(const StageBinding& binding);
+    void use(const TwinShader& shader, const SpirvModule& module);
     bool changes_output(const TwinShader& shader, const SpirvModule& module);
     Fate run(const TwinShader& shader, const Site& site);
     Fate why(const TwinShader& shader, const Site& site);
 
-    const vulkan::Device& device_;
     const GenericMutants& all_;
-    const std::vector<Dispatch>& dispatches_;
-    const DeviceProfile& profile_;
-    std::string stage_;  // whose data is on the device
-    std::vector<std::unique_ptr<Prepared>> prepared_;
+    OnDevice panels_;
+    std::vector<std::uint32_t> fragment_;  // of a raster stage, as it runs
 };
 
 }  // namespace plumb::mutants

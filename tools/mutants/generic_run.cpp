@@ -252,9 +252,6 @@ int run_generic(const GenericOptions& options) {
         options.sample > 0 ? sample(all, std::size_t(options.sample), seed_of(options)) : all.mutants;
     if (options.list) return list_sites(all, chosen);
 
-    // lavapipe takes longer to optimise a shader than to run it on a panel, and no shader comes again.
-    setenv("GALLIVM_PERF", "nopt", 0);
-    setenv("MESA_SHADER_CACHE_DISABLE", "true", 0);
     std::vector<std::unique_ptr<vulkan::Device>> devices;
     try {
         for (int i = 0; i < thread_count(options.threads); ++i)

@@ -104,12 +104,12 @@ bool enough(const Options& options, const Matrix& matrix) {
 
 // Calls one(court, i) for i = 0 .. n - 1, each court on a thread of its own, and tell(i, result) in order.
 template <class Result>
-void on_all(const std::vector<Court>& courts, std::size_t n, const std::function<Result(const Court&, std::size_t)>& one,
+void on_all(std::vector<Court>& courts, std::size_t n, const std::function<Result(Court&, std::size_t)>& one,
             const std::function<void(std::size_t, const Result&)>& tell) {
     std::vector<std::promise<Result>> promises(n);
     std::atomic<std::size_t> next = 0;
     std::vector<std::jthread> threads;
-    for (const Court& court : courts)
+    for (Court& court : courts)
         threads.emplace_back([&, n] {
             for (std::size_t i; (i = next++) < n;) {
                 try {
@@ -124,14 +124,14 @@ void on_all(const std::vector<Court>& courts, std::size_t n, const std::function
 }
 
 // The twins themselves must pass, or nothing that follows means anything.
-bool try_unmutated(const Options& options, const std::vector<Court>& courts, const std::vector<Dispatch>& all) {
+bool try_unmutated(const Options& options, std::vector<Court>& courts, const std::vector<Dispatch>& all) {
     std::vector<std::string> stages;
     for (const Dispatch& d : all)
         if (std::find(stages.begin(), stages.end(), d.data.stage) == stages.end() && wanted(options, d.data.stage))
             stages.push_back(d.data.stage);
     bool ok = true;
     on_all<Trial>(
-        courts, stages.size(), [&](const Court& court, std::size_t i) { return court.unmutated(stages[i]); },
+        courts, stages.size(), [&](Court& court, std::size_t i) { return court.unmutated(stages[i]); },
         [&](std::size_t i, const Trial& trial) {
             fmt::print("{:12} unmutated {}: {}\n", parity::verdict_name(trial.verdict), stages[i], described(trial));
             ok = ok && trial.passed;
@@ -139,7 +139,7 @@ bool try_unmutated(const Options& options, const std::vector<Court>& courts, con
     return ok;
 }
 
-bool try_all(const Options& options, const std::vector<Court>& courts, const std::vector<Mutant>& mutants) {
+bool try_all(const Options& options, std::vector<Court>& courts, const std::vector<Mutant>& mutants) {
     Matrix matrix;
     int misses = 0, alarms = 0;
     const auto tell = [&](std::size_t i, const Trial& trial) {
@@ -153,16 +153,16 @@ bool try_all(const Options& options, const std::vector<Court>& courts, const std
     };
     on_all<Trial>(
         courts, mutants.size(),
-        [&](const Court& court, std::size_t i) { return court(mutants[i], mutants[i].kind == Kind::wrong); }, tell);
+        [&](Court& court, std::size_t i) { return court(mutants[i], mutants[i].kind == Kind::wrong); }, tell);
     matrix.print();
     fmt::print("\n{} misses, {} false alarms\n", misses, alarms);
     return enough(options, matrix) && misses == 0 && alarms == 0;
 }
 
-void measure_sensitivity(const std::vector<Court>& courts, const std::vector<Mutant>& mutants) {
+void measure_sensitivity(std::vector<Court>& courts, const std::vector<Mutant>& mutants) {
     fmt::print("\n| what is multiplied by 1 + e | smallest e that is wrong |\n|---|---|\n");
     on_all<double>(
-        courts, mutants.size(), [&](const Court& court, std::size_t i) { return smallest_error(court, mutants[i]); },
+        courts, mutants.size(), [&](Court& court, std::size_t i) { return smallest_error(court, mutants[i]); },
         [&](std::size_t i, const double& e) {
             fmt::print("| {} | {} |\n", mutants[i].name, e > 0 ? fmt::format("{:.1e}", e) : "above 0.1");
             std::fflush(stdout);
@@ -239,6 +239,9 @@ int main(int argc, char** argv) {
     app.add_option("--survivors", o.of_generic.survivors, "list of those that need not be found")->needs(generic);
     app.add_flag("--json", o.of_generic.json, "print all of it as JSON")->needs(generic);
     CLI11_PARSE(app, argc, argv);
+    // lavapipe takes longer to optimise a shader than to run it on a panel, and no shader comes again.
+    setenv("GALLIVM_PERF", "nopt", 0);
+    setenv("MESA_SHADER_CACHE_DISABLE", "true", 0);
     try {
         return run(o);
     } catch (const std::exception& e) {

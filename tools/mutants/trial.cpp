@@ -11,51 +11,39 @@ namespace plumb::mutants {
 
 Court::Court(const vulkan::Device& device, const TwinCompiler& compiler, const std::vector<Dispatch>& dispatches,
              const DeviceProfile& profile)
-    : device_(device), compiler_(compiler), dispatches_(dispatches), profile_(profile) {}
+    : compiler_(compiler), panels_(device, dispatches, profile) {}
 
-Trial Court::unmutated(const std::string& stage) const {
+Trial Court::unmutated(const std::string& stage) {
     const StageBinding& binding = parity::find_binding(stage, "plumb_mutants");
     return run(binding, compiler_.compile(binding), false);
 }
 
-Trial Court::operator()(const Mutant& mutant, bool until_wrong, double scale) const {
+Trial Court::operator()(const Mutant& mutant, bool until_wrong, double scale) {
     const StageBinding& binding = parity::find_binding(mutant.stage, mutant.place);
     return run(binding, compiler_.compile(binding, mutant, scale), until_wrong);
 }
 
-Trial Court::run(const StageBinding& binding, std::span<const std::uint32_t> spirv, bool until_wrong) const {
+Trial Court::run(const StageBinding& binding, std::span<const std::uint32_t> spirv, bool until_wrong) {
+    if (panels_.stage() != binding.info.name) panels_.hold(binding, {runnable(compiler_.compile(binding)), {}});
+    panels_.use({runnable(spirv), {}});
     Trial trial;
-    for (const Dispatch& dispatch : dispatches_) {
-        if (dispatch.data.stage != binding.info.name) continue;
-        vulkan::RunTwin options;
-        options.spirv = spirv;
-        vulkan::TwinResult result = vulkan::run_twin(device_, binding, dispatch.data, options);
-        std::vector<parity::Dumped> dumped;
-        for (Array& array : result.outputs.arrays) {
-            const std::string name = array.name;
-            dumped.push_back({name, std::move(array)});
-        }
-
-        parity::JudgeOptions judge;
-        judge.profile = profile_;
-        judge.run.threads = 1;
-        const parity::StageVerdict verdict = parity::judge(binding, dispatch.data, dumped, judge);
+    for (std::size_t i = 0; i < panels_.size(); ++i) {
+        const parity::StageVerdict verdict = panels_.judge(i, panels_.run(i), until_wrong);
         const double pixels = double(std::max<std::int64_t>(verdict.pixels, 1));
         ++trial.runs;
         trial.passed = trial.passed && verdict.passed;
         trial.ambiguous = std::max(trial.ambiguous, double(verdict.count[int(parity::Verdict::ambiguous)]) / pixels);
         if (verdict.verdict > trial.verdict || trial.dispatch.empty()) {
-            trial.verdict = verdict.verdict, trial.dispatch = dispatch.name, trial.pixels = verdict.pixels;
+            trial.verdict = verdict.verdict, trial.dispatch = panels_.dispatch(i).name, trial.pixels = verdict.pixels;
             trial.wrong_pixels = verdict.count[int(parity::Verdict::wrong)];
             trial.worst = verdict.worst.empty() ? parity::WorstPixel{} : verdict.worst.front();
         }
         if (until_wrong && trial.verdict == parity::Verdict::wrong) break;
     }
-    if (trial.runs == 0) throw InputError(binding.info.name + ": no dispatch of this stage");
     return trial;
 }
 
-double smallest_error(const Court& court, const Mutant& mutant) {
+double smallest_error(Court& court, const Mutant& mutant) {
     const auto is_wrong = [&](double e) { return court(mutant, true, 1 + e).verdict == parity::Verdict::wrong; };
     double found = 0.1, missed = 1e-8;
     if (!is_wrong(found)) return 0;

@@ -7,7 +7,7 @@
 #include "gi/parity/verdict.h"
 #include "tools/mutants/dispatches.h"
 #include "tools/mutants/mutant.h"
-#include "tools/vulkan/device.h"
+#include "tools/mutants/on_device.h"
 
 namespace plumb::mutants {
 
@@ -28,20 +28,18 @@ class Court {
           const DeviceProfile& profile);
 
     // The twin as it is.
-    Trial unmutated(const std::string& stage) const;
+    Trial unmutated(const std::string& stage);
     // until_wrong: stop at the first dispatch that is wrong.
-    Trial operator()(const Mutant& mutant, bool until_wrong, double scale = 1) const;
+    Trial operator()(const Mutant& mutant, bool until_wrong, double scale = 1);
 
   private:
-    Trial run(const StageBinding& binding, std::span<const std::uint32_t> spirv, bool until_wrong) const;
+    Trial run(const StageBinding& binding, std::span<const std::uint32_t> spirv, bool until_wrong);
 
-    const vulkan::Device& device_;
     const TwinCompiler& compiler_;
-    const std::vector<Dispatch>& dispatches_;
-    const DeviceProfile& profile_;
+    OnDevice panels_;
 };
 
 // The smallest e for which a factor of 1 + e is found to be wrong, to within a tenth; 0 where not even 0.1 is.
-double smallest_error(const Court& court, const Mutant& mutant);
+double smallest_error(Court& court, const Mutant& mutant);
 
 }  // namespace plumb::mutants
