@@ -5,15 +5,7 @@
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
-struct AllUniforms {
-    Projection map;
-    float least_distance2;
-    float scale;
-    int width;
-    int height;
-};
-
-layout(std140, binding = 0) uniform AllUniformBlock { AllUniforms u; };
+layout(std140, binding = 0) uniform GatherUniformBlock { GatherUniforms u; };
 layout(binding = 1) uniform sampler2D position_image;  // xyz world, m
 layout(binding = 2) uniform sampler2D normal_image;    // xyz unit
 layout(binding = 3) uniform sampler2D rsm_position;    // xyz world, m

@@ -39,17 +39,14 @@ Uniforms shared_uniforms(const GatherParams& params, const GatherInputs& in) {
     u.scale = irradiance_scale(params);
     u.width = in.position->width;
     u.height = in.position->height;
-    if constexpr (requires { u.rotations; }) {
-        u.rotations = params.rotations;
-        u.seed = in.seed;
-        u.reach = reach_of(*in.pattern);
-    }
+    u.rotations = params.rotations;
+    u.seed = in.seed;
+    if (in.pattern) u.reach = reach_of(*in.pattern);
     return u;
 }
 
 std::vector<unsigned char> block_of(const GatherParams& params, const GatherInputs& in) {
-    if (params.gather == Gather::all) return uniform_block(shared_uniforms<AllUniforms>(params, in));
-    if (params.gather == Gather::disc) {
+    if (params.gather != Gather::paths) {
         auto u = shared_uniforms<GatherUniforms>(params, in);
         u.samples = sample_count(params);
         return uniform_block(u);

@@ -2,18 +2,6 @@
 // includes it behind the choice of texels: whole_texels.glsl or continuous_texels.glsl.
 layout(local_size_x = 8, local_size_y = 8) in;
 
-struct GatherUniforms {
-    Projection map;
-    float least_distance2;
-    float scale;
-    int samples;
-    int rotations;
-    int width;
-    int height;
-    uint seed;
-    int reach;
-};
-
 layout(std140, binding = 0) uniform GatherUniformBlock { GatherUniforms u; };
 layout(binding = 1) uniform sampler2D position_image;  // xyz world, m
 layout(binding = 2) uniform sampler2D normal_image;    // xyz unit

@@ -1,5 +1,17 @@
-// What all gathers share: VRSM (3.2), as in gather_kernel.h.
+// What gather.comp and gather_all.comp share: the uniform block and VRSM (3.2), as in gather_kernel.h.
 #include "raster/project.glsl"
+
+struct GatherUniforms {
+    Projection map;
+    float least_distance2;
+    float scale;
+    int samples;
+    int rotations;
+    int width;
+    int height;
+    uint seed;
+    int reach;
+};
 
 // The geometry of VRSM (3.2), everything but the flux: 1/m2.
 float form(vec3 x, vec3 n, vec3 x_p, vec3 n_p, float least_distance2) {

@@ -29,16 +29,6 @@ struct GatherUniforms {
 };
 static_assert(sizeof(GatherUniforms) == 96);
 
-// That of the sum over every texel.
-struct AllUniforms {
-    raster::Projection map;  // its size alone is read
-    float least_distance2;
-    float scale;
-    std::int32_t width;
-    std::int32_t height;
-};
-static_assert(sizeof(AllUniforms) == 80);
-
 // One invocation's inputs. Component is float or Half: the storage of the map's records. A device binds the map as three
 // images; where nobody lends its records, they are made of these.
 template <class Component>
@@ -57,7 +47,7 @@ struct GatherInputsView {
 };
 
 struct AllInputsView {
-    AllUniforms u;
+    GatherUniforms u;       // of its map the size alone is read, of its pattern nothing
     const float* position;  // as above
     const float* normal;
     const float* rsm_position;
@@ -140,7 +130,7 @@ template <class F, class Tap>
 PLUMB_INLINE vec3<F> gather_all(const AllInputsView& in, index_t<F> px, index_t<F> py, Tap& tap) {
     using N = number<F>;
     using I = index_t<F>;
-    const AllUniforms& u = in.u;
+    const GatherUniforms& u = in.u;
     const I pixel = py * I(u.width) + px;
     const vec3<F> x = xyz<F>(N::fetch4(in.position, pixel));      tap("x", x, "world, m");
     const vec3<F> n = xyz<F>(N::fetch4(in.normal, pixel));        tap("n", n, "unit normal of x");

@@ -9,7 +9,7 @@
 
 #include "core/binding.h"
 #include "io/manifest.h"
-#include "tools/plumb/outputs.h"
+#include "tools/shared/outputs.h"
 
 namespace plumb::cli {
 
