@@ -206,7 +206,7 @@ TEST_CASE("export: of another scene it takes the place of what was there", "[pro
     const Result r = run({"export", scene, "--stage", "tonemap", "-o", to});
     INFO(r.out << r.err);
     CHECK(r.exit == 0);
-    CHECK_THAT(r.out, Contains("replaced: what was there was exported from another scene, or with other settings; gone: "
+    CHECK_THAT(r.out, Contains("replaced: what was there is of another scene, other settings, another device or program; gone: "
                                "gbuffer, rsm (key)") &&
                           Contains("kept: " + changed + ": has changed since it was exported"));
     CHECK(files_in(to) == Words{"README.txt", "direct/in/visibility.bin", "gbuffer/mine.txt", "manifest.toml", "mine.bin",

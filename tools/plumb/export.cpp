@@ -176,7 +176,7 @@ void print_merge(const Merge& merge, const std::vector<std::string>& changed) {
     if (!merge.kept.empty())
         fmt::print("beside them, of the earlier export of the same scene and settings: {}\n", fmt::join(merge.kept, ", "));
     if (!merge.removed.empty())
-        fmt::print("replaced: what was there was exported from another scene, or with other settings; gone: {}\n",
+        fmt::print("replaced: what was there is of another scene, other settings, another device or program; gone: {}\n",
                    fmt::join(merge.removed, ", "));
     for (const std::string& file : changed) fmt::print("kept: {}: has changed since it was exported\n", io::shown(file));
 }
