@@ -5,7 +5,7 @@
 #include <set>
 #include <sstream>
 
-#include "tests/program/program.h"
+#include "tests/program/exported.h"
 
 using namespace plumb::program;
 
@@ -65,6 +65,7 @@ TEST_CASE("usage: every command takes --json, --threads and --isa", "[program][c
     REQUIRE(run({"render", scene, "-o", folder + "/a"}).exit == 0);
     const std::string picture = folder + "/a/small.exr";
     REQUIRE(run({"export", scene, "--stage", "tonemap", "-o", folder + "/d"}).exit == 0);
+    write_expected(folder + "/d");
     const std::string views = folder + "/views.toml";
     REQUIRE(run({"cameras", scene, "--frames", "0:0:1", "-o", views}).exit == 0);
     const std::map<std::string, std::vector<std::string>> uses = {
