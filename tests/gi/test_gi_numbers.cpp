@@ -51,6 +51,13 @@ struct Inputs {
         v.offsets = offsets, v.weights = weights;
         return v;
     }
+    rsm::AllInputsView every_texel() const {
+        rsm::AllInputsView v{};
+        const rsm::GatherInputsView<float> g = gather();
+        v.u = {g.u.map, g.u.least_distance2, g.u.scale, g.u.width, g.u.height};
+        v.position = g.position, v.normal = g.normal, v.records = g.records;
+        return v;
+    }
     rsm::PathsInputsView<float> paths() const {
         rsm::PathsInputsView<float> v{};
         v.u.map = gather().u.map;
@@ -119,7 +126,7 @@ TEST_CASE("every kernel of gi/ runs for float, double and Bounded, and they fit 
     }
     SECTION("rsm.all") {
         require_within_bound([&](auto tag, int px) {
-            return rsm::gather_all<decltype(tag)>(inputs.gather(), index_t<decltype(tag)>(px), 0, tap);
+            return rsm::gather_all<decltype(tag)>(inputs.every_texel(), index_t<decltype(tag)>(px), 0, tap);
         });
     }
     SECTION("shadow") {
