@@ -117,7 +117,8 @@ Lines outputs_of_twin(const std::string& text, bool raster) {
 }
 
 std::string kind_text(const Slot& s) {
-    const char* const kinds[] = {"image", "image_array", "buffer", "storage_image", "target", "depth"};
+    const char* const kinds[] = {"image",          "image_array", "buffer", "storage_image",
+                                 "storage_buffer", "target",      "depth"};
     return kinds[int(s.kind)] + std::string(" ") + dtype_name(s.dtype) + " " + std::to_string(s.channels);
 }
 Lines lines_of(const std::vector<Slot>& slots) {

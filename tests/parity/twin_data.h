@@ -98,11 +98,6 @@ inline StageData named(StageData data, const std::string& id) {
     return data;
 }
 
-// A copy of all that is lent.
-inline StageData owned_data(const StageData& data) {
-    return owned(parity::find_binding(data.stage, data.stage), data);
-}
-
 inline StageData shadow_case(glm::ivec2 size, LightType type, int face, direct::ShadowMode mode,
                              direct::ShadowVariant variant, const std::string& id) {
     const Light light = make_light(type, 48);
