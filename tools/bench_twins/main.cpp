@@ -59,7 +59,7 @@ struct OurGather {
 std::size_t differing(const void* ours, const Array& theirs) {
     const auto* a = static_cast<const unsigned char*>(ours);
     std::size_t n = 0;
-    for (std::size_t i = 0; i < theirs.bytes.size(); i += 4) n += std::memcmp(a + i, &theirs.bytes[i], 4) != 0;
+    for (std::size_t i = 0; i < theirs.bytes.size(); i += 4) n += std::memcmp(a + i, theirs.bytes.data() + i, 4) != 0;
     return n;
 }
 
