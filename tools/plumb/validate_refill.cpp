@@ -7,7 +7,7 @@
 #include "io/filling.h"
 #include "io/manifest.h"
 #include "tools/plumb/cli.h"
-#include "tools/plumb/reports.h"
+#include "tools/shared/reports.h"
 
 namespace plumb::cli {
 
