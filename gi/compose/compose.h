@@ -46,7 +46,7 @@ inline StageDescription<ComposeInputsView> describe(ComposeKernel) {
         .outputs = {{.name = "radiance", .at = &View::radiance, .unit = "W/(m2 sr)",
                      .meaning = "outgoing radiance towards the viewer"}},
         .params = plumb::describe(fields(defaults)),
-        .cost = {3, "pixels"},
+        .cost = {5, "pixels"},
     };
 }
 StageData data_of(const ComposeParams& params, const ComposeInputs& in);
@@ -73,7 +73,7 @@ inline StageDescription<TonemapInputsView> describe(TonemapKernel) {
         .outputs = {{.name = "display", .at = &View::display, .meaning = "sRGB-encoded, 0..1; w 1"}},
         .params = plumb::describe(fields(defaults)),
         .uniforms = {{"op", 0, int(Operator::filmic)}},
-        .cost = {10, "pixels"},
+        .cost = {25, "pixels"},
     };
 }
 StageData data_of(const TonemapParams& params, const TonemapInputs& in);

@@ -49,7 +49,7 @@ inline StageDescription<DirectInputsView> describe(DirectKernel) {
                      .meaning = "direct irradiance; w: shadow density where it is asked for"}},
         .params = plumb::describe(fields(defaults)),
         .uniforms = {{"lights", 0, 0x7fffffff}},
-        .cost = {3, "pixels"},
+        .cost = {6, "pixels x lights"},
     };
 }
 

@@ -44,7 +44,7 @@ inline StageDescription<LogBlurInputsView> describe(LogBlurKernel) {
                      .meaning = "w: blurred depth; 0 where no tap has anything"}},
         .params = plumb::describe(fields(defaults), {"esm_c", "esm_blur_radius", "esm_blur_sigma"}),
         .uniforms = {{"radius", 0, most_blur_radius}},
-        .cost = {4, "samples"},
+        .cost = {3, "samples"},
     };
 }
 

@@ -56,9 +56,9 @@ inline StageDescription<ShadowInputsView> describe(ShadowKernel) {
         .outputs = {{.name = "visibility", .at = &View::visibility,
                      .meaning = "1 lit, 0 shadowed; but for the hard test in between"}},
         .params = plumb::describe(fields(defaults)),
-        .uniforms = {{"kernel", 1, 64}, {"soft", 0, int(Soft::esm)}},
+        .uniforms = {{"map.size", 1, 32767}, {"kernel", 1, 64}, {"soft", 0, int(Soft::esm)}},
         .fixed_uniforms = {{"perspective", 1}, {"samples", 1}},
-        .cost = {5, "pixels"},
+        .cost = {8, "pixels"},
     };
 }
 

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <stdexcept>
 
 #include "core/error.h"
 #include "gi/direct/log_blur.h"
@@ -8,6 +9,7 @@
 #include "gi/frame/frame.h"
 #include "gi/frame/isr.h"
 #include "gi/frame/refusals.h"
+#include "gi/methods.h"
 #include "gi/rsm/all_rays.h"
 #include "raster/light_view.h"
 
@@ -17,9 +19,8 @@ namespace {
 
 // Milliseconds for a million turns of a stage's inner loop on one core with AVX-512, measured by plumb_bench
 // on a 2.x GHz server core. They order stages by cost; they promise nothing.
-constexpr double ms_pixels = 60, ms_shadow = 8, ms_direct = 6, ms_disc = 4.2, ms_path_samples = 4.8, ms_all = 0.55,
-                 ms_exact_rays = 100, ms_native_rays = 25, ms_compose = 5, ms_tonemap = 25, ms_reduce = 1, ms_upsample = 8, ms_blur = 0.2,
-                 ms_paths = 1000, ms_isr_samples = 1, ms_isr_pixels = 4, ms_isr_blur = 1, ms_map_blur = 3;
+// Those of stages with a kernel are their descriptions'.
+constexpr double ms_pixels = 60, ms_exact_rays = 100, ms_native_rays = 25, ms_paths = 1000;
 // What a part of a stage takes of that, for a million pixels: the light of a map, by `tools/bench pruning` (the Cornell
 // box with direct light alone); the two colours of a G-buffer with their textures and one of them alone, estimated.
 constexpr double ms_light = 45, ms_colours = 12, ms_colour = 4;
@@ -66,6 +67,14 @@ struct Planner {
         return s;
     }
 
+    // The same at the cost that the stage's description states.
+    PlannedStage& add(const char* name, const char* kind, int light, double work, const std::string& why) {
+        for (const ListedStage& s : stages())
+            if (s.binding && s.info.name == name)
+                return add(name, kind, light, work, s.binding->cost.unit.c_str(), s.binding->cost.ms_per_million, why);
+        throw std::logic_error(fmt::format("plan: {} states no cost", name));
+    }
+
     // The rule that leaves out a part of a needed stage, or null.
     const Rule* part_left_out(const PlannedStage& stage, const Work& work) const {
         return settings.pruning && stage.needed ? left_out(work) : nullptr;
@@ -104,13 +113,13 @@ struct Planner {
     void add_view_shadows(int light) {
         for (int v = 1; v < int(views.size()); ++v) {
             const double pixels = double(views[std::size_t(v)].size.x) * views[std::size_t(v)].size.y;
-            note_view(add("shadow", "shadow", light, pixels, "pixels", ms_shadow, ""), v, views[std::size_t(v)].name);
+            note_view(add("shadow", "shadow", light, pixels, ""), v, views[std::size_t(v)].name);
         }
     }
     void add_view_direct() {
         for (int v = 1; v < int(views.size()); ++v) {
             const double pixels = double(views[std::size_t(v)].size.x) * views[std::size_t(v)].size.y;
-            note_view(add("direct", "direct", -1, pixels * double(scene.lights.size()), "pixels x lights", ms_direct, ""), v,
+            note_view(add("direct", "direct", -1, pixels * double(scene.lights.size()), ""), v,
                       views[std::size_t(v)].name);
         }
     }
@@ -125,20 +134,17 @@ struct Planner {
             const double pixels = double(size.x) * size.y;
             PlannedStage* s = nullptr;
             if (is_isr_gather(i.name))
-                s = &add(i.name.c_str(), "isr", -1, pixels * isr::sample_count(p.rings), "samples", ms_isr_samples,
-                         "indirect light");
+                s = &add(i.name.c_str(), "isr", -1, pixels * isr::sample_count(p.rings), "indirect light");
             else if (i.name == "isr.ssao")
-                s = &add("isr.ssao", "isr.ssao", -1, pixels * isr::sample_count(p.ssao_rings), "samples", ms_isr_samples,
-                         "accessibility");
+                s = &add("isr.ssao", "isr.ssao", -1, pixels * isr::sample_count(p.ssao_rings), "accessibility");
             else if (i.name == "isr.blur")
-                s = &add("isr.blur", "isr.lit", -1, pixels * (2 * p.blur_radius + 1), "samples", ms_isr_blur,
-                         "indirect light without its noise");
+                s = &add("isr.blur", "isr.lit", -1, pixels * (2 * p.blur_radius + 1), "indirect light without its noise");
             else if (i.name == "isr.upsample")
-                s = &add("isr.upsample", "isr.lit", -1, pixels, "pixels", ms_isr_pixels, "indirect light of every pixel");
+                s = &add("isr.upsample", "isr.lit", -1, pixels, "indirect light of every pixel");
             else if (i.form == "surface")
-                s = &add("isr.downsample", "isr.lit", -1, pixels, "pixels", ms_isr_pixels, "gathers read it");
+                s = &add("isr.downsample", "isr.lit", -1, pixels, "gathers read it");
             else
-                s = &add(i.name.c_str(), "isr", -1, pixels, "pixels", ms_isr_pixels, "gathers read it");
+                s = &add(i.name.c_str(), "isr", -1, pixels, "gathers read it");
             s->form = i.form, s->pass = i.pass;
             if (!i.form.empty()) s->label += " (" + i.form + ")";
             if (i.view > 0) note_view(*s, i.view, views[std::size_t(i.view)].name);
@@ -171,7 +177,7 @@ struct Planner {
         if (!direct::blurs_maps(settings.shadow)) return;
         for (const char* form : {"horizontal", "vertical"}) {
             PlannedStage& s = add("shadow.blur", "shadow", light, texels * (2 * settings.shadow.esm_blur_radius + 1),
-                                  "samples", ms_map_blur, "shadow reads it");
+                                  "shadow reads it");
             s.form = form;
             s.label.insert(s.label.size() - 1, std::string(", ") + form);
         }
@@ -190,7 +196,7 @@ struct Planner {
         planned.wants.light = !leave_out(s, {"rsm", "light", l}, texels * 1e-6 * ms_light);
         leave_out_faces(s, planned, (triangles + side * side) * 1e-6 * ms_pixels);
         add_map_blur(l, texels);
-        add("shadow", "shadow", l, pixels, "pixels", ms_shadow, "direct light reads it");
+        add("shadow", "shadow", l, pixels, "direct light reads it");
         add_view_shadows(l);
         if (settings.method != Method::rsm) return;
         const glm::ivec2 size = gather_size(settings, scene.frame_size);
@@ -201,11 +207,9 @@ struct Planner {
         const rsm::GatherParams& params = settings.rsm;
         const std::string name = rsm::stage_name(params), why = "indirect light of this light";
         if (params.gather == rsm::Gather::disc || params.gather == rsm::Gather::paths) {
-            const bool disc = params.gather == rsm::Gather::disc;
-            add(name.c_str(), "gather", light, pixels * maps * rsm::sample_count(params), "samples",
-                disc ? ms_disc : ms_path_samples, why);
+            add(name.c_str(), "gather", light, pixels * maps * rsm::sample_count(params), why);
         } else if (params.gather == rsm::Gather::all) {
-            add(name.c_str(), "gather", light, pixels * texels, "texel pairs", ms_all, why);
+            add(name.c_str(), "gather", light, pixels * texels, why);
         } else {
             // How many texels are lit and how many pixels see a surface, only the run knows.
             const double asked = double(rsm::texels_asked(params, std::uint64_t(pixels), std::uint64_t(texels)));
@@ -221,12 +225,11 @@ struct Planner {
         for (const FilterStage& f : filters) {
             PlannedStage* s = nullptr;
             if (f.name == "filter.reduce")
-                s = &add("filter.reduce", "filter", -1, pixels / 4, "pixels", ms_reduce, "gathers read it");
+                s = &add("filter.reduce", "filter", -1, pixels / 4, "gathers read it");
             else if (f.name == "filter.upsample")
-                s = &add("filter.upsample", "filter", -1, pixels, "pixels", ms_upsample, "indirect light of every pixel");
+                s = &add("filter.upsample", "filter", -1, pixels, "indirect light of every pixel");
             else
-                s = &add("filter.blur", "filter", -1, pixels * kernel * (f.form.empty() ? kernel : 1), "samples", ms_blur,
-                         "indirect light without its noise");
+                s = &add("filter.blur", "filter", -1, pixels * kernel * (f.form.empty() ? kernel : 1), "indirect light without its noise");
             s->form = f.form;
             if (!f.form.empty()) s->label += " (" + f.form + ")";
         }
@@ -261,13 +264,12 @@ Plan plan_of(const Scene& scene, const Settings& settings, const Geometry& geome
     for (int l = 0; casts_shadows(settings) && l < int(scene.lights.size()); ++l)
         planner.add_light(l, triangles, pixels, total_texels);
     planner.add_filters(filters_after_gathers(settings), pixels);
-    planner.add("direct", "direct", -1, pixels * double(scene.lights.size()), "pixels x lights", ms_direct,
-                "direct light");
+    planner.add("direct", "direct", -1, pixels * double(scene.lights.size()), "direct light");
     planner.add_view_direct();
     planner.add_isr();
-    planner.add(gathers_isr(settings) ? "isr.compose" : "compose", "compose", -1, pixels, "pixels", ms_compose, "the picture");
+    planner.add(gathers_isr(settings) ? "isr.compose" : "compose", "compose", -1, pixels, "the picture");
     if (settings.method == Method::reference) planner.add_traced("color", pixels, "the picture");
-    planner.add("tonemap", "tonemap", -1, pixels, "pixels", ms_tonemap, "the picture");
+    planner.add("tonemap", "tonemap", -1, pixels, "the picture");
     if (settings.truth) {
         planner.add_traced("truth", pixels, "the truth of color");
         planner.add_traced("truth.direct", pixels, "the truth of direct: lamps alone");

@@ -40,7 +40,7 @@ inline StageDescription<UpsampleInputsView> describe(UpsampleKernel) {
             const glm::ivec2 size = coarse_size({v.u.width, v.u.height});
             v.u.coarse_width = size.x, v.u.coarse_height = size.y;
         },
-        .cost = {8, "pixels"},
+        .cost = {4, "pixels"},
     };
 }
 

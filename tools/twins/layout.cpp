@@ -2,7 +2,10 @@
 //
 // <path>: of the twin from the project's root; of a raster stage without .vert and .frag, with the SPIR-V of both. The
 // header holds a struct named after the path, with a TwinLayout (core/twin_layout.h) and a check of the C++ struct that
-// stands for the uniform block. Refuses a member of the block that no shader of the stage reads.
+// stands for the uniform block.
+//
+// layout --unread <spirv>...: fails where a member of a uniform block is read by none of the shaders of its folder that
+// have the block; a struct that is passed on whole counts as read. Files are named <folder>.<name>.<stage>.spv.
 #include <algorithm>
 #include <cstdio>
 #include <set>
@@ -179,9 +182,43 @@ std::string header_of(const std::string& path, bool raster, const Layout& l) {
     return h.str();
 }
 
+Layout layout_of(const std::string& spirv) {
+    Layout layout;
+    const Module m = read_module(spirv);
+    for (const Instruction& in : m.instructions)
+        if (in.opcode == op_variable)
+            add_variable(m, in.words[1], in.words[2], m.types.at(in.words[0]).words[1], false, layout);
+    return layout;
+}
+
+// "gi.isr" of "<folders>/gi.isr.blur.comp.spv".
+std::string folder_of(const std::string& path) {
+    std::string name = path.substr(path.rfind('/') + 1);
+    for (int part = 0; part < 3; ++part) name = name.substr(0, name.rfind('.'));
+    return name;
+}
+
+void refuse_unread(int count, char** paths) {
+    std::map<std::string, Layout> blocks;  // by folder and name
+    for (int i = 0; i < count; ++i) {
+        Layout layout = layout_of(paths[i]);
+        Layout& all = blocks[folder_of(paths[i]) + " " + layout.block.name];
+        all.block = layout.block;
+        all.read.merge(layout.read);
+    }
+    for (const auto& [key, layout] : blocks)
+        for (const Member& m : layout.block.members)
+            if (!layout.read.count(m.name) && m.name.find("padding") == std::string::npos)
+                throw std::runtime_error(key + "." + m.name + " is never read: remove it");
+}
+
 }  // namespace
 
 int main(int argc, char** argv) try {
+    if (argc > 2 && std::string(argv[1]) == "--unread") {
+        refuse_unread(argc - 2, argv + 2);
+        return 0;
+    }
     if (argc < 4) throw std::runtime_error("usage: layout <path> <header> <spirv>...");
     const std::string path = argv[1];
     Layout layout;
@@ -194,9 +231,6 @@ int main(int argc, char** argv) try {
             add_variable(m, in.words[1], in.words[2], pointer.words[1], fragment, layout);
         }
     }
-    for (const Member& m : layout.block.members)
-        if (false && !layout.read.count(m.name) && m.name.find("padding") == std::string::npos)
-            throw std::runtime_error(path + ": " + layout.block.name + "." + m.name + " is never read: remove it");
     std::ofstream header(argv[2]);
     header << header_of(path, argc > 4, layout);
     header.close();
