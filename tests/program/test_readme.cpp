@@ -2,6 +2,7 @@
 // settings in command blocks, and every link to a file.
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <cctype>
 #include <filesystem>
 #include <map>
 #include <set>
@@ -140,7 +141,7 @@ struct ProgramNames {
 };
 ProgramNames program_names() {
     ProgramNames names;
-    for (const Json& stage : Json::parse(run({"stages", "--json"}).out)) names.stages.insert(stage.at("name"));
+    for (const Json& stage : Json::parse(run({"stages", "--json"}).out)) names.stages.insert(stage.at("name").get<std::string>());
     names.scene = small_scene(fresh_folder("readme"));
     return names;
 }
