@@ -210,6 +210,7 @@ TEST_CASE("generic mutants: the list of survivors is keyed by function and text"
     site.place.text = "x + y", site.change = Change::factor_dropped;
     CHECK_FALSE(list[0].matches(site));
 
+    CHECK(read(entry.substr(0, 13) + entry.substr(entry.find("function")))[0].matches({Change::plus_minus, 0, 0, {"f", "b.comp", 3, "x + y"}}));
     CHECK_THROWS_AS(read("[[survivor]]\nfile = \"a.comp\"\n"), InputError);
     std::string typo = entry;
     typo.replace(typo.find("plus_minus"), 10, "plus_minis");

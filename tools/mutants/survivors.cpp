@@ -22,7 +22,7 @@ Survivor read_survivor(const io::DocumentValue& table, const std::string& path) 
     io::DocumentReader reader(table, path, "survivor");
     Survivor s;
     s.place = reader.place();
-    s.file = required(reader, "file");
+    s.file = reader.filled("file", "");
     s.function = required(reader, "function");
     s.text = reader.filled("text", "");
     std::istringstream words(reader.filled("change", ""));
@@ -41,7 +41,7 @@ Survivor read_survivor(const io::DocumentValue& table, const std::string& path) 
 const char* sort_name(Sort sort) { return sort_names[std::size_t(sort)].c_str(); }
 
 bool Survivor::matches(const Site& site) const {
-    return site.place.file == file && site.place.function == function && (text.empty() || site.place.text == text) &&
+    return (file.empty() || site.place.file == file) && site.place.function == function && (text.empty() || site.place.text == text) &&
            (changes.empty() || std::find(changes.begin(), changes.end(), site.change) != changes.end());
 }
 

@@ -1,9 +1,9 @@
 // Generic mutants that need not be found, each with its reason.
 //
 //     [[survivor]]
-//     file = "gi/isr/ssao.comp"            # of the source text; a key holds wherever its line stands
+//     file = "gi/isr/ssao.comp"            # of the source text; absent: any
 //     function = "occlusion_of"
-//     text = "precise float inverse = ..." # the line; absent: every line of the function
+//     text = "precise float inverse = ..." # the line, wherever it stands; absent: every line of the function
 //     change = "limit_dropped"             # absent: every change
 //     sort = "equivalent"                  # equivalent | unreached | missed
 //     reason = "..."
