@@ -28,7 +28,8 @@ struct Panel {
     std::string name, scene, place;
     glm::ivec2 size{0};
     int maps = 0;
-    std::vector<std::string> settings, ties;
+    double radius = 0;
+    std::vector<std::string> settings, ties, off;
 };
 
 std::vector<std::string> words_of(io::DocumentReader& reader, const std::string& key) {
@@ -55,7 +56,9 @@ std::vector<Panel> read_panels(const std::filesystem::path& file) {
         if (!size || size->list.size() != 2) reader.fail("size", "must be two numbers");
         p.size = {int(size->list[0].integer), int(size->list[1].integer)};
         p.maps = int(reader.integer("maps", 0, 0, 4096));
+        p.radius = reader.number("radius", 0, 0, 1e9);
         p.settings = words_of(reader, "settings"), p.ties = words_of(reader, "ties");
+        p.off = words_of(reader, "off");
         reader.finish();
         out.push_back(std::move(p));
     }
@@ -115,8 +118,11 @@ Scene box(const std::filesystem::path& source) {
 void append(const Panel& panel, const std::filesystem::path& source, std::vector<Dispatch>& out) {
     Scene scene = panel.scene == "quads" ? quads() : box(source);
     scene.frame_size = panel.size;
-    for (Light& light : scene.lights)
+    for (Light& light : scene.lights) {
         if (panel.maps > 0) light.rsm_size = panel.maps;
+        if (panel.radius > 0 && light.type != LightType::directional) light.radius = float(panel.radius);
+        if (std::find(panel.off.begin(), panel.off.end(), light.name) != panel.off.end()) light.on = false;
+    }
     for (const std::string& setting : panel.settings) set(scene, setting, panel.place);
     const frame::Settings settings = frame::settings_of(scene);
     const frame::Plan plan = frame::plan(scene, settings);
