@@ -63,13 +63,13 @@ StageBinding known_binding() {
     return b;
 }
 
-struct JudgedStage {
+struct KnownCase {
     StageBinding binding = known_binding();
     StageData data;
     std::vector<float> values = std::vector<float>(side * side, 1.0f);
     parity::JudgeOptions options;
 
-    JudgedStage() { data.stage = data.label = "known", data.size = {side, side}; }
+    KnownCase() { data.stage = data.label = "known", data.size = {side, side}; }
     float& at(int x, int y) { return values[std::size_t(y * side + x)]; }
     parity::StageVerdict judge(Format stored = Format::r32f) const {
         Bundle bundle;
@@ -83,7 +83,7 @@ std::int64_t count(const parity::StageVerdict& v, Verdict verdict) { return v.co
 }  // namespace
 
 TEST_CASE("verdict: equal bits everywhere, and pixels that are not written are not judged", "[verdict]") {
-    JudgedStage k;
+    KnownCase k;
     k.at(4, 3) = 99;
     const parity::StageVerdict v = k.judge();
     CHECK(v.passed);
@@ -95,7 +95,7 @@ TEST_CASE("verdict: equal bits everywhere, and pixels that are not written are n
 }
 
 TEST_CASE("verdict: within the bound of our branch, of another, of an ambiguous one, of none", "[verdict]") {
-    JudgedStage k;
+    KnownCase k;
     k.at(0, 0) = 1.0099f;   // ours
     k.at(1, 0) = 2.0099f;   // another legal branch
     k.at(2, 0) = 2.9901f;   // legal, but nothing more can be decided
@@ -122,7 +122,7 @@ TEST_CASE("verdict: within the bound of our branch, of another, of an ambiguous 
 
 TEST_CASE("verdict: NaN and infinity are wrong, wherever they stand", "[verdict]") {
     for (const float planted : {not_a_number, -not_a_number, infinite, -infinite}) {
-        JudgedStage k;
+        KnownCase k;
         k.at(7, 9) = planted;
         const parity::StageVerdict v = k.judge();
         CHECK(count(v, Verdict::wrong) == 1);
@@ -130,7 +130,7 @@ TEST_CASE("verdict: NaN and infinity are wrong, wherever they stand", "[verdict]
         CHECK_FALSE(v.passed);
     }
     // Not even where nothing bounds the value.
-    JudgedStage k;
+    KnownCase k;
     k.at(3, 0) = not_a_number;
     CHECK(count(k.judge(), Verdict::wrong) == 1);
 }
@@ -186,7 +186,7 @@ TEST_CASE("verdict: what differs is named where no difference is allowed", "[ver
 }
 
 TEST_CASE("verdict: too many ambiguous pixels decide nothing", "[verdict]") {
-    JudgedStage k;
+    KnownCase k;
     k.options.max_ambiguous = 0.005;
     k.at(2, 0) = 3;
     // One of 380 is 0.26 %, two are 0.53 %.
@@ -223,7 +223,7 @@ TEST_CASE("verdict: a dispatch that writes nothing is said to decide nothing", "
 }
 
 TEST_CASE("verdict: the device's own choice is followed where it is legal", "[verdict]") {
-    JudgedStage k;
+    KnownCase k;
     k.options.choices.assign(side * side, 0);
     k.options.choices_a_pixel = 1;
     k.at(5, 2) = 7, k.options.choices[2 * side + 5] = 7;  // legal
@@ -235,7 +235,7 @@ TEST_CASE("verdict: the device's own choice is followed where it is legal", "[ve
 
 TEST_CASE("verdict: a store of 8 bits moves a value by at most one step", "[verdict][formats]") {
     // Ours, 1, is stored as 1; a device may have rounded 1 - 0.01 down: 252/255 = 0.98824, not 251/255.
-    JudgedStage k;
+    KnownCase k;
     k.at(0, 0) = 252 / 255.0f;
     k.at(0, 1) = 250 / 255.0f;
     const parity::StageVerdict v = k.judge(Format::rgba8);
@@ -308,7 +308,7 @@ TEST_CASE("verdict: every component is judged", "[verdict]") {
 
 TEST_CASE("verdict: a dump that says how it was rounded is judged by that", "[verdict]") {
     // Ours is 1, legally 1 +- 0.01; the target held at most 0.95 and rounded by up to 0.02.
-    JudgedStage k;
+    KnownCase k;
     Bundle bundle;
     std::fill(k.values.begin(), k.values.end(), 0.96f);
     k.at(0, 1) = 0.98f;
@@ -333,7 +333,7 @@ TEST_CASE("verdict: a dump that says how it was rounded is judged by that", "[ve
 }
 
 TEST_CASE("verdict: dumps that do not fit are refused by one line", "[verdict]") {
-    JudgedStage k;
+    KnownCase k;
     auto message = [&](const std::string& name, const Shape& shape, DType dtype, unsigned channels) {
         Bundle bundle;
         add(bundle, "x", dtype, shape);

@@ -27,7 +27,7 @@ std::size_t different(const Bundle& ours, const Bundle& theirs) {
     for (std::size_t i = 0; i < ours.arrays.size(); ++i) {
         const auto &a = ours.arrays[i].bytes, &b = theirs.arrays[i].bytes;
         REQUIRE(a.size() == b.size());
-        for (std::size_t k = 0; k < a.size(); k += 4) n += std::memcmp(&a[k], &b[k], 4) != 0;
+        for (std::size_t k = 0; k < a.size(); k += 4) n += std::memcmp(a.data() + k, b.data() + k, 4) != 0;
     }
     return n;
 }

@@ -25,6 +25,7 @@
 #include "tools/shared/progress.h"
 #include "tools/shared/reports.h"
 #include "tools/shared/scene_command.h"
+#include "tools/shared/sweep.h"
 #include "tools/shared/table.h"
 
 #ifdef PLUMB_WITH_VULKAN
