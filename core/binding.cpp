@@ -175,7 +175,9 @@ void run_bound(const StageBinding& binding, const StageData& data, const BoundSt
 template <class T>
 void run_into(const StageBinding& binding, const StageData& data, const RunOptions& options, Image<T>& output, T fill) {
     const std::unique_ptr<BoundStage> bound = binding.bind(data);
-    const bool fits = output.width == data.size.x && output.height == data.size.y && !reads(data, output.data());
+    const std::size_t texels = std::size_t(data.size.x) * std::size_t(data.size.y);
+    const bool fits = output.width == data.size.x && output.height == data.size.y && output.size() == texels &&
+                      !reads(data, output.data());
     Image<T> result = fits ? std::move(output) : Image<T>(data.size.x, data.size.y, fill);
     if (fits && data.tiles.any) std::fill(result.texels.begin(), result.texels.end(), fill);
     run_bound(binding, data, *bound, options, reinterpret_cast<float*>(result.data()));

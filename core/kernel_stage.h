@@ -7,7 +7,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <memory>
+#include <mutex>
 #include <stdexcept>
+#include <vector>
 
 #include "core/binding.h"
 #include "core/bounded.h"
@@ -217,9 +221,10 @@ class KernelStage final : public BoundStage {
         for (std::size_t i = 0; i < outputs.arrays.size(); ++i) {
             const Array& array = outputs.arrays[i];
             const Slot& slot = binding_.outputs[i];
-            const std::size_t n = std::size_t(data_.size.x) * std::size_t(data_.size.y) * std::size_t(slot.channels);
-            if (array.name != slot.name || array.dtype != slot.dtype || array.bytes.size() != n * dtype_size(slot.dtype))
-                return false;
+            const bool list = slot.kind == SlotKind::storage_buffer;
+            Shape shape = list ? Shape{std::int64_t(data_.size.x) * data_.size.y} : Shape{data_.size.y, data_.size.x};
+            if (list || slot.channels > 1) shape.push_back(slot.channels);
+            if (array.name != slot.name || array.dtype != slot.dtype || array.shape != shape) return false;
         }
         return true;
     }

@@ -33,7 +33,7 @@ inline void lend_tiles(StageData& data, const raster::Covered* covered) {
     data.tiles = {covered->any.data(), covered->tiles.x};
 }
 
-// Runs the stage that reads `in`, explains an item of it, or computes all of it in double. data_of(params, in) is the
+// Runs the stage that reads `in`, or explains an item of it. data_of(params, in) is the
 // method's: its parameters become a uniform block.
 template <class Params, class Inputs>
 void run(const Params& params, const Inputs& in, const RunOptions& options, Image4& output) {

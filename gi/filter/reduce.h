@@ -22,6 +22,7 @@ inline StageDescription<ReduceInputsView> describe(ReduceKernel) {
                     .size = [](const View& v) { return glm::ivec2(v.u.full_width, v.u.full_height); },
                     .why = "as full_width and full_height say"}},
         .outputs = {{.name = "reduced", .at = &View::reduced, .meaning = "one pixel of every 2 x 2"}},
+        .uniforms = {{"full_width", 1, 32767}, {"full_height", 1, 32767}},
         .refuses = [](const View& v, glm::ivec2 size) { return refuse_half({v.u.full_width, v.u.full_height}, size); },
         .cost = {1, "pixels"},
     };

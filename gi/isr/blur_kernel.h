@@ -10,7 +10,7 @@
 // g a Gaussian whose sum is 1. All four components are blurred: irradiance and accessibility.
 //
 // One template serves two ways to reach a pixel's neighbours: Texels is BlurImageTexels, the images as they are bound,
-// or a packet's view of them taken apart into planes (blur_rows.h).
+// or a packet's view of them taken apart into planes (blur_isa.cpp).
 #pragma once
 
 #include <cstddef>

@@ -62,7 +62,8 @@ StageData data_of(const IsrParams& params, const UnseenInputs& in) {
     const char* stage = "isr.unseen";
     validate(params);
     bound(stage, "view_surface", in.view_surface);
-    StageData d = begin_data<UnseenKernel>(size_of(bound(stage, "surface", in.surface)), uniforms(params, in));
+    const glm::ivec2 size = size_of(bound(stage, "surface", in.surface));
+    StageData d = begin_data<UnseenKernel>(size, uniforms(params, in));
     lend(d, {{"surface", in.surface}, {"view_surface", in.view_surface}});
     return d;
 }
@@ -73,7 +74,8 @@ StageData data_of(const IsrParams& params, const CameraGatherInputs& in) {
     if (params.variant == Variant::published)
         throw InputError(fmt::format("{}: variant = published: ISR prints no equation for additional cameras", stage));
     bound(stage, "source_surface", in.source_surface);
-    StageData d = begin_data<GatherCameraKernel>(size_of(bound(stage, "surface", in.surface)), uniforms(params, in));
+    const glm::ivec2 size = size_of(bound(stage, "surface", in.surface));
+    StageData d = begin_data<GatherCameraKernel>(size, uniforms(params, in));
     lend(d, {{"surface", in.surface}, {"source_surface", in.source_surface}, {"source_radiosity", in.source_radiosity}});
     if (in.before) lend(d, {{"before", in.before}});
     lend_offsets(d, stage, in.pattern, params.rings, params.rotations);

@@ -23,7 +23,8 @@ ComposeUniforms uniforms(const IsrParams& params, const ComposeInputs& in) {
 
 StageData data_of(const IsrParams& params, const ComposeInputs& in) {
     validate(params);
-    StageData d = begin_data<ComposeKernel>(size_of(bound("isr.compose", "normal", in.normal)), uniforms(params, in));
+    const glm::ivec2 size = size_of(bound("isr.compose", "normal", in.normal));
+    StageData d = begin_data<ComposeKernel>(size, uniforms(params, in));
     lend(d, {{"normal", in.normal}, {"albedo", in.albedo}, {"emission", in.emission}, {"direct", in.direct},
              {"indirect", in.indirect}});
     return d;

@@ -16,7 +16,7 @@ struct ComposeInputs {
     const Image4* indirect = nullptr;  // xyz W/m2, w accessibility
     glm::vec3 environment{0};          // W/(m2 sr)
 };
- 
+
 inline StageDescription<ComposeInputsView> describe(ComposeKernel) {
     using View = ComposeInputsView;
     return {

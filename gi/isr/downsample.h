@@ -48,7 +48,7 @@ inline StageDescription<DownsampleInputsView> describe(DownsampleKernel) {
         .outputs = {{.name = "coarse", .at = &View::coarse,
                      .meaning = "surface, radiosity or reflectance of a quarter of the pixels"}},
         .params = params_of({"variant", "position"}),
-        .uniforms = {{"what", 0, int(Coarse::reflectance)}},
+        .uniforms = {{"what", 0, int(Coarse::reflectance)}, {"full_width", 1, 32767}, {"full_height", 1, 32767}},
         .refuses = [](const View& v, glm::ivec2 size) -> std::string {
             const glm::ivec2 full(v.u.full_width, v.u.full_height);
             if (full.x >= 1 && full.y >= 1 && coarse_size(full) == size) return "";

@@ -63,7 +63,7 @@ inline StageDescription<GatherInputsView> describe(GatherKernel) {
                      .meaning = "irradiance; w: sum of form factors"}},
         .params = params_of({"variant", "rings", "spacing", "rotations", "far_rings", "full_depth", "position",
                              "least_cosine"}),
-        .uniforms = {{"rings", 0, 127}},
+        .uniforms = {{"rings", 0, 127}, {"source_width", 1, 32767}, {"source_height", 1, 32767}},
         .refuses = [](const View& v, glm::ivec2 size) { return refuse_samples(v.u, size); },
         .prepare = [](View& v, Buffer<float>&) { v.reach = reach_of(v.u, v.offsets); },
         .cost = {1, "samples"},

@@ -46,7 +46,7 @@ inline StageDescription<GatherCameraInputsView> describe(GatherCameraKernel) {
                      .meaning = "irradiance; w: sum of form factors"}},
         .params = params_of({"rings", "spacing", "rotations", "far_rings", "full_depth", "cameras", "camera_angle",
                              "position", "least_cosine"}),
-        .uniforms = {{"u.rings", 0, 127}},
+        .uniforms = {{"u.rings", 0, 127}, {"camera.width", 1, 32767}, {"camera.height", 1, 32767}},
         .refuses = [](const View& v, glm::ivec2) -> std::string {
             const int rotations = v.u.u.rotations;
             if (rotations >= 1 && (rotations & (rotations - 1)) == 0) return "";

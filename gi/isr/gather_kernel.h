@@ -149,7 +149,7 @@ struct SourceImages {
     }
 };
 
-// The pixel (px, py), by whatever reads its samples: SourceImages, or a packet's view of planes (gather_rows.h).
+// The pixel (px, py), by whatever reads its samples: SourceImages, or a packet's view of planes (source_planes.h).
 template <class F, class Sources, class Tap>
 PLUMB_INLINE vec4<F> gather(const GatherInputsView& in, index_t<F> px, index_t<F> py, const Sources& sources, Tap& tap) {
     using N = number<F>;

@@ -96,7 +96,7 @@ PLUMB_INLINE F accessibility_by(const SampleUniforms& u, const Surface<F>& p, co
     return accessibility;
 }
 
-// The pixel (px, py), by whatever reads its samples: SphereImage, or a packet's view of planes (gather_rows.h).
+// The pixel (px, py), by whatever reads its samples: SphereImage, or a packet's view of planes (source_planes.h).
 template <class F, class Spheres, class Tap>
 PLUMB_INLINE vec4<F> ssao(const SsaoInputsView& in, index_t<F> px, index_t<F> py, const Spheres& spheres, Tap& tap) {
     using N = number<F>;

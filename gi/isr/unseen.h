@@ -31,6 +31,7 @@ inline StageDescription<UnseenInputsView> describe(UnseenKernel) {
         .outputs = {{.name = "unseen", .at = &View::unseen, .unit = "m",
                      .meaning = "the camera's surface; 0 where the view sees the same"}},
         .params = params_of({"position"}),
+        .uniforms = {{"view.width", 1, 32767}, {"view.height", 1, 32767}},
         .cost = {4, "pixels"},
     };
 }

@@ -39,7 +39,8 @@ StageData data_of(const IsrParams& params, const UpsampleInputs& in) {
     validate(params);
     check_planes(params, in);
     bound("isr.upsample", "lit", in.lit);
-    StageData d = begin_data<UpsampleKernel>(size_of(bound("isr.upsample", "position", in.position)), uniforms(params, in));
+    const glm::ivec2 size = size_of(bound("isr.upsample", "position", in.position));
+    StageData d = begin_data<UpsampleKernel>(size, uniforms(params, in));
     lend(d, {{"lit", in.lit}, {"surface", in.surface}, {"position", in.position}, {"normal", in.normal}});
     lend_tiles(d, in.tiles);
     return d;

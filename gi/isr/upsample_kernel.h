@@ -11,7 +11,7 @@
 // differs: where all w_i' are 0, those that have a surface count by their bilinear share.
 //
 // One template serves two ways to reach coarse pixels: Texels is UpsampleImageTexels, the images as they are bound, or
-// a packet's view of them taken apart into planes (upsample_rows.h).
+// a packet's view of them taken apart into planes (upsample_isa.cpp).
 #pragma once
 
 #include <cstddef>

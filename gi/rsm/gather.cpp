@@ -138,6 +138,9 @@ void validate(const GatherParams& params, const GatherInputs& in) {
     require(in.pattern->samples == samples && in.pattern->rotations == params.rotations,
             fmt::format("pattern has {} samples by {} rotations: expected {} by {}", in.pattern->samples,
                         in.pattern->rotations, samples, params.rotations));
+    const std::size_t weights = params.gather == Gather::paths ? offsets : std::size_t(samples);
+    require(in.pattern->weights.size() >= weights,
+            fmt::format("pattern has {} weights: expected {}", in.pattern->weights.size(), weights));
     require(params.own || double(params.radius) * in.rsm->size < 32767,
             fmt::format("radius = {} of {} texels: whole-texel offsets end at 32767", params.radius, in.rsm->size));
 }

@@ -1,5 +1,5 @@
-// Gives Followed (core/followed.h) what kernels that trace rays ask of a number type: rays go through the scene once, as float sends them,
-// and what they met is on the tape for who follows. Only unbound_*.cpp include it, before the kernels.
+// Gives Followed (core/followed.h) what kernels that trace rays ask of a number type: rays go through the scene once, as
+// float sends them, and what they met is on the tape for who follows. Only unbound_*.cpp include it, before the kernels.
 #pragma once
 
 #include "core/detmath_followed.h"

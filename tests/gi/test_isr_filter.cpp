@@ -615,6 +615,9 @@ TEST_CASE("isr filters: bad input is refused in one line", "[isr]") {
                       "isr.upsample: input \"lit\" is 4 x 4: expected 2 x 2, half of the outputs, rounded up");
     CHECK_THROWS_WITH(run(params, ComposeInputs{&full, &full, &half, &full, &full, {}}, {}, out),
                       "isr.compose: input \"emission\" is [2, 2, 4]: expected [4, 4, 4]");
+    CHECK_THROWS_WITH(run(params, ComposeInputs{}, {}, out), "isr.compose: normal must be bound");
+    CHECK_THROWS_WITH(run(params, UpsampleInputs{&half, &half, nullptr, &full}, {}, out),
+                      "isr.upsample: position must be bound");
     const raster::Covered tiles({64, 64}, 1);
     CHECK_THROWS_WITH(run(params, BlurInputs{&full, &full, Direction::vertical, &tiles}, {}, out),
                       "isr.blur: tiles are of another size");

@@ -80,8 +80,8 @@ TEST_CASE("reports: run.json has the contract's keys and the kernels that ran", 
                               "total_ms", "peak_bytes"});
     CHECK(Json{json["read_ms"], json["render_ms"], json["write_ms"], json["total_ms"]} == Json{1.0, 2.5, 3.0, 7.0});
     const std::string text = run_text({scene, frame::Settings{}, options, stages, {1, 2.5, 3, 7}, 4096});
-    CHECK(text.find("read scene    1.0") != std::string::npos);
-    CHECK(text.find("write files   3.0") != std::string::npos);
+    CHECK(text.find("read scene   1.0") != std::string::npos);
+    CHECK(text.find("write files  3.0") != std::string::npos);
     CHECK(text.find("1024 x 1024 pixels in 7.0 ms: 1.0 reading, 2.5 rendering, 3.0 writing; by sse on 3 threads") !=
           std::string::npos);
     CHECK(keys(json["stages"][0]) ==

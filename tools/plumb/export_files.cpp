@@ -54,7 +54,7 @@ io::DumpSpec ExportFiles::spec(const std::string& name, const Slot& slot, const 
     spec.file = folder_ + "/" + name;
     spec.vk_format = vk_format(slot);
     const std::int64_t texels = std::int64_t(array.bytes.size()) / (4 * slot.channels);
-    if (slot.kind == SlotKind::buffer) {
+    if (slot.kind == SlotKind::buffer || slot.kind == SlotKind::storage_buffer) {
         spec.count = int(texels);
     } else {
         spec.width = int(slot.kind == SlotKind::image_array ? array.shape[2] : array.shape[1]);
