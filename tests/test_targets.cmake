@@ -7,7 +7,7 @@ option(PLUMB_SANITIZE_TESTS "With PLUMB_SANITIZE, also watch the test files, not
 add_library(plumb_test_flags INTERFACE)
 target_compile_options(plumb_test_flags INTERFACE $<$<CONFIG:Release>:-O1>
   # GCC 12 warns of its own strings when it optimises that little.
-  $<$<CXX_COMPILER_ID:GNU>:-Wno-array-bounds>)
+  $<$<CXX_COMPILER_ID:GNU>:-Wno-array-bounds> $<$<CXX_COMPILER_ID:GNU>:-Wno-stringop-overflow>)
 if(PLUMB_SANITIZE AND NOT PLUMB_SANITIZE_TESTS)
   target_compile_options(plumb_test_flags INTERFACE -fno-sanitize=all)
 endif()

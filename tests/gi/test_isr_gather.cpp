@@ -718,7 +718,9 @@ TEST_CASE("isr: bad input of the gathering stages is refused in one line", "[isr
     CHECK_THROWS_WITH(run(IsrParams{}, room.gather(pattern), {}, out),
                       "isr.gather: pattern has 48 samples in 1 rotations: expected 80 in 1");
     CHECK_THROWS_WITH(run(params, DownsampleInputs{Coarse::radiosity}, {}, out), "isr.downsample: normal must be bound");
-    CHECK_THROWS_WITH(run(params, UnseenInputs{nullptr, {}, &other}, {}, out), "isr.unseen: surface must be bound");
+    UnseenInputs left;
+    left.view_surface = &other;
+    CHECK_THROWS_WITH(run(params, left, {}, out), "isr.unseen: surface must be bound");
     CameraGatherInputs around;
     around.source_surface = &other;
     CHECK_THROWS_WITH(run(params, around, {}, out), "isr.gather_camera: surface must be bound");

@@ -156,7 +156,11 @@ struct Dump {
         const int l = s.light;
         const rsm::Pattern pattern = rsm::pattern_of(settings.rsm, scene.lights[l].rsm_size, settings.seed);
         inputs = gather_points();
-        inputs["rsm"] = rsm_outputs(l)["records"];
+        const Json map = rsm_outputs(l);
+        if (settings.rsm.gather == rsm::Gather::all_rays)
+            inputs["rsm"] = map["records"];
+        else
+            for (const char* part : {"position", "normal", "flux"}) inputs[std::string("rsm_") + part] = map[part];
         if (pattern.samples > 0) {
             const bool paths = settings.rsm.gather == rsm::Gather::paths;
             const std::int64_t samples = pattern.samples, rotations = pattern.rotations;
@@ -299,7 +303,7 @@ struct Dump {
             outputs["blurred"] = blurred_maps(s.light, s.form);
         } else if (s.name == "shadow") {
             inputs = surface_points();
-            inputs["rsm.position"] = direct::blurs_maps(settings.shadow) ? blurred_maps(s.light, "vertical")
+            inputs["map_position"] = direct::blurs_maps(settings.shadow) ? blurred_maps(s.light, "vertical")
                                                                          : rsm_outputs(s.light)["position"];
             outputs["visibility"] = visibility(s.light);
         } else if (s.name == "direct") {
