@@ -8,6 +8,9 @@ add_library(plumb_test_flags INTERFACE)
 target_compile_options(plumb_test_flags INTERFACE $<$<CONFIG:Release>:-O1>
   # GCC 12 warns of its own strings when it optimises that little.
   $<$<CXX_COMPILER_ID:GNU>:-Wno-array-bounds> $<$<CXX_COMPILER_ID:GNU>:-Wno-stringop-overflow>)
+if(PLUMB_SANITIZE)
+  target_compile_definitions(plumb_test_flags INTERFACE PLUMB_SANITIZED)  # also where the test files are not
+endif()
 if(PLUMB_SANITIZE AND NOT PLUMB_SANITIZE_TESTS)
   target_compile_options(plumb_test_flags INTERFACE -fno-sanitize=all)
 endif()

@@ -235,7 +235,7 @@ TEST_CASE("kept references: a file larger than its picture is not read", "[tools
 }
 
 // The sanitizer ends the program where memory runs out.
-#ifndef __SANITIZE_ADDRESS__
+#ifndef PLUMB_SANITIZED
 TEST_CASE("kept references: where memory runs out they are not there", "[tools][cache]") {
     const std::string folder = fresh_folder("memory");
     ReferenceFiles files(folder);
