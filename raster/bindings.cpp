@@ -150,6 +150,7 @@ StageBinding make_gbuffer() {
     StageBinding b;
     b.info = info_gbuffer();
     b.raster = true;
+    b.domain = "pixel";
     b.twin = "raster/gbuffer";
     b.uniforms = {{"viewer", "vec4", offsetof(U, viewer), 8},
                   {"eye", "vec3", offsetof(U, eye)},
@@ -193,6 +194,7 @@ StageBinding make_rsm() {
     StageBinding b;
     b.info = info_rsm();
     b.raster = true;
+    b.domain = "texel";
     b.twin = "raster/rsm";
     b.uniforms = {{"viewer", "vec4", offsetof(U, viewer), 8},
                   {"eye", "vec3", offsetof(U, eye)},

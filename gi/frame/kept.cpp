@@ -23,7 +23,7 @@ bool changed(std::optional<std::uint64_t>& before, const SceneKeys* keys, std::u
 
 }  // namespace
 
-KeptStages::KeptStages(KeysOf keys) : memory_(std::make_unique<KeptMemory>()), other_keys_(std::move(keys)) {}
+KeptStages::KeptStages(OtherKey other) : memory_(std::make_unique<KeptMemory>()), other_key_(std::move(other)) {}
 KeptStages::~KeptStages() = default;
 
 void World::update(const Scene& scene, const Settings& settings, const SceneKeys* keys) {

@@ -2,10 +2,8 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <memory>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "gi/frame/frame.h"
@@ -28,17 +26,11 @@ struct World {
     void update(const Scene& scene, const Settings& settings, const SceneKeys* keys);
 };
 
-// A place in the frame: the key of what lies in it, and how that was made.
-struct Made {
-    std::uint64_t key = 0;
-    StageRun run;
-};
-
 struct KeptMemory {
     World world;
     raster::Workspace workspace;
     Frame frame;
-    std::map<std::string, Made> made;                  // by place; empty: `frame` holds nothing to rely on
+    graph::Kept made;                                  // empty: `frame` holds nothing to rely on
     std::vector<Image4> irradiance, irradiance_error;  // [lights]: what each gather adds to the frame's
 };
 

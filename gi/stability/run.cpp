@@ -7,10 +7,11 @@
 #include <limits>
 #include <map>
 #include <mutex>
+#include <utility>
 
 #include "core/error.h"
 #include "core/parallel.h"
-#include "gi/frame/isr.h"
+#include "gi/frame/frame_graph.h"
 #include "gi/frame/rules.h"
 #include "gi/parity/stages.h"
 #include "gi/stability/cases.h"
@@ -24,10 +25,15 @@ namespace {
 // `most_dispatches`, as a thousand lights make, some are looked at that are spread evenly.
 constexpr int full_dispatches = 8, least_pixels = 4, most_dispatches = 32;
 
+bool is_raster(const std::string& stage) {
+    const std::vector<StageBinding>& all = parity::bindings();
+    return std::any_of(all.begin(), all.end(), [&](const StageBinding& b) { return b.raster && b.info.name == stage; });
+}
+
 // "rsm: light "key": ..." is what the stage rsm says of itself; "raster: ..." says the rasterizer that it draws with.
 bool is_own_refusal(const std::string& stage, const std::string& message) {
     auto starts = [&](const std::string& prefix) { return message.compare(0, prefix.size(), prefix) == 0; };
-    return starts(stage + ":") || ((stage == "gbuffer" || stage == "rsm") && starts("raster:"));
+    return starts(stage + ":") || (is_raster(stage) && starts("raster:"));
 }
 
 // A cell of a stage that computed nothing: it refused, as its own message says, or it failed.
@@ -63,6 +69,7 @@ frame::Plan plan_of(const Scene& scene, const frame::Settings& settings) {
 Drawn draw(const Scene& scene, const frame::Settings& settings, const RunOptions& options) {
     Drawn drawn;
     drawn.plan = plan_of(scene, settings);
+    const frame::FrameGraph graph(scene, settings, drawn.frame);
     for (;;) {
         std::string label;
         try {
@@ -74,7 +81,7 @@ Drawn draw(const Scene& scene, const frame::Settings& settings, const RunOptions
             drawn.whole = false;
             for (frame::PlannedStage& s : drawn.plan.stages) {
                 if (s.label == label) drawn.cells.push_back(cell_without_result(s.name, s.name, error));
-                if (s.label == label || (s.name != "gbuffer" && s.name != "rsm")) s.needed = false;
+                if (s.label == label || !graph.node(s).of_scene) s.needed = false;
             }
         }
     }
@@ -95,70 +102,40 @@ struct Writer {
     }
 };
 
-// Values of a stage's buffers that are not finite, which no later stage can mend.
+// Values of a node's outputs that are not finite, which no later stage can mend.
 struct Buffers {
     std::int64_t nonfinite = 0;
     std::string where;
 
-    void look(const char* name, const float* values, std::size_t n) {
-        const std::int64_t wrong = std::count_if(values, values + n, [](float v) { return !std::isfinite(v); });
+    void look(const Array& array, const std::string& name) {
+        const auto* values = reinterpret_cast<const float*>(std::as_const(array.bytes).data());
+        const std::int64_t wrong = std::count_if(values, values + array.bytes.size() / sizeof(float),
+                                                 [](float v) { return !std::isfinite(v); });
         if (wrong > 0 && where.empty()) where = name;
         nonfinite += wrong;
     }
-    void look(const char* name, const Image4& image) {
-        if (!image.empty()) look(name, &image.texels.data()->x, 4 * image.size());
-    }
 };
 
-Buffers buffers_of(const frame::Frame& f, const std::string& stage) {
-    Buffers b;
-    if (stage == "gbuffer") {
-        b.look("position", f.gbuffer.position), b.look("normal", f.gbuffer.normal);
-        b.look("albedo", f.gbuffer.albedo), b.look("emission", f.gbuffer.emission);
-        b.look("depth", f.gbuffer.depth.data(), f.gbuffer.depth.size());
-    } else if (stage == "rsm") {
-        for (const std::vector<raster::Rsm>& maps : f.rsms)
-            for (const raster::Rsm& m : maps)
-                b.look("position", m.position), b.look("normal", m.normal), b.look("flux", m.flux);
-    } else if (stage == "shadow") {
-        b.look("visibility", f.visibility.data(), f.visibility.size());
-    } else if (stage == "direct") {
-        b.look("irradiance", f.direct);
-    } else if (frame::is_gather(stage)) {
-        b.look("irradiance", f.gathered.empty() ? f.indirect : f.gathered);
-    } else if (stage == "filter.reduce") {
-        b.look("half position", f.half_position), b.look("half normal", f.half_normal);
-    } else if (stage == "filter.upsample") {
-        b.look("upsampled", f.upsampled.empty() ? f.indirect : f.upsampled);
-    } else if (stage == "filter.blur") {
-        b.look("blurred across", f.blurred_across), b.look("blurred", f.indirect);
-    } else if (frame::is_isr_gather(stage)) {
-        for (const Image4& gathered : f.isr.gathered) b.look("irradiance", gathered);
-    } else if (stage == "isr.downsample") {
-        b.look("surface", f.isr.surface), b.look("radiosity", f.isr.radiosity), b.look("reflectance", f.isr.reflectance);
-    } else if (stage == "isr.bounce") {
-        for (const Image4& radiosity : f.isr.radiosities) b.look("radiosity", radiosity);
-    } else if (stage == "isr.unseen") {
-        for (const Image4& unseen : f.isr.unseen) b.look("unseen", unseen);
-    } else if (stage == "isr.ssao") {
-        b.look("lit", f.isr.lit);
-    } else if (stage == "isr.blur") {
-        b.look("blurred across", f.isr.blurred_across), b.look("blurred", f.isr.blurred);
-    } else if (stage == "isr.upsample") {
-        b.look("upsampled", f.indirect);
-    } else if (stage == "compose" || stage == "isr.compose") {
-        b.look("radiance", f.radiance);
-    } else if (stage == "tonemap") {
-        b.look("display", f.display);
+Buffers buffers_of(const frame::PlannedNode& node) {
+    Buffers found;
+    if (!node.dispatches) return found;
+    const std::vector<Slot>& slots = parity::find_binding(node.plan.name, node.plan.label).outputs;
+    const Bundle outputs = node.outputs();
+    for (const Array& array : outputs.arrays) {
+        // Of several maps each has its face's name in front.
+        const std::string name = array.name.substr(array.name.rfind('.') + 1);
+        const bool is_output = std::any_of(slots.begin(), slots.end(), [&](const Slot& slot) { return slot.name == name; });
+        if (is_output && array.dtype == DType::f32) found.look(array, name);
     }
-    return b;
+    return found;
 }
 
 // The first stage whose buffers hold infinity or NaN as they are stored is at fault; those after it read them.
-void look_at_buffers(const Drawn& drawn, Writer& out) {
+void look_at_buffers(const Scene& scene, const frame::Settings& settings, const Drawn& drawn, Writer& out) {
+    const frame::FrameGraph graph(scene, settings, drawn.frame);
     for (const frame::PlannedStage& s : drawn.plan.stages) {
         if (!s.needed) continue;
-        const Buffers b = buffers_of(drawn.frame, s.name);
+        const Buffers b = buffers_of(graph.node(s));
         if (b.nonfinite == 0) continue;
         Cell cell;
         cell.stage = s.name;
@@ -167,6 +144,17 @@ void look_at_buffers(const Drawn& drawn, Writer& out) {
                                   b.nonfinite, b.where);
         return out.add(std::move(cell));
     }
+}
+
+// The stages of a plan that another has not.
+std::vector<std::string> stages_beyond(const frame::Plan& plan, const frame::Plan& base) {
+    std::vector<std::string> names;
+    auto has = [](const frame::Plan& p, const std::string& name) {
+        return std::any_of(p.stages.begin(), p.stages.end(), [&](const frame::PlannedStage& s) { return s.name == name; });
+    };
+    for (const frame::PlannedStage& s : plan.stages)
+        if (!has(base, s.name) && std::find(names.begin(), names.end(), s.name) == names.end()) names.push_back(s.name);
+    return names;
 }
 
 // The dispatches of `stage`, or of all stages, with other settings than those that the frame was drawn with.
@@ -190,22 +178,33 @@ void look(const Case& c, const Scene& scene, const frame::Settings& settings, co
     }
 }
 
-// The filters of indirect light, of a frame that has them. Kernel 7: every tap is the same.
-void look_at_filters(const Case& c, const Scene& scene, frame::Settings settings, const Effort& effort, Writer& out) {
-    const char* const stages[] = {"filter.reduce", "filter.upsample", "filter.blur"};
-    if (std::none_of(std::begin(stages), std::end(stages), [&](const char* s) { return out.wants(s); })) return;
+// Draws a frame of other settings, and looks at the stages that the case's own frame has not.
+void look_beyond(const Case& c, const Scene& scene, const frame::Settings& settings, const frame::Plan& base,
+                 const Effort& effort, Writer& out) {
+    std::vector<std::string> stages = stages_beyond(plan_of(scene, settings), base);
+    std::erase_if(stages, [&](const std::string& stage) { return !out.wants(stage); });
+    if (stages.empty()) return;
+    const Drawn drawn = draw(scene, settings, effort.run);
+    for (const Cell& cell : drawn.cells)
+        if (std::find(stages.begin(), stages.end(), cell.stage) != stages.end()) out.add(cell);
+    if (!drawn.whole) return;
+    look_at_buffers(scene, settings, drawn, out);
+    for (const std::string& stage : stages) look(c, scene, settings, drawn, drawn.plan, stage, effort, out);
+}
+
+// The filters of indirect light. Kernel 7: every tap is the same.
+void look_at_filters(const Case& c, const Scene& scene, frame::Settings settings, const frame::Plan& base,
+                     const Effort& effort, Writer& out) {
     settings.indirect.resolution = filter::Resolution::half;
     settings.indirect.blur = filter::Blur::full;
     settings.indirect.kernel = 7;
-    const Drawn drawn = draw(scene, settings, effort.run);
-    if (!drawn.whole) return;
-    for (const char* stage : stages)
-        if (out.wants(stage)) look(c, scene, settings, drawn, drawn.plan, stage, effort, out);
+    look_beyond(c, scene, settings, base, effort, out);
 }
 
-// Image-space radiosity, of frames that have all of its stages: with what ISR's chapter 6 adds, as printed, and with
-// positions by inverse matrices. Few samples: every one is the same.
-void look_at_isr(const Case& c, const Scene& scene, frame::Settings settings, const Effort& effort, Writer& out) {
+// Image-space radiosity: with what ISR's chapter 6 adds, as printed, and with positions by inverse matrices. Few samples:
+// every one is the same.
+void look_at_isr(const Case& c, const Scene& scene, frame::Settings settings, const frame::Plan& base, const Effort& effort,
+                 Writer& out) {
     settings.method = frame::Method::isr;
     isr::IsrParams& p = settings.isr;
     p.rings = 2, p.spacing = 2, p.ssao_rings = 2, p.blur_radius = 2, p.k_ssao = 0.5f, p.ambient = isr::Ambient::environment;
@@ -213,17 +212,7 @@ void look_at_isr(const Case& c, const Scene& scene, frame::Settings settings, co
     auto by = [&](auto change) {
         p = plain;
         change();
-        std::vector<std::string> stages;
-        for (const frame::IsrStage& s : frame::isr_stages(scene, settings))
-            if (out.wants(s.name) && std::find(stages.begin(), stages.end(), s.name) == stages.end()) stages.push_back(s.name);
-        if (out.wants("isr.compose")) stages.push_back("isr.compose");
-        if (stages.empty()) return;
-        const Drawn drawn = draw(scene, settings, effort.run);
-        for (const Cell& cell : drawn.cells)
-            if (frame::is_isr(cell.stage)) out.add(cell);
-        if (!drawn.whole) return;
-        look_at_buffers(drawn, out);
-        for (const std::string& stage : stages) look(c, scene, settings, drawn, drawn.plan, stage, effort, out);
+        look_beyond(c, scene, settings, base, effort, out);
     };
     by([&] { p.bounces = 2, p.cameras = 1, p.guard = 4; });
     by([&] { p.rotations = 4, p.blur = isr::Blur::edge_aware, p.far_rings = 1, p.full_depth = 1; });
@@ -235,30 +224,32 @@ void run_frame(const Case& c, const Scene& scene, const Effort& effort, Writer& 
     const frame::Settings settings = case_settings(c, scene);
     const Drawn drawn = draw(scene, settings, effort.run);
     for (const Cell& cell : drawn.cells) out.add(cell);
-    look_at_buffers(drawn, out);
+    look_at_buffers(scene, settings, drawn, out);
     look(c, scene, settings, drawn, drawn.plan, "", effort, out);
     if (!drawn.whole) return;
 
+    // Looks at `stage` of the same frame by other settings, and at the stages that only those have.
     auto otherwise = [&](const std::string& stage, auto change) {
         frame::Settings other = settings;
         change(other);
-        if (out.wants(stage)) look(c, scene, other, drawn, plan_of(scene, other), stage, effort, out);
+        const frame::Plan plan = plan_of(scene, other);
+        std::vector<std::string> stages = stages_beyond(plan, drawn.plan);
+        if (!stage.empty()) stages.push_back(stage);
+        for (const std::string& name : stages)
+            if (out.wants(name)) look(c, scene, other, drawn, plan, name, effort, out);
     };
-    otherwise("rsm.all", [](frame::Settings& s) { s.rsm.gather = rsm::Gather::all; });
-    otherwise("rsm.paths", [](frame::Settings& s) { s.rsm.gather = rsm::Gather::paths; });
+    for (const rsm::Gather gather : {rsm::Gather::all, rsm::Gather::paths})
+        otherwise("", [=](frame::Settings& s) { s.rsm.gather = gather; });
     for (const rsm::Gather gather : {rsm::Gather::disc, rsm::Gather::paths})
-        otherwise(rsm::stage_name(gather, rsm::Texels::continuous), [=](frame::Settings& s) {
-            s.rsm.gather = gather, s.rsm.texels = rsm::Texels::continuous;
-        });
+        otherwise("", [=](frame::Settings& s) { s.rsm.gather = gather, s.rsm.texels = rsm::Texels::continuous; });
     for (const direct::ShadowMode mode : {direct::ShadowMode::density, direct::ShadowMode::pcf, direct::ShadowMode::esm})
         otherwise("shadow", [mode](frame::Settings& s) { s.shadow.mode = mode; });
-    otherwise("shadow.blur", [](frame::Settings& s) { s.shadow.mode = direct::ShadowMode::esm; });
     const glm::vec3 shadow_color(0.25f, 0.5f, 1);
     otherwise("direct", [=](frame::Settings& s) { s.compose.shadow_color = shadow_color; });
     otherwise("direct", [](frame::Settings& s) { s.direct.variant = direct::DirectVariant::published; });
     otherwise("compose", [=](frame::Settings& s) { s.compose.shadow_color = shadow_color; });
-    look_at_filters(c, scene, settings, effort, out);
-    look_at_isr(c, scene, settings, effort, out);
+    look_at_filters(c, scene, settings, drawn.plan, effort, out);
+    look_at_isr(c, scene, settings, drawn.plan, effort, out);
     using compose::Operator;
     for (const Operator op : {Operator::clamp, Operator::exposure, Operator::reinhard, Operator::filmic})
         if (op != settings.tonemap.op) otherwise("tonemap", [op](frame::Settings& s) { s.tonemap.op = op; });

@@ -7,10 +7,10 @@
 
 #include "core/error.h"
 #include "core/hash.h"
-#include "gi/frame/kept.h"
 #include "gi/parity/stages.h"
 #include "gi/rsm/gather.h"
 #include "rsm_scenes.h"
+#include "tests/gi/keys_of.h"
 #include "tests/gi/moving_scene.h"
 
 using namespace plumb;
@@ -295,7 +295,7 @@ TEST_CASE("own pattern: other rows of the same name are another gather for what 
     auto keys = [&](std::vector<glm::dvec3> rows) {
         frame::Settings settings;
         settings.rsm = with_own({}, std::move(rows));
-        return frame::stage_keys(scene, settings, frame::plan(scene, settings), Isa::scalar);
+        return test::keys_of(scene, settings);
     };
     CHECK(keys({{0, 1, 1}, {2, 3, 4}}) == keys({{0, 1, 1}, {2, 3, 4}}));
     CHECK(keys({{0, 1, 1}, {2, 3, 4}}) != keys({{0, 1, 1}, {2, 3, 5}}));

@@ -219,11 +219,9 @@ TEST_CASE("frames: a stage whose key does not change when it should is seen in t
     const std::size_t stages = frame::plan(scene, settings).stages.size();
     REQUIRE(stages == 16);  // 3 a light, and gbuffer, direct, compose, tonemap, three layers of truth
     for (std::size_t broken = 0; broken < stages; ++broken) {
-        frame::KeptStages kept([&](const Scene& s, const frame::Settings& with, const frame::Plan& plan, Isa isa) {
-            std::vector<std::uint64_t> keys = frame::stage_keys(s, with, plan, isa);
-            keys[broken] = 1;
-            return keys;
-        });
+        const std::string id = graph::id_of(frame::plan(scene, settings).stages[broken]);
+        frame::KeptStages kept(
+            [&](const graph::Node& node, graph::Key key) { return graph::id_of(node.plan) == id ? 1 : key; });
         Labels wrong;
         for (int f : {0, 9}) {
             const Scene now = scene_at(scene, f);

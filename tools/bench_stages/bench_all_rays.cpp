@@ -10,6 +10,7 @@
 
 #include "gi/frame/frame.h"
 #include "gi/reference/ray_query.h"
+#include "gi/rsm/all_rays.h"
 #include "io/scene_file.h"
 
 namespace {
@@ -27,6 +28,7 @@ struct Box {
     Geometry geometry;
     raster::Surfaces surfaces;
     std::map<Rays, std::unique_ptr<RayQuery>> rays;
+    rsm::RayOffsets offsets;
 
     Box() {
         scene.frame_size = {pixels, pixels};
@@ -40,6 +42,10 @@ struct Box {
         for (Rays kind : {Rays::exact, Rays::native})
             rays[kind] = reference::build_ray_query(geometry, surfaces, kind);
         settings.rsm.gather = rsm::Gather::all_rays;
+        glm::vec3 low(0), high(0);
+        bounds(geometry, low, high);
+        const View view = make_view(scene.camera, 1, scene.convention, scene.frame_size);
+        offsets = rsm::ray_offsets(settings.layout, low, high, view, scene.frame_size);
     }
 };
 
@@ -53,8 +59,8 @@ void all_rays(benchmark::State& state, Rays kind, float max_rays, Isa isa, int t
     Image4 irradiance;
     rsm::RaysReport report;
     for (auto _ : state) {
-        const rsm::GatherInputs in = frame::gather_inputs(box.scene, settings, box.frame.gbuffer, 0, box.geometry, none,
-                                                          box.rays.at(kind).get());
+        rsm::GatherInputs in{&box.frame.gbuffer.position, &box.frame.gbuffer.normal, nullptr, &none, settings.seed};
+        in.rays = box.rays.at(kind).get(), in.offsets = box.offsets;
         rsm::run_maps(settings.rsm, in, box.frame.rsms[0], options, irradiance, &report);
         benchmark::DoNotOptimize(irradiance.data());
     }

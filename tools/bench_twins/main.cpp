@@ -11,7 +11,8 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
-#include "gi/frame/isr.h"
+#include "gi/frame/frame_graph.h"
+#include "gi/frame/kept.h"
 #include "gi/parity/stages.h"
 #include "gi/rsm/gather.h"
 #include "io/scene_file.h"
@@ -36,25 +37,6 @@ struct Options {
     RunOptions run;
 };
 
-// Of a gather, ours: run from records as the frame has them, and not from what the twin is bound to.
-struct OurGather {
-    const frame::Settings& settings;
-    const frame::Frame& frame;
-    rsm::Pattern pattern;
-    rsm::GatherInputs in;
-    Image4 irradiance;
-
-    OurGather(const Scene& scene, const frame::Settings& t, const frame::Frame& f)
-        : settings(t),
-          frame(f),
-          pattern(rsm::pattern_of(t.rsm, scene.lights[0].rsm_size, t.seed)),
-          in{&f.gbuffer.position, &f.gbuffer.normal, nullptr, &pattern, t.seed} {}
-    void run(const RunOptions& options) {
-        in.rsm = &frame.rsms[0][0];
-        rsm::run(settings.rsm, in, options, irradiance);
-    }
-};
-
 // What differs between ours and theirs, in 32-bit words.
 std::size_t differing(const void* ours, const Array& theirs) {
     const auto* a = static_cast<const unsigned char*>(ours);
@@ -62,32 +44,6 @@ std::size_t differing(const void* ours, const Array& theirs) {
     for (std::size_t i = 0; i < theirs.bytes.size(); i += 4) n += std::memcmp(a + i, theirs.bytes.data() + i, 4) != 0;
     return n;
 }
-
-// The stage as a frame runs it: raster stages by their tiles, with memory that is kept.
-struct Ours {
-    const Scene& scene;
-    const frame::Settings& settings;
-    Geometry geometry;
-    raster::Surfaces surfaces;
-    raster::Workspace workspace;
-    raster::GBuffer gbuffer;
-    raster::Rsm rsm;
-
-    Ours(const Scene& s, const frame::Settings& t)
-        : scene(s), settings(t), geometry(flatten(s)), surfaces(raster::prepare(s, geometry)) {}
-
-    void draw_gbuffer(const RunOptions& run) {
-        const glm::ivec2 size = scene.frame_size;
-        const View view = make_view(scene.camera, double(size.x) / size.y, scene.convention, size);
-        raster::draw_gbuffer(geometry, surfaces, view, size, raster::Layout::fp32, run, gbuffer, {}, &workspace);
-    }
-    void draw_rsm(const Light& light, const RunOptions& run) {
-        glm::vec3 low(0), high(0);
-        bounds(geometry, low, high);
-        raster::draw_rsm(geometry, surfaces, light, raster::light_views(light, low, high)[0], raster::Layout::fp32, run,
-                         rsm, &workspace);
-    }
-};
 
 void measure(const vulkan::Device& device, const std::string& file, const Options& options) {
     Scene scene = io::load_scene(file, frame::method_tables());
@@ -101,44 +57,39 @@ void measure(const vulkan::Device& device, const std::string& file, const Option
     for (Light& light : scene.lights)
         if (options.rsm_size > 0) light.rsm_size = options.rsm_size;
     const frame::Plan plan = frame::plan(scene, settings);
-    const frame::Frame frame = frame::execute(scene, settings, plan, options.run);
-    Ours ours(scene, settings);
-    OurGather gather(scene, settings, frame);
+    frame::KeptStages kept;
+    const frame::Frame& frame = frame::execute(scene, settings, plan, options.run, kept);
+    // Each stage as a frame runs it, in memory that is kept.
+    frame::FrameGraph graph(scene, settings, plan, kept.memory());
+    graph.context().keeps = true;
     vulkan::RunTwin how;
     if (options.half_maps) how.maps = Format::rgba16f;
-    const DeviceProfile ideal;
     std::string last;
     double ours_ms = 0, theirs_ms = 0, ours_cpu = 0, theirs_cpu = 0;  // of all stages of gi/isr
     for (const StageData& data : parity::frame_data(scene, settings, plan, frame)) {
         // Of the dispatches of one stage the first stands for all; those of image-space radiosity are a chain.
-        const bool chained = frame::is_isr(data.stage);
+        const bool chained = settings.method == frame::Method::isr && data.stage.starts_with("isr.");
         if (data.stage == last && !chained) continue;
         last = data.stage;
-        const auto planned = std::find_if(plan.stages.begin(), plan.stages.end(),
-                                          [&](const frame::PlannedStage& s) { return s.label == data.label; });
-        Image4 made;
         const auto& wanted = options.stages;
         if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), data.stage) == wanted.end()) continue;
         const StageBinding& binding = parity::find_binding(data.stage, "bench twins");
-        const std::unique_ptr<BoundStage> bound = binding.bind(data);
         vulkan::PreparedTwin twin(device, binding, data, how);
-        const bool gathers = frame::is_gather(data.stage);
-        Bundle outputs;
+        const auto planned = std::find_if(plan.stages.begin(), plan.stages.end(), [&](const frame::PlannedStage& s) {
+            return data.label == s.label || data.label.starts_with(s.label + " ");
+        });
+        const frame::PlannedNode& node = graph.node(*planned);
         auto run_ours = [&] {
-            if (data.stage == "gbuffer") return clock_ms([&] { ours.draw_gbuffer(options.run); });
-            if (data.stage == "rsm") return clock_ms([&] { ours.draw_rsm(scene.lights[0], options.run); });
-            if (gathers) return clock_ms([&] { gather.run(options.run); });
-            if (chained) return clock_ms([&] { frame::make_isr(scene, settings, frame, *planned, options.run, made); });
-            return clock_ms([&] { bound->run(options.run, ideal, outputs); });
+            return clock_ms([&] {
+                graph::NodeRun run;
+                node.run(options.run, run);
+            });
         };
         const std::vector<Times> times = interleave(options.runs, {run_ours, [&] { return twin.submit(); }});
         std::string note = "the same bits";
         if (!binding.raster) {
-            const Bundle theirs = twin.read().outputs;
-            const void* result = gathers   ? static_cast<const void*>(gather.irradiance.data())
-                                 : chained ? static_cast<const void*>(made.data())
-                                           : outputs.arrays[0].bytes.data();
-            const std::size_t n = differing(result, theirs.arrays[0]);
+            const Bundle theirs = twin.read().outputs, ours = node.outputs();
+            const std::size_t n = differing(at(ours, theirs.arrays[0].name).bytes.data(), theirs.arrays[0]);
             if (n > 0) note = fmt::format("{} words differ", n);
         } else {
             note = "drawn";

@@ -210,9 +210,7 @@ IsrTimedFrame::IsrTimedFrame(const Scene& scene, frame::Settings settings)
     : scene_(scene),
       settings_(std::move(settings)),
       plan_(frame::plan(scene_, settings_)),
-      kept_([this](const Scene&, const frame::Settings&, const frame::Plan& plan, Isa) {
-          return std::vector<std::uint64_t>(plan.stages.size(), ++run_);
-      }) {}
+      kept_([this](const graph::Node&, graph::Key) { return ++run_; }) {}
 
 const frame::Frame& IsrTimedFrame::run(const RunOptions& options) {
     const frame::Frame& f = frame::execute(scene_, settings_, plan_, options, kept_);

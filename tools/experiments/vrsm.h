@@ -15,6 +15,8 @@
 
 namespace plumb::cli {
 
+inline bool vrsm_is_gather(const std::string& stage) { return stage.starts_with("rsm."); }
+
 struct VrsmRequest {
     std::vector<std::string> scenes;  // files; none: the atrium's three views and the Cornell box
     std::vector<std::string> sets;    // table.key=value in place of the thesis'

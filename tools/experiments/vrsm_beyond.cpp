@@ -38,16 +38,12 @@ const std::vector<Family>& families() {
 }
 
 // From positions to irradiance: what the settings differ in.
-bool is_timed(const std::string& stage) { return frame::is_gather(stage) || stage.rfind("filter.", 0) == 0; }
+bool is_timed(const std::string& stage) { return vrsm_is_gather(stage) || stage.starts_with("filter."); }
 
 // Maps and G-buffer are the same for all settings and stay; what is timed has a new key whenever it runs.
 frame::KeptStages keep_what_is_shared() {
-    return frame::KeptStages([run = std::uint64_t(0)](const Scene& scene, const frame::Settings& settings,
-                                                      const frame::Plan& plan, Isa isa) mutable {
-        std::vector<std::uint64_t> keys = frame::stage_keys(scene, settings, plan, isa);
-        for (std::size_t i = 0; i < keys.size(); ++i)
-            if (is_timed(plan.stages[i].name)) keys[i] = ++run;
-        return keys;
+    return frame::KeptStages([run = graph::Key(0)](const graph::Node& node, graph::Key key) mutable {
+        return is_timed(node.plan.name) || !node.listed ? ++run : key;
     });
 }
 

@@ -26,9 +26,7 @@ class TimedFrame {
         : scene_(scene),
           settings_(std::move(settings)),
           plan_(frame::plan(scene, settings_)),
-          kept_([this](const Scene&, const frame::Settings&, const frame::Plan& plan, Isa) {
-              return std::vector<std::uint64_t>(plan.stages.size(), ++run_);
-          }) {
+          kept_([this](const graph::Node&, graph::Key) { return ++run_; }) {
         times.half = half, times.visibility = visibility;
     }
 
@@ -69,7 +67,7 @@ VrsmTruth cast_truth(const VrsmSubject& subject, const VrsmRequest& request, con
     const frame::Plan plan = frame::plan(subject.scene, settings);
     const frame::Frame& f = frame::execute(subject.scene, settings, plan, options, kept);
     for (std::size_t i = 0; i < plan.stages.size(); ++i)
-        if (f.stages[i].needed && frame::is_gather(plan.stages[i].name)) {
+        if (f.stages[i].needed && vrsm_is_gather(plan.stages[i].name)) {
             scene.truth += (scene.truth.empty() ? "" : "; ") + f.stages[i].label + ": " + f.stages[i].reason;
             scene.truth_seconds += f.stages[i].ms * 1e-3;
         }
@@ -100,7 +98,7 @@ VrsmErrors* mark_best(std::vector<VrsmErrors>& rows) {
 std::size_t vrsm_pass(const std::string& stage) {
     if (stage == "rsm") return 0;
     if (stage == "gbuffer" || stage == "shadow") return 1;
-    if (stage == "filter.reduce" || frame::is_gather(stage)) return 2;
+    if (stage == "filter.reduce" || vrsm_is_gather(stage)) return 2;
     return 3;
 }
 
@@ -143,7 +141,7 @@ VrsmSubject vrsm_subject(Scene scene, const VrsmRequest& request) {
 
     const frame::Plan plan = frame::plan(subject.scene, vrsm_settings(subject, true, Visibility::algorithm_6, 5));
     if (std::none_of(plan.stages.begin(), plan.stages.end(),
-                     [](const frame::PlannedStage& s) { return s.needed && frame::is_gather(s.name); }))
+                     [](const frame::PlannedStage& s) { return s.needed && vrsm_is_gather(s.name); }))
         throw InputError(subject.scene.name + ": no light of it is gathered: expected one that sends indirect light");
     if (!request.beyond) return subject;
     if (!vrsm_settings(subject, true, Visibility::algorithm_6, 5).rsm.pattern.empty())

@@ -9,7 +9,8 @@
 #include "core/error.h"
 #include "io/file.h"
 #include "gi/frame/filters.h"
-#include "gi/frame/isr.h"
+#include "gi/frame/frame_graph.h"
+#include "gi/parity/stages.h"
 #include "tools/plumb/cli.h"
 #include "tools/plumb/devices.h"
 #include "tools/plumb/explain_device.h"
@@ -56,90 +57,55 @@ struct Checker {
     const frame::Settings& settings;
     const frame::Plan& plan;
     const frame::Frame& frame;
-    glm::ivec2 pixel;
-
-    std::vector<double> at(const Image4& image) const { return at(image, pixel); }
-    static std::vector<double> at(const Image4& image, glm::ivec2 i) {
-        const glm::vec4& v = image(i.x, i.y);
-        return {v.x, v.y, v.z};
-    }
+    const frame::FrameGraph graph{scene, settings, frame};
 
     // The picture of the indirect light, before it is filtered, is the sum over the lights, in their order: each is
     // rounded as its own target stores it (VRSM fig. 4.4), and added in single precision.
-    Check gathered(glm::ivec2 pixel) const {
+    Check gathered(const frame::Result& result, glm::ivec2 pixel) const {
         glm::vec3 sum(0);
         int lights = 0;
         for (const frame::PlannedStage& s : plan.stages) {
-            if (!s.needed || !frame::is_gather(s.name)) continue;
+            if (!s.needed || !graph.node(s).adds) continue;
             const auto e = frame::explain(scene, settings, plan, frame, s.name, s.light, pixel);
-            const std::vector<double> v = kept_value(e.at(0), "irradiance");
+            const std::vector<double> v = kept_value(e.at(0), result.tap);
             sum += glm::vec3(v.at(0), v.at(1), v.at(2));
             ++lights;
         }
-        return {lights > 1 ? fmt::format("irradiance, the sum of {} lights", lights) : "irradiance",
-                at(frame::gather_sum(frame), pixel),
-                {sum.x, sum.y, sum.z}};
+        const glm::vec4& v = frame::gather_sum(frame)(pixel.x, pixel.y);
+        return {lights > 1 ? fmt::format("{}, the sum of {} lights", result.name, lights) : result.name,
+                {v.x, v.y, v.z}, {sum.x, sum.y, sum.z}};
     }
 
-    // As kernels tap what they return.
-    static const char* isr_result_name(const frame::PlannedStage& s) {
-        if (s.name == "isr.downsample") return "mean";
-        if (s.name == "isr.bounce") return "radiosity";
-        if (s.name == "isr.unseen") return "unseen";
-        return s.name == "isr.compose" ? "radiance" : "irradiance";
-    }
-
+    // What the stage wrote, beside what the explanation says it wrote; not where the output was not wanted.
     std::vector<Check> checks(const frame::PlannedStage& s, const frame::Explanation& e) const {
-        const raster::GBuffer& g = frame.gbuffer;
-        if (s.name == "gbuffer") {
-            // Where nothing is seen there is nothing to explain.
-            if (g.id(pixel.x, pixel.y).x < 0) return {};
-            return {{"position", at(g.position), last_value(e, "stored_position")},
-                    {"depth", {g.position(pixel.x, pixel.y).w}, last_value(e, "stored_depth")},
-                    {"normal", at(g.normal), last_value(e, "stored_normal")},
-                    {"albedo", at(g.albedo), last_value(e, "stored_albedo")},
-                    {"emission", at(g.emission), last_value(e, "stored_emission")}};
+        const frame::PlannedNode& node = graph.node(s);
+        const Bundle outputs = node.outputs();
+        std::vector<Check> all;
+        for (const frame::Result& result : node.results) {
+            if (node.adds) return {gathered(result, e.pixel)};
+            const std::vector<double> explained =
+                result.stored ? kept_value(e, result.tap) : last_value(e, result.tap);
+            const std::vector<double> picture = value_at(node, outputs, result, e.pixel);
+            if (explained.empty() && result.where_seen) continue;
+            if (!picture.empty()) all.push_back({result.name, picture, explained});
         }
-        if (s.name == "rsm") {
-            const int side = scene.lights[s.light].rsm_size;
-            const raster::Rsm& r = frame.rsms[s.light][pixel.x / side];
-            const glm::ivec2 texel(pixel.x % side, pixel.y);
-            if (r.size == 0 || last_value(e, "stored_position").empty()) return {};
-            std::vector<Check> of_map = {{"position", at(r.position, texel), last_value(e, "stored_position")},
-                                         {"depth", {r.position(texel.x, texel.y).w}, last_value(e, "stored_depth")}};
-            if (r.flux.empty()) return of_map;  // drawn for its depth alone
-            of_map.push_back({"normal", at(r.normal, texel), last_value(e, "stored_normal")});
-            of_map.push_back({"flux", at(r.flux, texel), last_value(e, "stored_flux")});
-            return of_map;
+        return all;
+    }
+
+    // A light's maps lie side by side, each an output of its own.
+    std::vector<double> value_at(const frame::PlannedNode& node, const Bundle& outputs, const frame::Result& result,
+                                 glm::ivec2 item) const {
+        const Array* array = find(outputs, result.output);
+        if (!array) {
+            const int side = node.size().y;
+            array = find(outputs, std::string(raster::face_names[item.x / side]) + "." + result.output);
+            item.x %= side;
         }
-        if (s.name == "shadow.blur") {
-            const int side = scene.lights[s.light].rsm_size;
-            const auto& maps = s.form == "horizontal" ? frame.maps_blurred_across : frame.maps_blurred;
-            const Image4& map = maps[s.light][pixel.x / side];
-            if (map.empty()) return {};
-            return {{"depth", {map(pixel.x % side, pixel.y).w}, last_value(e, "depth")}};
-        }
-        if (s.name == "shadow") {
-            const std::size_t pixels = g.position.size();
-            const std::size_t i = s.light * pixels + std::size_t(pixel.y) * g.position.width + pixel.x;
-            return {{"visibility", {frame.visibility[i]}, kept_value(e, "visibility")}};
-        }
-        if (s.name == "direct") return {{"irradiance", at(frame.direct), last_value(e, "irradiance")}};
-        if (s.name == "compose") return {{"radiance", at(frame.radiance), last_value(e, "radiance")}};
-        if (s.name == "tonemap") return {{"display", at(frame.display), last_value(e, "display")}};
-        if (frame::is_gather(s.name)) return {gathered(e.pixel)};
-        if (frame::is_isr(s.name)) {
-            const Image4& image = frame::isr_result(frame, s);
-            const glm::vec4& v = image(e.pixel.x, e.pixel.y);
-            if (s.name == "isr.ssao") return {{"accessibility", {v.w}, last_value(e, "accessibility")}};
-            return {{"result", {v.x, v.y, v.z}, last_value(e, isr_result_name(s))}};
-        }
-        if (frame::is_filter(s.name)) {
-            const bool reduces = s.name == "filter.reduce";
-            return {{reduces ? "reduced " + s.form : "irradiance", at(frame::filter_result(frame, settings, s), e.pixel),
-                     last_value(e, reduces ? "value" : "irradiance")}};
-        }
-        return {};
+        if (!array || array->bytes.empty()) return {};
+        const std::size_t channels = array->shape.size() == 3 ? std::size_t(array->shape[2]) : 1;
+        const std::size_t at = std::size_t(item.y) * std::size_t(array->shape[1]) + std::size_t(item.x);
+        const auto* values = reinterpret_cast<const float*>(array->bytes.data()) + at * channels + std::size_t(result.channel);
+        return {values, values + result.count};
     }
 };
 
@@ -153,21 +119,22 @@ std::string check_text(const Check& check) {
                        exact_text(check.picture), check.equal() ? "equal" : "NOT EQUAL");
 }
 
-// The stages that `stage` stands on; the others need not run.
-frame::Plan up_to(frame::Plan plan, const std::string& stage) {
-    for (const char* early : {"gbuffer", "rsm", "shadow.blur", "shadow", "direct"}) {
-        if (stage != early) continue;
-        std::erase_if(plan.stages, [](const frame::PlannedStage& s) {
-            return s.name == "compose" || s.name == "tonemap" || s.name == "reference" ||
-                   s.name.rfind("rsm.", 0) == 0 || frame::is_filter(s.name) || frame::is_isr(s.name);
-        });
-        if (stage != "gbuffer") plan.gbuffer.albedo = plan.gbuffer.emission = false;
-    }
+// Without what comes after a bounce, where `stage` does not stand on it.
+frame::Plan up_to(frame::Plan plan, const Scene& scene, const frame::Settings& settings, const std::string& stage) {
+    const frame::FrameGraph graph(scene, settings, Geometry{});
+    const bool direct = std::any_of(graph.nodes().begin(), graph.nodes().end(), [&](const frame::PlannedNode& node) {
+        return node.direct && node.plan.name == stage;
+    });
+    if (direct) std::erase_if(plan.stages, [&](const frame::PlannedStage& s) { return !graph.node(s).direct; });
     return plan;
 }
 
-// Stages of a light's maps: their pixels are texels.
-bool of_maps(const std::string& stage) { return stage == "rsm" || stage == "shadow.blur"; }
+// Whether its items are texels of a light's maps.
+bool of_maps(const std::string& stage) {
+    const std::vector<StageBinding>& all = parity::bindings();
+    return std::any_of(all.begin(), all.end(),
+                       [&](const StageBinding& b) { return b.info.name == stage && b.domain == "texel"; });
+}
 
 // What cannot be explained is refused before the frame is rendered.
 void require_explainable(const ExplainOptions& given, glm::ivec2 pixel, const Scene& scene) {
@@ -189,8 +156,8 @@ void require_explainable(const ExplainOptions& given, glm::ivec2 pixel, const Sc
 class Report {
   public:
     Report(const ExplainOptions& given, const RunOptions& options, const Scene& scene, const frame::Settings& settings,
-           const frame::Plan& plan, const frame::Frame& frame, glm::ivec2 pixel)
-        : given_(given), options_(options), scene_(scene), settings_(settings), plan_(plan), frame_(frame) {
+           const frame::Frame& frame, glm::ivec2 pixel)
+        : given_(given), options_(options), scene_(scene), settings_(settings), frame_(frame) {
         if (given.html.empty()) return;
         page_.emplace(fmt::format("plumb explain {}, {} {},{}", io::shown(scene.name),
                                   of_maps(given.stage) ? "texel" : "pixel", pixel.x, pixel.y));
@@ -204,7 +171,7 @@ class Report {
         for (const Check& check : checks) notes.push_back(check_text(check));
         const bool sampled = std::any_of(e.values.begin(), e.values.end(), [](const TapValue& v) { return v.sample >= 0; });
         if (page_ || (sampled && !given_.common.json))
-            for (ExplainedDispatch& one : explained_dispatches(scene_, settings_, plan_, frame_, stage, e)) {
+            for (ExplainedDispatch& one : explained_dispatches(scene_, settings_, frame_, stage, e)) {
                 text_ += samples_text(one.values, sample_shape(one.binding, &one.data, one.pixel));
                 if (page_) add_section(stage, one, "", one_side(one.values), notes);
             }
@@ -215,7 +182,7 @@ class Report {
         text_ += (text_.empty() ? "" : "\n") + explain_text(d);
         stages_.push_back(explain_json(d));
         if (!page_) return;
-        std::vector<ExplainedDispatch> all = explained_dispatches(scene_, settings_, plan_, frame_, stage, e);
+        std::vector<ExplainedDispatch> all = explained_dispatches(scene_, settings_, frame_, stage, e);
         for (ExplainedDispatch& one : all)
             if (d.device.empty() || one.label == d.stage || one.data.label == d.stage)
                 return add_section(stage, one, d.device, d.device.empty() ? one_side(one.values) : d.values,
@@ -231,7 +198,7 @@ class Report {
   private:
     void add_section(const frame::PlannedStage& stage, const ExplainedDispatch& one, const std::string& device,
                      const parity::SideBySide& values, const std::vector<std::string>& notes) {
-        const Bundle outputs = made_by(one, stage, settings_, frame_, options_);
+        const Bundle outputs = made_by(one, stage, scene_, settings_, frame_, options_);
         page_->add({one.label, source_of(stage.name), one.pixel, one.binding, &one.data, &outputs, values, device, notes});
     }
 
@@ -239,7 +206,6 @@ class Report {
     const RunOptions& options_;
     const Scene& scene_;
     const frame::Settings& settings_;
-    const frame::Plan& plan_;
     const frame::Frame& frame_;
     std::optional<ExplainPage> page_;
     std::string text_;
@@ -252,7 +218,7 @@ int explain(const ExplainOptions& given) {
     const Scene scene = load(given.scene);
     const frame::Settings settings = settings_of(scene, given.scene);
     const int light = given.light.empty() ? -1 : find_light(scene, given.light);
-    const frame::Plan plan = up_to(frame::plan(scene, settings), given.stage);
+    const frame::Plan plan = up_to(frame::plan(scene, settings), scene, settings, given.stage);
     require_explainable(given, pixel, scene);
     std::unique_ptr<DeviceExplainer> device;
     if (!given.device.empty()) device = std::make_unique<DeviceExplainer>(given.device, given.spirv);
@@ -263,9 +229,9 @@ int explain(const ExplainOptions& given) {
 
     // Explain: hold each stage's last value against the picture, or all of them against the device's.
     const auto explanations = frame::explain(scene, settings, plan, frame, given.stage, light, pixel);
-    const frame::Plan ran = frame::as_it_ran(plan, frame);
-    const Checker checker{scene, settings, ran, frame, pixel};
-    Report report(given, options, scene, settings, plan, frame, pixel);
+    const frame::Plan ran = frame::plan_after_run(plan, frame);
+    const Checker checker{scene, settings, ran, frame};
+    Report report(given, options, scene, settings, frame, pixel);
     std::vector<Check> wrong;
     bool parted = false;
     for (const frame::Explanation& e : explanations) {

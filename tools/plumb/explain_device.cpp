@@ -33,9 +33,9 @@ const StageBinding* binding_of(const std::string& stage) {
 }
 
 // A light's maps lie side by side for people; each is a draw of its own. The pixel of this one, if it is there.
-std::optional<glm::ivec2> pixel_of(const StageData& data, const BoundStage& bound, glm::ivec2 pixel) {
-    const bool of_maps = data.stage == "rsm" || data.stage == "shadow.blur";
-    if (!of_maps) return bound.writes(pixel) ? std::optional(pixel) : std::nullopt;
+std::optional<glm::ivec2> pixel_of(const StageBinding& binding, const StageData& data, const BoundStage& bound,
+                                   glm::ivec2 pixel) {
+    if (binding.domain != "texel") return bound.writes(pixel) ? std::optional(pixel) : std::nullopt;
     const std::string face = face_of(data);
     const auto* const first = std::begin(raster::face_names);
     const auto index = face.empty() ? 0 : std::find(first, std::end(raster::face_names), face) - first;
@@ -89,7 +89,7 @@ std::vector<DeviceExplanation> DeviceExplainer::explain(const Scene& scene, cons
     std::vector<DeviceExplanation> out;
     for (const StageData& data : dispatches(scene, settings, plan, frame, stage)) {
         const std::unique_ptr<BoundStage> bound = binding->bind(data);
-        const std::optional<glm::ivec2> own = pixel_of(data, *bound, pixel);
+        const std::optional<glm::ivec2> own = pixel_of(*binding, data, *bound, pixel);
         if (!own) continue;
         DeviceExplanation one{data.label, pixel, parts_->device.name(), parts_->profile.name, "", {}};
         try {

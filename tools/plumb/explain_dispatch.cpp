@@ -2,10 +2,8 @@
 
 #include <algorithm>
 
-#include "gi/frame/filters.h"
-#include "gi/frame/isr.h"
+#include "gi/frame/frame_graph.h"
 #include "gi/parity/stages.h"
-#include "raster/light_view.h"
 #include "tools/plumb/stage_case.h"
 
 namespace plumb::cli {
@@ -35,38 +33,32 @@ std::vector<Part> parts_of(const std::vector<TapValue>& values) {
     return parts;
 }
 
-// rsm.all_rays has no twin; it reads the buffers of rsm.all, and the scene's triangles.
-std::vector<StageData> data_of(const Scene& scene, frame::Settings settings, const frame::Plan& plan,
-                               const frame::Frame& frame, frame::PlannedStage stage) {
-    if (stage.name == "rsm.all_rays") stage.name = "rsm.all", settings.rsm.gather = rsm::Gather::all;
-    return dispatches(scene, settings, plan, frame, stage);
-}
-
-void copy(Bundle& to, const std::string& name, const Image4& image, glm::ivec2 size) {
-    if (glm::ivec2(image.width, image.height) == size) add(to, name, image);
-}
-
 }  // namespace
 
 std::vector<ExplainedDispatch> explained_dispatches(const Scene& scene, const frame::Settings& settings,
-                                                    const frame::Plan& plan, const frame::Frame& frame,
-                                                    const frame::PlannedStage& stage, const frame::Explanation& e) {
-    std::vector<StageData> all = data_of(scene, settings, plan, frame, stage);
+                                                    const frame::Frame& frame, const frame::PlannedStage& stage,
+                                                    const frame::Explanation& e) {
+    const frame::FrameGraph graph(scene, settings, frame);
+    const frame::PlannedNode& node = graph.node(stage);
+    const std::vector<StageData> all = node.like ? node.like() : graph.dispatches(node);
     std::vector<ExplainedDispatch> out;
     for (Part& part : parts_of(e.values)) {
         ExplainedDispatch one{stage.label, e.pixel, nullptr, {}, std::move(part.values)};
         const std::string face = part.face < 0 ? "" : raster::face_names[part.face];
         if (!face.empty()) one.label += " " + face;
-        for (StageData& data : all)
-            if (face_of(data) == face) one.binding = binding_of(data.stage), one.data = std::move(data);
-        if ((stage.name == "rsm" || stage.name == "shadow.blur") && one.data.size.x > 0) one.pixel.x %= one.data.size.x;
+        for (const StageData& data : all) {
+            if ((node.like ? data.id : face_of(data)) != face) continue;
+            one.binding = binding_of(data.stage), one.data = owned(*one.binding, data);
+        }
+        // A light's maps lie side by side.
+        if (one.data.size.x > 0) one.pixel.x %= one.data.size.x;
         out.push_back(std::move(one));
     }
     return out;
 }
 
-Bundle made_by(const ExplainedDispatch& dispatch, const frame::PlannedStage& stage, const frame::Settings& settings,
-               const frame::Frame& frame, const RunOptions& options) {
+Bundle made_by(const ExplainedDispatch& dispatch, const frame::PlannedStage& stage, const Scene& scene,
+               const frame::Settings& settings, const frame::Frame& frame, const RunOptions& options) {
     if (!dispatch.binding) return {};
     if (dispatch.binding->raster) {
         Bundle outputs = make_outputs(*dispatch.binding, dispatch.data);
@@ -74,18 +66,14 @@ Bundle made_by(const ExplainedDispatch& dispatch, const frame::PlannedStage& sta
         return outputs;
     }
     Bundle made;
-    const glm::ivec2 size = dispatch.data.size;
-    if (stage.name == "direct") copy(made, "irradiance", frame.direct, size);
-    if (frame::is_gather(stage.name)) copy(made, "irradiance", frame::gather_sum(frame), size);
-    if (frame::is_filter(stage.name))
-        copy(made, dispatch.binding->outputs[0].name.c_str(), frame::filter_result(frame, settings, stage), size);
-    if (frame::is_isr(stage.name))
-        copy(made, dispatch.binding->outputs[0].name.c_str(), frame::isr_result(frame, stage), size);
-    if (stage.name == "compose") copy(made, "radiance", frame.radiance, size);
-    if (stage.name == "tonemap") copy(made, "display", frame.display, size);
-    const std::size_t pixels = std::size_t(size.x) * std::size_t(size.y), first = std::size_t(stage.light) * pixels;
-    if (stage.name == "shadow" && frame.visibility.size() >= first + pixels)
-        add(made, "visibility", {size.y, size.x}, frame.visibility.data() + first);
+    const frame::FrameGraph graph(scene, settings, frame);
+    const Bundle outputs = graph.node(stage).outputs();
+    for (const Slot& slot : dispatch.binding->outputs) {
+        const Array* array = find(outputs, slot.name);
+        if (!array || array->shape.size() < 2 || array->bytes.empty()) continue;
+        if (array->shape[0] == dispatch.data.size.y && array->shape[1] == dispatch.data.size.x) made.arrays.push_back(*array);
+    }
+    for (Array& array : made.arrays) array.bytes.own();
     return made;
 }
 

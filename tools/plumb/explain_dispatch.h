@@ -21,13 +21,12 @@ struct ExplainedDispatch {
 
 // A stage's explanation, cut where a point light's next face begins. What no face belongs to goes with the last one.
 std::vector<ExplainedDispatch> explained_dispatches(const Scene& scene, const frame::Settings& settings,
-                                                    const frame::Plan& plan, const frame::Frame& frame,
-                                                    const frame::PlannedStage& stage, const frame::Explanation& e);
+                                                    const frame::Frame& frame, const frame::PlannedStage& stage,
+                                                    const frame::Explanation& e);
 
 // What the dispatch made, as far as pictures of it are at hand: a draw is drawn once more, others are the frame's.
-Bundle made_by(const ExplainedDispatch& dispatch, const frame::PlannedStage& stage, const frame::Settings& settings,
-               const frame::Frame& frame,
-               const RunOptions& options);
+Bundle made_by(const ExplainedDispatch& dispatch, const frame::PlannedStage& stage, const Scene& scene,
+               const frame::Settings& settings, const frame::Frame& frame, const RunOptions& options);
 
 // Source and budget of a stage by its name.
 std::string source_of(const std::string& stage);

@@ -7,9 +7,7 @@
 
 #include "core/content_hash.h"
 #include "core/error.h"
-#include "gi/frame/filters.h"
-#include "gi/frame/isr.h"
-#include "gi/frame/frame.h"
+#include "gi/frame/frame_graph.h"
 #include "gi/parity/stages.h"
 #include "io/file.h"
 #include "io/filling.h"
@@ -134,14 +132,14 @@ io::ManifestStage export_stage(const StageBinding& binding, const StageData& dat
     return stage;
 }
 
-// The part of the plan that makes the inputs of what is exported.
-frame::Plan needed_by(frame::Plan plan, const std::string& stage) {
-    if (stage == "all" || stage == "compose" || stage == "tonemap" || frame::is_filter(stage) || frame::is_isr(stage))
-        return plan;
-    std::erase_if(plan.stages, [](const frame::PlannedStage& s) {
-        return s.name == "compose" || s.name == "tonemap" || frame::is_gather(s.name) ||
-               s.name == "filter.upsample" || s.name == "filter.blur" || frame::is_isr(s.name);
+// The part of the plan that makes the inputs of what is exported: of what stands before a bounce, and of what gathers it, no
+// more than that.
+frame::Plan needed_by(frame::Plan plan, const Scene& scene, const frame::Settings& settings, const std::string& stage) {
+    const frame::FrameGraph graph(scene, settings, Geometry{});
+    const bool early = std::any_of(graph.nodes().begin(), graph.nodes().end(), [&](const frame::PlannedNode& node) {
+        return node.plan.name == stage && (node.direct || node.adds);
     });
+    if (early) std::erase_if(plan.stages, [&](const frame::PlannedStage& s) { return !graph.node(s).direct; });
     return plan;
 }
 
@@ -188,7 +186,7 @@ int run_export(const ExportOptions& given) {
     const Scene scene = load(given.scene);
     frame::Settings settings = settings_of(scene, given.scene);
     const std::uint64_t id = export_id(scene, settings, maker);
-    choose_method(settings, given.stage);
+    if (given.stage != "all") settings = frame::settings_running(settings, given.stage);
     settings.truth = false;
     const int light = given.light.empty() ? -1 : find_light(scene, given.light);
     const frame::Plan plan = frame::plan(scene, settings);
@@ -198,7 +196,7 @@ int run_export(const ExportOptions& given) {
 
     // Render what the stages read, then write one after the other: a big frame's inputs are not held twice.
     const frame::Frame frame = [&] {
-        const frame::Plan needed = needed_by(plan, given.stage);
+        const frame::Plan needed = needed_by(plan, scene, settings, given.stage);
         ProgressBar bar(needed);
         return frame::execute(scene, settings, needed, options, bar.callback());
     }();

@@ -43,7 +43,7 @@ std::string picture_name(const Scene& scene) { return file_name(io::stem_of(scen
 void write_pictures(const Scene& scene, const frame::Plan& plan, const frame::Frame& frame, const std::string& name,
                     Outputs& outputs) {
     const std::vector<std::string> lights = light_file_names(scene);
-    const frame::Plan ran = frame::as_it_ran(plan, frame);
+    const frame::Plan ran = frame::plan_after_run(plan, frame);
     const raster::GBuffer& g = frame.gbuffer;
     const std::size_t pixels = frame.radiance.size();
 

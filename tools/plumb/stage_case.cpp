@@ -7,8 +7,7 @@
 #include <map>
 
 #include "core/error.h"
-#include "gi/frame/filters.h"
-#include "gi/frame/isr.h"
+#include "gi/frame/frame_graph.h"
 #include "gi/parity/stages.h"
 #include "io/file.h"
 #include "io/scene_file.h"
@@ -50,15 +49,12 @@ FieldValue field_value(const std::vector<std::string>& words) {
     return parse_value(fmt::format("[{}]", joined(words)));
 }
 
-// The table of settings that holds a parameter of the stage.
-std::string table_of(frame::Settings& settings, const std::string& stage, const std::string& key,
-                     const std::string& place) {
-    const std::string first = frame::is_filter(stage) ? "indirect" : stage.substr(0, stage.find('.'));
-    std::vector<std::string> tables = frame::method_tables();
-    std::stable_partition(tables.begin(), tables.end(), [&](const std::string& t) { return t == first; });
-    for (const std::string& table : tables)
-        for (const Field& field : frame::table_fields(settings, table, place))
-            if (field.name == key) return table;
+// The table of settings that holds a parameter of the stage: the one that says the same of it.
+std::string table_of(frame::Settings& settings, const StageBinding& binding, const std::string& key, const std::string& place) {
+    for (const ParamInfo& param : binding.info.params)
+        for (const std::string& table : frame::method_tables())
+            for (const ParamInfo& other : describe(frame::table_fields(settings, table, place)))
+                if (param.name == key && other.name == key && other.meaning == param.meaning) return table;
     return "";
 }
 
@@ -68,7 +64,7 @@ void set_params(frame::Settings& settings, const io::ManifestStage& stage, const
     for (const auto& [key, words] : stage.params) {
         if (binding.raster && key == "reversed_z") continue;
         const std::string place = stage.place + ": params";
-        const std::string table = table_of(settings, stage.stage, key, place);
+        const std::string table = table_of(settings, binding, key, place);
         if (std::find(known.begin(), known.end(), key) == known.end() || table.empty()) {
             if (known.empty()) throw InputError(fmt::format("{}: {}: the stage has no parameters", place, key));
             throw InputError(fmt::format("{}: unknown parameter \"{}\"; the nearest known one is \"{}\"", place, key,
@@ -339,30 +335,7 @@ void read_choices(const io::ManifestStage& stage, StageCase& out) {
     out.choices_a_pixel = array.shape.size() == 3 ? int(array.shape[2]) : 1;
 }
 
-// "surface" is that of the frame itself; one of another view is named as its label has it: "surface, guard".
-bool has_form(const frame::PlannedStage& planned, const std::string& form) {
-    return (planned.form == form && planned.view == 0) || planned.label == planned.name + " (" + form + ")";
-}
-
 }  // namespace
-
-void choose_method(frame::Settings& settings, const std::string& stage) {
-    if (frame::is_isr(stage) || stage == "gbuffer.layer") {
-        settings.method = frame::Method::isr;
-        if (stage == "gbuffer.layer") settings.isr.layers = std::max(settings.isr.layers, 2);
-        if (!frame::gathers_isr(settings)) settings.isr.mode = isr::Mode::f2;
-        return;
-    }
-    // Of the method isr stay the stages that it shares with others.
-    const bool filters = frame::is_filter(stage) || stage == "compose";
-    if (settings.method == frame::Method::reference || (settings.method == frame::Method::isr && filters))
-        settings.method = frame::Method::rsm;
-    for (const auto& [gather, texels] : rsm::gather_stages) {
-        if (rsm::stage_name(gather, texels) != stage) continue;
-        settings.method = frame::Method::rsm;
-        settings.rsm.gather = gather, settings.rsm.texels = texels;
-    }
-}
 
 std::vector<StageData> dispatches(const Scene& scene, const frame::Settings& settings, const frame::Plan& plan,
                                   const frame::Frame& frame, const frame::PlannedStage& stage) {
@@ -381,23 +354,37 @@ CaseReader::CaseReader(const io::Manifest& manifest) {
     if (!manifest.scene.empty()) scene_ = io::load_scene(manifest.scene.string(), frame::method_tables());
 }
 
+namespace {
+
+// Makes the stage's outputs as large as the manifest says: the light's maps, the frame, or one of which they are a half.
+void set_size(Scene& scene, const frame::Settings& settings, const io::ManifestStage& stage, int light) {
+    const glm::ivec2 size(stage.width, stage.height);
+    auto fits = [&] {
+        const frame::FrameGraph graph(scene, settings, Geometry{});
+        return std::any_of(graph.nodes().begin(), graph.nodes().end(), [&](const frame::PlannedNode& node) {
+            return node.plan.name == stage.stage && (light < 0 || node.plan.light == light) && node.size().y == size.y;
+        });
+    };
+    if (parity::find_binding(stage.stage, stage.place).domain == "texel") {
+        if (light >= 0) scene.lights[std::size_t(light)].rsm_size = size.x;
+        return;
+    }
+    scene.frame_size = size;
+    if (!fits()) scene.frame_size = 2 * size;
+}
+
+}  // namespace
+
 // Uniforms, patterns and geometry; images have to be dumped.
 StageData CaseReader::data_of_scene(const io::ManifestStage& stage, const StageBinding& binding) const {
     Scene scene = *scene_;
     const int light = stage.light.empty() ? -1 : light_index(scene, stage.light, stage.place);
-    if (stage.width > 0 && stage.height > 0) {
-        if (stage.stage != "rsm") scene.frame_size = {stage.width, stage.height};
-        if (stage.stage == "rsm" && light >= 0) scene.lights[std::size_t(light)].rsm_size = stage.width;
-    }
-    frame::Settings settings = frame::settings_of(scene);
-    choose_method(settings, stage.stage);
-    settings.pruning = false;
     // Of a dispatch the manifest tells the size: gathers read what they are given.
-    settings.indirect.resolution = filter::Resolution(stage.stage == "filter.reduce" || stage.stage == "filter.upsample");
-    const filter::Blur blur = stage.form.empty() ? filter::Blur::full : filter::Blur::separable;
-    settings.indirect.blur = stage.stage == "filter.blur" ? blur : filter::Blur::none;
-    const bool coarse = frame::is_isr(stage.stage) && stage.stage != "isr.upsample" && stage.stage != "isr.compose";
-    if (stage.stage == "filter.reduce" || coarse) scene.frame_size = 2 * scene.frame_size;
+    frame::Settings settings = frame::settings_of(scene);
+    settings.indirect.resolution = filter::Resolution::full, settings.indirect.blur = filter::Blur::none;
+    settings = frame::settings_running(settings, stage.stage, stage.form);
+    settings.pruning = false;
+    if (stage.width > 0 && stage.height > 0) set_size(scene, settings, stage, light);
     set_params(settings, stage, binding);
 
     // Of a stage that runs more than once, or once a light, and once a face, the manifest says which.
@@ -406,7 +393,7 @@ StageData CaseReader::data_of_scene(const io::ManifestStage& stage, const StageB
     std::vector<std::string> ids;
     for (const frame::PlannedStage& planned : plan.stages) {
         if (planned.name != stage.stage || (light >= 0 && planned.light != light)) continue;
-        if (!stage.form.empty() && !has_form(planned, stage.form)) continue;
+        if (!stage.form.empty() && !frame::has_form(planned, stage.form)) continue;
         for (StageData& data : dispatches(scene, settings, plan, {}, planned)) {
             if (!stage.face.empty() && face_of(data) != stage.face) continue;
             ids.push_back(data.label);
@@ -438,7 +425,7 @@ StageCase CaseReader::read(const io::ManifestStage& stage) const {
     } else {
         // What is no parameter, or has no such value, is named first.
         frame::Settings settings;
-        choose_method(settings, stage.stage);
+        settings = frame::settings_running(settings, stage.stage);
         set_params(settings, stage, binding);
         for (const auto& [key, words] : stage.params)
             if (!binding.raster || key != "reversed_z")

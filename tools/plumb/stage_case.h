@@ -44,7 +44,4 @@ std::vector<StageData> dispatches(const Scene& scene, const frame::Settings& set
 // The face of a point light's map that the data belongs to, "px" to "nz"; else "".
 std::string face_of(const StageData& data);
 
-// Chooses the method whose frame runs that stage.
-void choose_method(frame::Settings& settings, const std::string& stage);
-
 }  // namespace plumb::cli

@@ -1,0 +1,210 @@
+#include "gi/graph/graph.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <stdexcept>
+#include <utility>
+
+namespace plumb::graph {
+
+namespace {
+
+// Whatever is kept, a key of 0 says that there is none.
+Key key_of(const Node& node, bool left_out, Reads& reads) {
+    const NodePlan& p = node.plan;
+    reads.text(p.name), reads.text(p.form), reads.text(p.layer);
+    reads.value(left_out, p.light, p.view);
+    const glm::ivec2 size = node.size();
+    reads.value(size.x, size.y);
+    if (!left_out)
+        node.reads(reads);
+    else if (node.reads_left_out)
+        node.reads_left_out(reads);
+    return reads.key() ? reads.key() : 1;
+}
+
+class Run {
+  public:
+    explicit Run(const RunWith& with) : with_(with) {
+        if (with.kept) before_ = std::exchange(*with.kept, {});
+    }
+
+    NodeRun node(const Node& node) {
+        const NodePlan& plan = node.plan;
+        NodeRun run;
+        run.label = plan.label, run.needed = plan.needed, run.reason = plan.reason;
+        run.rule = plan.rule, run.saved_ms = plan.saved_ms, run.parts = plan.parts;
+        const bool left_out = !plan.needed || (with_.leaves_out && with_.leaves_out(node, run));
+        if (with_.kept) {
+            Reads reads(written_);
+            run.key = key_of(node, left_out, reads);
+            run.reads = reads.from();
+        }
+        const auto start = std::chrono::steady_clock::now();
+        const Key key = with_.other_key ? with_.other_key(node, run.key) : run.key;
+        if (const Made* made = with_.kept ? holds(node, key) : nullptr)
+            reuse(node, *made, left_out, run);
+        else if (left_out)
+            node.leave_out();
+        else
+            make(node, run);
+        if (!left_out) run.ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+        if (with_.kept) keep(node, key, run);
+        return run;
+    }
+
+    // What joins a node's outputs has made it take so long.
+    void joined(const Node& node, double ms) {
+        if (with_.kept) with_.kept->at(id_of(node.plan)).run.ms = ms;
+    }
+
+    // What was written over is not kept.
+    void end() {
+        if (!with_.kept) return;
+        std::erase_if(*with_.kept, [&](const auto& entry) {
+            const Made& made = entry.second;
+            return std::any_of(made.outputs.begin(), made.outputs.end(),
+                               [&](const auto& o) { return !written_.is_by(entry.first, o.first, o.second); });
+        });
+    }
+
+  private:
+    static std::vector<std::pair<const void*, std::size_t>> places_of(const Node& node) {
+        std::vector<std::pair<const void*, std::size_t>> places;
+        const Bundle outputs = node.outputs();
+        for (const Array& a : outputs.arrays)
+            if (!a.bytes.empty()) places.emplace_back(a.bytes.data(), a.bytes.size());
+        return places;
+    }
+
+    // What was made before, where it lies now, if it was made from the same.
+    const Made* holds(const Node& node, Key key) const {
+        const auto at = before_.find(id_of(node.plan));
+        if (at == before_.end() || at->second.key != key || at->second.outputs != places_of(node)) return nullptr;
+        const bool over = std::any_of(at->second.outputs.begin(), at->second.outputs.end(),
+                                      [&](const auto& o) { return written_.any_in(o.first, o.second); });
+        return over && !node.reuse ? nullptr : &at->second;
+    }
+
+    void make(const Node& node, NodeRun& run) {
+        RunOptions options = with_.options;
+        if (with_.progress && node.listed) {
+            with_.progress(node.plan.label, 0);
+            options.progress = [&](double done) { with_.progress(node.plan.label, done); };
+        }
+        node.run(options, run);
+        run.isa = last_dispatched_isa();
+    }
+
+    static void reuse(const Node& node, const Made& made, bool left_out, NodeRun& run) {
+        if (node.reuse) node.reuse();
+        if (left_out) return;
+        run.kept = true;
+        run.reason = "kept: nothing that it reads has changed";
+        run.saved_ms = made.run.kept ? made.run.saved_ms : made.run.ms;
+        run.bytes = made.run.bytes, run.isa = made.run.isa;
+    }
+
+    void keep(const Node& node, Key key, const NodeRun& run) {
+        const std::string id = id_of(node.plan);
+        Made& made = (*with_.kept)[id];
+        made = {key, run, places_of(node)};
+        for (const auto& [at, size] : made.outputs) written_.write(at, {size, run.key, id, run.label});
+    }
+
+    const RunWith& with_;
+    Kept before_;
+    Written written_;
+};
+
+}  // namespace
+
+bool same_node(const NodePlan& a, const NodePlan& b) {
+    return a.name == b.name && a.light == b.light && a.form == b.form && a.view == b.view && a.layer == b.layer;
+}
+
+std::string id_of(const NodePlan& plan) {
+    return fmt::format("{}|{}|{}|{}|{}", plan.name, plan.light, plan.form, plan.view, plan.layer);
+}
+
+void Written::write(const void* at, Range range) {
+    const auto* first = static_cast<const unsigned char*>(at);
+    auto next = ranges_.lower_bound(first);
+    if (next != ranges_.begin() && std::prev(next)->first + std::prev(next)->second.size > first) next = std::prev(next);
+    while (next != ranges_.end() && next->first < first + range.size) next = ranges_.erase(next);
+    ranges_[first] = std::move(range);
+}
+
+bool Written::is_by(const std::string& id, const void* at, std::size_t size) const {
+    const auto found = ranges_.find(static_cast<const unsigned char*>(at));
+    return found != ranges_.end() && found->second.size == size && found->second.id == id;
+}
+
+bool Written::any_in(const void* at, std::size_t size) const {
+    const auto* first = static_cast<const unsigned char*>(at);
+    auto next = ranges_.lower_bound(first);
+    if (next != ranges_.end() && next->first < first + size) return true;
+    return next != ranges_.begin() && std::prev(next)->first + std::prev(next)->second.size > first;
+}
+
+void Reads::fields(const std::vector<Field>& fields) {
+    for (const Field& f : fields) {
+        h_.add(f.name);
+        std::visit([&](const auto* value) { h_.add(*value); }, f.value);
+    }
+}
+
+void Reads::source(const std::string& name, Key key) {
+    h_.add(name), h_.add(key);
+    from_.insert(name);
+}
+
+void Reads::memory(const void* at, std::size_t size) {
+    h_.add(size);
+    if (size == 0) return;
+    const auto *first = static_cast<const unsigned char*>(at), *last = first + size;
+    auto next = written_.ranges_.upper_bound(first);
+    if (next != written_.ranges_.begin()) --next;
+    const unsigned char* known = first;  // all before it was written by nodes
+    for (; next != written_.ranges_.end() && next->first < last; ++next) {
+        const auto& [begin, range] = *next;
+        if (begin + range.size <= first) continue;
+        if (begin > known) break;
+        h_.add(range.key, std::ptrdiff_t(begin - first));
+        from_.insert(range.label);
+        known = begin + range.size;
+    }
+    if (known < last) h_.hash = content_hash(at, size, h_.hash);
+}
+
+void Reads::dispatch(const StageBinding& binding, const StageData& data) {
+    h_.add(binding.info.name);
+    h_.add(data.size.x, data.size.y, data.reversed_z);
+    for (const UniformMember& member : binding.uniforms)
+        for (const double value : uniform_value(binding, data, member.name)) h_.add(value);
+    for (const Array& array : data.inputs.arrays) {
+        h_.add(array.name), h_.add(int(array.dtype));
+        for (const std::int64_t extent : array.shape) h_.add(extent);
+        memory(array.bytes.data(), array.bytes.size());
+    }
+}
+
+std::vector<NodeRun> run(const std::vector<const Node*>& nodes, const RunWith& with) {
+    Run run(with);
+    std::vector<NodeRun> runs;
+    const Node* last = nullptr;  // that is listed
+    for (const Node* node : nodes) {
+        NodeRun made = run.node(*node);
+        if (node->listed)
+            runs.push_back(std::move(made));
+        else if (last)
+            runs.back().ms += made.ms, run.joined(*last, runs.back().ms);
+        if (node->listed) last = node;
+    }
+    run.end();
+    return runs;
+}
+
+}  // namespace plumb::graph
