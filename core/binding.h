@@ -57,7 +57,7 @@ struct UniformMember {
 };
 
 struct StageData {
-    std::string stage;                    // "rsm.disc"
+    std::string stage;                    // as `plumb stages` lists it
     std::string label;                    // "rsm.disc (key)": as people read it
     std::string id;                       // "rsm.disc.key": letters, digits, '.', '_' and '-', one of its kind in a frame
     glm::ivec2 size{0};                   // pixels of the outputs

@@ -32,7 +32,7 @@ struct ParamInfo {
 };
 
 struct StageInfo {
-    std::string name;    // "rsm.disc"
+    std::string name;    // as `plumb stages` lists it
     std::string source;  // the document and its section or equation
     std::vector<Port> inputs, outputs;
     std::vector<ParamInfo> params;

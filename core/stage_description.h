@@ -80,7 +80,7 @@ struct Within {
 
 template <class View>
 struct StageDescription {
-    std::string name;    // "filter.blur"
+    std::string name;    // "<folder>.<stage>"
     std::string source;  // document and section
     std::string domain;  // what an item is: "pixel", "coarse pixel", "texel", "receiver"
     std::vector<Reads<View>> inputs;

@@ -7,7 +7,7 @@
 //     max_ambiguous = 0.005
 //     scene = "cornell.toml"            # optional: gives uniforms, patterns and geometry that are not dumped
 //     [[stage]]
-//     stage = "rsm.disc"
+//     stage = "..."                     # as `plumb stages` lists it
 //     light = "key"                     # which of the scene's, for a stage that runs once a light; face = "px"
 //     size = [1920, 1080]
 //     [stage.params]                    # as `plumb stages` lists them; instead of the scene's settings

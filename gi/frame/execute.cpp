@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <functional>
 
 #include "core/fp_environment.h"
 #include "gi/direct/log_blur.h"
@@ -60,7 +61,8 @@ void execute_in(KeptMemory& memory, const Scene& scene, const Settings& settings
     if (!c.keeps && !gathers_isr(settings)) begin_sum(c);
 
     graph::RunWith with{options, progress};
-    if (kept) with.kept = &memory.made, with.other_key = kept->other_key();
+    if (kept) with.kept = &memory.made;
+    if (kept && kept->other_key()) with.other_key = std::cref(kept->other_key());  // it may count
     with.leaves_out = [&](const graph::Node& node, StageRun& run) {
         return node.listed && left_out(plan, memory.frame, static_cast<const PlannedNode&>(node), run);
     };

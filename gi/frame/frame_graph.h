@@ -95,7 +95,7 @@ struct Result {
 };
 
 struct PlannedNode : graph::Node {
-    std::string work;            // as rules name it (rules.h): "gather", "isr.lit"; empty where the node has no row
+    std::string work;            // as rules name it (rules.h): "gather", "isr lit"; empty where the node has no row
     std::vector<Part> parts = {};
     double map_texels = 0;       // that it holds
     std::string of_layer = {};   // of a node without a row: it runs where that layer is traced; empty: always

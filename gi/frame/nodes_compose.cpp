@@ -24,7 +24,7 @@ Traced& put_layer(Context& c, Traced traced) {
 
 // The truth under the picture's tone curve.
 void add_truth_display(Context& c, Nodes& nodes) {
-    PlannedNode node = begin_node(c, "display of truth", "", "", 0, {});
+    PlannedNode node = begin_node(c, "truth_display", "", "", 0, {});
     node.listed = false, node.of_layer = "truth";
     compute(c, node, c.settings.tonemap,
             [&c] { return compose::TonemapInputs{&find_layer(c, "truth")->estimate.mean}; },
@@ -110,7 +110,9 @@ void add_traced(Context& c, const std::string& layer, const std::string& why, No
                                                   reference::environment_table(seen.environment));
         Bundle b;
         lend_surfaces(c.world().geometry, surfaces, b);
-        for (Array& array : b.arrays) array.bytes.own();  // the surfaces are this function's
+        for (Array& array : b.arrays)  // the surfaces are this function's
+            for (const char* name : {"materials", "textures", "texels", "decode"})
+                if (array.name == name) array.bytes.own();
         add(b, "lights", {std::int64_t(table.count), 16}, table.rows.data());
         if (own) lend(b, "position", c.frame.gbuffer.position), lend(b, "normal", c.frame.gbuffer.normal);
         return b;

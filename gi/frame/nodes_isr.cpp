@@ -22,7 +22,7 @@ class Adder {
 
     void add() {
         for (int v = 0; v < int(c_.views.size()); ++v) {
-            add_downsample("surface", isr::Coarse::surface, "isr.lit", v);
+            add_downsample("surface", isr::Coarse::surface, "isr lit", v);
             if (v > 0 || sources_.front() == 0) add_downsample("radiosity", isr::Coarse::radiosity, "isr", v);
         }
         for (int v = 0; v < int(c_.views.size()); ++v)
@@ -210,7 +210,7 @@ class Adder {
 
     void add_ssao() {
         const int source = sources_.front(), gathered = c_.isr_gathers - 1;
-        PlannedNode node = begin<isr::SsaoKernel>("isr.ssao", "accessibility", "accessibility", coarse(),
+        PlannedNode node = begin<isr::SsaoKernel>("isr access", "accessibility", "accessibility", coarse(),
                                                   isr::sample_count(params_.ssao_rings));
         node.results = {{"accessibility", "", "accessibility", 3, 1}};
         node.covered = coarse_tiles();
@@ -235,7 +235,7 @@ class Adder {
     }
 
     void add_blur(const std::string& form, isr::Direction direction, Image4 IsrBuffers::*from, Image4 IsrBuffers::*to) {
-        PlannedNode node = begin<isr::BlurKernel>("isr.lit", "indirect light without its noise", "irradiance", coarse(),
+        PlannedNode node = begin<isr::BlurKernel>("isr lit", "indirect light without its noise", "irradiance", coarse(),
                                                   2 * params_.blur_radius + 1);
         set_form(node, form);
         node.covered = coarse_tiles();
@@ -251,7 +251,7 @@ class Adder {
     }
 
     void add_upsample() {
-        PlannedNode node = begin<isr::UpsampleKernel>("isr.lit", "indirect light of every pixel", "irradiance", c_.size);
+        PlannedNode node = begin<isr::UpsampleKernel>("isr lit", "indirect light of every pixel", "irradiance", c_.size);
         auto result = [&c = c_]() -> Image4& { return c.frame.indirect; };
         node.leave_out = open(c_.size, result);
         Image4 IsrBuffers::*from = params_.blur == isr::Blur::none ? &IsrBuffers::lit : &IsrBuffers::blurred;

@@ -88,7 +88,7 @@ void add_gbuffer(Context& c, int view, Nodes& nodes) {
     const bool layer = v.kind == ViewKind::layer, paths = c.settings.method == Method::reference;
     const StageBinding& binding = layer ? raster::gbuffer_layer_binding() : raster::gbuffer_binding();
     const std::string why = view > 0 ? "" : paths ? "its layers" : "every later stage reads it";
-    PlannedNode node = begin_node(c, binding.info.name, view > 0 ? "isr.view" : "gbuffer", why, c.triangles + pixels,
+    PlannedNode node = begin_node(c, binding.info.name, view > 0 ? "isr view" : "camera", why, c.triangles + pixels,
                                   {ms_pixels, "triangles + pixels"});
     set_view(c, node, view);
     node.of_pixels = view == 0, node.by_name = view == 0 || layer, node.in_steps = layer;

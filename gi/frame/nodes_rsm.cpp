@@ -137,6 +137,7 @@ void add_gather(Context& c, int l, Nodes& nodes) {
     };
     node.reads = [=, &c, &params](graph::Reads& r) {
         r.value(c.settings.layout.indirect);
+        if (!c.keeps) r.image(sum_of(c));  // it adds to what those before it have made
         if (!traces) return each_dispatch([&](const StageData& data) { r.dispatch(rsm::stage_of(params), data); });
         rsm::GatherParams copy = params;
         r.fields(rsm::fields(copy));
@@ -214,6 +215,7 @@ void add_sum(Context& c, Nodes& nodes) {
     node.size = [&c] { return gather_size(c.settings, c.size); };
     node.reads = [=, &c](graph::Reads& r) {
         for (int l = 0; l < int(c.lights.size()); ++l) r.image(c.term(l)), r.image(c.term_error(l));
+        if (!c.keeps) r.image(sum_of(c));
         if (filtered) r.image(position());
     };
     node.outputs = [=, &c] {

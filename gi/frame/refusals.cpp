@@ -14,6 +14,7 @@
 #include "core/host_math.h"
 #include "gi/frame/filters.h"
 #include "gi/frame/isr.h"
+#include "gi/frame/frame_graph.h"
 #include "gi/frame/keys.h"
 #include "gi/reference/triangle_test.h"
 #include "raster/light_view.h"
@@ -79,11 +80,14 @@ void check_formats(const Asked& a, const Plan& plan) {
     const raster::Layout& layout = a.settings.layout;
     raster::check_view(layout, a.camera());
     const raster::Brightest brightest = raster::brightest_of(a.scene, a.geometry);
+    const FrameGraph graph(a.scene, a.settings, a.geometry);
     for (const PlannedStage& stage : plan.stages) {
-        if (!stage.needed) continue;
-        if (stage.name == "gbuffer")
+        const PlannedNode& node = graph.node(stage);
+        if (!stage.needed || !node.of_scene) continue;
+        if (stage.light < 0) {
             raster::check_gbuffer(layout, a.geometry, brightest, a.camera(), plan.gbuffer.emission, 1);
-        if (stage.name != "rsm") continue;
+            continue;
+        }
         const PlannedMaps& maps = plan.maps[std::size_t(stage.light)];
         const Light light = shining(a.scene.lights[std::size_t(stage.light)]);
         const std::vector<View> views = raster::light_views(light, a.low, a.high);

@@ -82,7 +82,7 @@ bool access_unread(const Known& known, const Work&) {
 }
 
 bool isr_unread(const Known& known, const Work&) {
-    return left_out_by(rules(), known, {"isr", ""}) && left_out_by(rules(), known, {"isr.ssao", ""});
+    return left_out_by(rules(), known, {"isr", ""}) && left_out_by(rules(), known, {"isr access", ""});
 }
 
 // Nothing to filter: every light's gather is left out.
@@ -165,10 +165,10 @@ bool Rule::speaks_of(const Work& work) const {
 
 const std::vector<Rule>& rules() {
     static const std::vector<std::string> of_light = {"rsm", "shadow", "gather"};
-    static const std::vector<std::string> of_view = {"gbuffer",      "rsm",            "shadow", "gather",  "direct",
-                                                     "truth.direct", "truth.indirect", "isr",    "isr.ssao"};
+    static const std::vector<std::string> of_view = {"camera",      "rsm",            "shadow", "gather",  "direct",
+                                                     "truth.direct", "truth.indirect", "isr",    "isr access"};
     static const std::vector<std::string> of_screen = {"rsm",    "shadow", "gather",   "filter",
-                                                       "direct", "isr",    "isr.ssao", "isr.lit"};
+                                                       "direct", "isr",    "isr access", "isr lit"};
     static const std::vector<Rule> all = {
         {"scene-empty", of_view, "", "the scene is empty", scene_empty},
         {"light-off", of_light, "", "the light is off", light_off},
@@ -177,20 +177,20 @@ const std::vector<Rule>& rules() {
         {"paths-instead", {"rsm", "shadow", "direct", "compose"}, "", "paths are traced instead", paths_instead},
         {"camera-blind", of_view, "", "the camera sees nothing of the scene", camera_blind},
         {"no-light", {"direct", "truth.direct", "truth.indirect"}, "", "no light shines on the scene", no_light},
-        {"nothing-reflects", {"gather", "truth.indirect", "isr", "isr.ssao"}, "", "nothing reflects", nothing_reflects},
+        {"nothing-reflects", {"gather", "truth.indirect", "isr", "isr access"}, "", "nothing reflects", nothing_reflects},
         {"reflectors-missed", {"gather"}, "", "nothing that the light may meet reflects", reflectors_missed},
         {"no-radiosity", {"isr"}, "", "nothing sends light", no_radiosity},
         {"isr-unseen", {"isr"}, "", "k_isr is 0: indirect light is not shown", isr_unseen},
-        {"access-unread", {"isr.ssao"}, "", "nothing reads how open a point is", access_unread},
-        {"isr-unread", {"isr.lit", "isr.view"}, "", "neither indirect light nor accessibility is read", isr_unread},
+        {"access-unread", {"isr access"}, "", "nothing reads how open a point is", access_unread},
+        {"isr-unread", {"isr lit", "isr view"}, "", "neither indirect light nor accessibility is read", isr_unread},
         {"no-gather", {"filter"}, "", "no gather runs", no_gather},
-        {"no-albedo", {"gbuffer"}, "albedo", "no albedo: nothing reflects", no_albedo},
-        {"no-emission", {"gbuffer"}, "emission", "no emission: nothing emits", no_emission},
+        {"no-albedo", {"camera"}, "albedo", "no albedo: nothing reflects", no_albedo},
+        {"no-emission", {"camera"}, "emission", "no emission: nothing emits", no_emission},
         {"depth-alone", {"rsm"}, "light", "depth alone: no gather reads the light", light_unread},
         {"face-blind", {"rsm"}, "face", "sees nothing", face_blind},
         {"nothing-covered", of_screen, "", "no pixel sees a surface", nullptr, nothing_covered},
         {"map-dark", {"gather"}, "", "the light's map holds no flux", nullptr, map_dark},
-        {"tile-empty", {"shadow", "gather", "filter", "direct", "isr", "isr.ssao", "isr.lit"}, "tile", "sees no surface", nullptr, tile_empty},
+        {"tile-empty", {"shadow", "gather", "filter", "direct", "isr", "isr access", "isr lit"}, "tile", "sees no surface", nullptr, tile_empty},
     };
     return all;
 }

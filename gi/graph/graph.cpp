@@ -4,8 +4,13 @@
 
 #include <algorithm>
 #include <chrono>
+#include <limits>
+#include <memory>
+#include <optional>
 #include <stdexcept>
 #include <utility>
+
+#include "core/error.h"
 
 namespace plumb::graph {
 
@@ -27,7 +32,7 @@ Key key_of(const Node& node, bool left_out, Reads& reads) {
 
 class Run {
   public:
-    explicit Run(const RunWith& with) : with_(with) {
+    explicit Run(const RunWith& with) : with_(with), keyed_(with.kept || with.store) {
         if (with.kept) before_ = std::exchange(*with.kept, {});
     }
 
@@ -37,21 +42,21 @@ class Run {
         run.label = plan.label, run.needed = plan.needed, run.reason = plan.reason;
         run.rule = plan.rule, run.saved_ms = plan.saved_ms, run.parts = plan.parts;
         const bool left_out = !plan.needed || (with_.leaves_out && with_.leaves_out(node, run));
-        if (with_.kept) {
-            Reads reads(written_);
-            run.key = key_of(node, left_out, reads);
-            run.reads = reads.from();
-        }
+        if (with_.progress && node.listed && !left_out) with_.progress(plan.label, 0);
+        Reads reads(written_, keyed_);
+        const Key own = key_of(node, left_out, reads);
+        if (keyed_) run.key = own;
+        run.reads = reads.from();
         const auto start = std::chrono::steady_clock::now();
         const Key key = with_.other_key ? with_.other_key(node, run.key) : run.key;
         if (const Made* made = with_.kept ? holds(node, key) : nullptr)
             reuse(node, *made, left_out, run);
         else if (left_out)
             node.leave_out();
-        else
-            make(node, run);
+        else if (!load(node, run))
+            make(node, run), store(node, run);
         if (!left_out) run.ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-        if (with_.kept) keep(node, key, run);
+        note(node, key, run);
         return run;
     }
 
@@ -90,10 +95,8 @@ class Run {
 
     void make(const Node& node, NodeRun& run) {
         RunOptions options = with_.options;
-        if (with_.progress && node.listed) {
-            with_.progress(node.plan.label, 0);
+        if (with_.progress && node.listed)
             options.progress = [&](double done) { with_.progress(node.plan.label, done); };
-        }
         node.run(options, run);
         run.isa = last_dispatched_isa();
     }
@@ -107,14 +110,33 @@ class Run {
         run.bytes = made.run.bytes, run.isa = made.run.isa;
     }
 
-    void keep(const Node& node, Key key, const NodeRun& run) {
+    // Whether the store had what the node makes.
+    bool load(const Node& node, NodeRun& run) {
+        if (!with_.store || !node.load) return false;
+        const std::optional<Bundle> found = with_.store->find(run.key);
+        if (!found) return false;
+        try {
+            node.load(*found);
+        } catch (const InputError&) {
+            return false;  // of another make: it is made anew, and replaced
+        }
+        run.kept = true;
+        run.reason = "kept: it lies in the store";
+        return true;
+    }
+    void store(const Node& node, const NodeRun& run) {
+        if (with_.store && node.load) with_.store->keep(run.key, node.outputs(), node.plan.label);
+    }
+
+    void note(const Node& node, Key key, const NodeRun& run) {
         const std::string id = id_of(node.plan);
-        Made& made = (*with_.kept)[id];
-        made = {key, run, places_of(node)};
+        const Made made{key, run, places_of(node)};
         for (const auto& [at, size] : made.outputs) written_.write(at, {size, run.key, id, run.label});
+        if (with_.kept) (*with_.kept)[id] = made;
     }
 
     const RunWith& with_;
+    const bool keyed_;
     Kept before_;
     Written written_;
 };
@@ -176,7 +198,11 @@ void Reads::memory(const void* at, std::size_t size) {
         from_.insert(range.label);
         known = begin + range.size;
     }
-    if (known < last) h_.hash = content_hash(at, size, h_.hash);
+    if (known == last) return;
+    const bool own = std::any_of(own_.begin(), own_.end(), [&](const auto& range) {
+        return range.first <= first && last <= range.first + range.second;
+    });
+    if (!own && hashes_) h_.hash = content_hash(at, size, h_.hash);
 }
 
 void Reads::dispatch(const StageBinding& binding, const StageData& data) {
@@ -191,12 +217,53 @@ void Reads::dispatch(const StageBinding& binding, const StageData& data) {
     }
 }
 
+Node repeat(NodePlan plan, Node start, std::vector<Node> nodes, Until until) {
+    nodes.insert(nodes.begin(), std::move(start));
+    const auto all = std::make_shared<const std::vector<Node>>(std::move(nodes));
+    Node node;
+    node.plan = std::move(plan);
+    node.reads = [=](Reads& r) {
+        r.value(until.most, until.enough);
+        for (const Node& n : *all) {
+            const Bundle outputs = n.outputs();
+            for (const Array& a : outputs.arrays) r.own(a.bytes.data(), a.bytes.size());
+        }
+        for (const Node& n : *all) r.text(n.plan.name), n.reads(r);
+    };
+    node.run = [=](const RunOptions& options, NodeRun& run) {
+        all->front().run(options, run);
+        int round = 0;
+        double residual = std::numeric_limits<double>::infinity();
+        while (round < until.most && !(residual <= until.enough)) {
+            for (auto n = all->begin() + 1; n != all->end(); ++n) n->run(options, run);
+            ++round;
+            if (until.residual) residual = until.residual();
+            if (options.progress) options.progress(double(round) / until.most);
+        }
+        run.reason += fmt::format("; {} round{}", round, round == 1 ? "" : "s");
+        if (until.residual) run.reason += fmt::format(", residual {:.4g}", residual);
+        if (until.residual && !(residual <= until.enough)) run.reason += fmt::format(": more than {:g}", until.enough);
+    };
+    return node;
+}
+
 std::vector<NodeRun> run(const std::vector<const Node*>& nodes, const RunWith& with) {
     Run run(with);
     std::vector<NodeRun> runs;
     const Node* last = nullptr;  // that is listed
+    std::map<std::string, std::vector<std::string>> joins;  // what those that are not listed read, by label
     for (const Node* node : nodes) {
         NodeRun made = run.node(*node);
+        std::set<std::string> reads;
+        for (const std::string& read : made.reads) {
+            const auto joined = joins.find(read);
+            if (joined == joins.end())
+                reads.insert(read);
+            else
+                reads.insert(joined->second.begin(), joined->second.end());
+        }
+        made.reads.assign(reads.begin(), reads.end());
+        if (!node->listed) joins[made.label] = made.reads;
         if (node->listed)
             runs.push_back(std::move(made));
         else if (last)

@@ -5,6 +5,11 @@
 // and memory by its address. Memory that a node before it wrote counts by that node's key, any other by its content. So a
 // key is made of everything that the node reads, and an edge of the graph is an address: neither is written down a second
 // time, and neither can be forgotten. Equal keys are equal bits.
+//
+// A node without a twin (a host node) is the same but for its dispatches. What a node makes is kept in memory from one run to
+// the next (Kept) and, where the node can load it, in a store that outlives the program (store.h): what is found there does
+// not run, so that a run that was killed goes on where it was. Facts that a host node finds out (counts, extents) are arrays
+// among its outputs, and are kept beside them. repeat() makes a node of a group that runs until a residual is small enough.
 #pragma once
 
 #include <cstdint>
@@ -17,10 +22,9 @@
 #include "core/binding.h"
 #include "core/content_hasher.h"
 #include "core/fields.h"
+#include "gi/graph/store.h"
 
 namespace plumb::graph {
-
-using Key = std::uint64_t;
 
 // A part of a node's work that a rule leaves out.
 struct LeftOut {
@@ -31,7 +35,7 @@ struct LeftOut {
 
 // What is known of a node before it runs.
 struct NodePlan {
-    std::string name;      // of the kind of work: "gbuffer", "rsm", "shadow", "direct", "rsm.disc", ...
+    std::string name;      // of the kind of work: a stage as `plumb stages` lists it
     int light = -1;        // index into Scene::lights, for work that is done once a light
     std::string label;     // as people read it: "rsm.disc (key)"
     bool needed = true;
@@ -55,7 +59,7 @@ bool same_node(const NodePlan& a, const NodePlan& b);
 struct NodeRun {
     std::string label;
     bool needed = true;
-    bool kept = false;      // not run: what it makes was kept from an earlier run
+    bool kept = false;      // not run: what it makes was kept from an earlier run, or lies in the store
     std::string reason;
     std::string rule;       // as NodePlan has it
     double saved_ms = 0;    // of a kept node: what making it took; of one left out: as NodePlan has it
@@ -63,8 +67,8 @@ struct NodeRun {
     double ms = 0;
     std::size_t bytes = 0;  // of its output
     Isa isa = Isa::scalar;  // of the kernels that ran
-    Key key = 0;            // 0: nothing is kept, and no key was asked for
-    std::vector<std::string> reads;  // sources and labels of nodes, where there is a key; no two alike
+    Key key = 0;            // 0: nothing is kept
+    std::vector<std::string> reads;  // labels of the nodes, and sources, that it reads; no two alike
 };
 
 // Which node wrote which memory last.
@@ -90,7 +94,11 @@ class Written {
 // What a node reads: the functions it may call before it runs.
 class Reads {
   public:
-    explicit Reads(const Written& written) : written_(written) {}
+    // hashes: else it only tells who wrote what is read, and there is no key.
+    explicit Reads(const Written& written, bool hashes = true) : written_(written), hashes_(hashes) {}
+
+    // Memory that the node itself writes before it reads it: what lies there counts only where an earlier node wrote it.
+    void own(const void* at, std::size_t size) { own_.emplace_back(static_cast<const unsigned char*>(at), size); }
 
     // Parameters, bit by bit.
     template <class... T>
@@ -98,6 +106,7 @@ class Reads {
         h_.add(values...);
     }
     void text(const std::string& text) { h_.add(text); }
+    bool hashes() const { return hashes_; }
     void fields(const std::vector<Field>& fields);
     // What does not come from a node: a part of the scene.
     void source(const std::string& name, Key key);
@@ -120,8 +129,10 @@ class Reads {
 
   private:
     const Written& written_;
+    const bool hashes_;
     ContentHasher h_;
     std::set<std::string> from_;
+    std::vector<std::pair<const unsigned char*, std::size_t>> own_;
 };
 
 struct Node {
@@ -140,6 +151,10 @@ struct Node {
     std::function<void()> leave_out;
     // Writes those outputs again that an earlier node of the same run writes as well, where they are kept; may be missing.
     std::function<void()> reuse = {};
+
+    // Takes its outputs from a bundle that outputs() once returned; missing: they are kept in no store. Throws InputError for
+    // one that does not fit.
+    std::function<void(const Bundle&)> load = {};
 
     // What a device would be given, of what lies in memory now, lent; missing where nothing has a twin.
     std::function<std::vector<StageData>()> dispatches = {};
@@ -165,12 +180,24 @@ using Progress = std::function<void(const std::string& label, double done)>;
 struct RunWith {
     RunOptions options;
     Progress progress = {};
-    Kept* kept = nullptr;  // nodes whose outputs lie there do not run; null: all run, and nobody asks for a key
+    Kept* kept = nullptr;    // nodes whose outputs lie there do not run; null: nothing is kept in memory
+    Store* store = nullptr;  // the same of nodes that can load them; without either there are no keys
     // Rules that only the run can ask: whether all of the node is left out; then the run says so.
     std::function<bool(const Node&, NodeRun&)> leaves_out = {};
     // Another key than the node's own, for what is kept: a test breaks one and must see the picture change.
     std::function<Key(const Node&, Key)> other_key = {};
 };
+
+// When a group of nodes has run often enough.
+struct Until {
+    int most = 1;                        // rounds
+    double enough = 0;                   // residual at which no further round runs
+    std::function<double()> residual = {};  // of the round before; missing: all rounds run. NaN never is enough
+};
+// A node that runs `start` once and then `body` in rounds. What the body reads before it writes it the start has written; of
+// memory that neither writes both may read what earlier nodes made. `plan` is the node's; outputs, size and what else a node
+// has are the caller's to add.
+Node repeat(NodePlan plan, Node start, std::vector<Node> body, Until until);
 
 // Runs the nodes one after the other. Returns what became of each that is listed.
 std::vector<NodeRun> run(const std::vector<const Node*>& nodes, const RunWith& with);

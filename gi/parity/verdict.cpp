@@ -151,7 +151,10 @@ class Judge {
                 names.push_back(slot.name), first += slot.channels;
                 continue;
             }
-            const Shape& shape = d.array.shape;
+            Shape shape = d.array.shape;
+            // A list is one of items, in the order of the domain.
+            const bool list = slot.kind == SlotKind::storage_buffer && !shape.empty() && shape[0] == std::int64_t(pixels());
+            if (list) shape.erase(shape.begin()), shape.insert(shape.begin(), {data_.size.y, data_.size.x});
             const bool fits = (shape.size() == 2 || shape.size() == 3) && shape[0] == data_.size.y &&
                               shape[1] == data_.size.x && (d.array.dtype == DType::f32 || d.array.dtype == DType::i32);
             if (!fits)
@@ -165,7 +168,7 @@ class Judge {
             if (!d.unwritten.empty() && d.unwritten.size() != pixels())
                 throw InputError(fmt::format("{}: output \"{}\": what was written of it has another size", data_.label,
                                              d.output));
-            if (!d.rounding.bytes.empty() && (d.rounding.dtype != DType::f32 || d.rounding.shape != shape))
+            if (!d.rounding.bytes.empty() && (d.rounding.dtype != DType::f32 || d.rounding.shape != d.array.shape))
                 throw InputError(fmt::format("{}: output \"{}\": its rounding is {}, expected {}", data_.label, d.output,
                                              shape_text(d.rounding.shape), shape_text(shape)));
             bool any = false;

@@ -9,6 +9,7 @@
 #include "raster/gbuffer.h"
 #include "raster/light_view.h"
 #include "raster/texture_space.h"
+#include "raster/hemicube.h"
 
 namespace plumb::stability {
 
@@ -76,7 +77,7 @@ Cell look_at_texture_space(const Drawn& d) {
 Cell look_at_all_rays(const Drawn& d) {
     const auto rays = reference::build_ray_query(d.drawable.geometry, d.drawable.surfaces, Rays::exact);
     Cell cell;
-    cell.stage = "rsm.all_rays";
+    cell.stage = rsm::stage_name(rsm::Gather::all_rays);
     for (const Light* light : d.lights()) {
         Light small = *light;
         small.rsm_size = std::min(light->rsm_size, map_side);
@@ -124,12 +125,12 @@ std::vector<Cell> unbound_cells(const std::string& case_name, const Scene& scene
     d.view = make_view(scene.camera, double(size.x) / size.y, scene.convention, size);
 
     add("visibility", [&] { return look_at_visibility(d); });
-    if (any) add("texture_space", [&] { return look_at_texture_space(d); });
+    if (any) add(raster::info_texture_space().name, [&] { return look_at_texture_space(d); });
     // What reads the G-buffer is refused with it.
-    const Cell refused = or_refused("gbuffer", [&] { return d.draw_gbuffer(), Cell(); });
+    const Cell refused = or_refused(raster::info_gbuffer().name, [&] { return d.draw_gbuffer(), Cell(); });
     if (any && !refused.refused) {
-        add("hemicube", [&] { return look_at_hemicubes(d); });
-        add("rsm.all_rays", [&] { return look_at_all_rays(d); });
+        add(raster::info_hemicube().name, [&] { return look_at_hemicubes(d); });
+        add(rsm::stage_name(rsm::Gather::all_rays), [&] { return look_at_all_rays(d); });
     }
     add("reference", [&] { return look_at_paths(d); });
     return cells;

@@ -12,6 +12,8 @@
 #include "gi/stability/unbound.h"
 #include "gi/stability/unbound_stages.h"
 #include "raster/screen_triangle.h"
+#include "raster/hemicube.h"
+#include "raster/texture_space.h"
 
 namespace plumb::stability {
 
@@ -156,10 +158,10 @@ Scene box(double half) {
 
 UnboundCase hemicube(const std::string& name, const std::string& meaning, const Point& eye, const Point& normal,
                      int size) {
-    return {name, "hemicube", meaning, [=](const Effort& effort) {
+    return {name, raster::info_hemicube().name, meaning, [=](const Effort& effort) {
                 const Drawable room = drawable(box(1));
                 return std::vector{
-                    or_refused("hemicube", [&] { return hemicube_cell(room, eye, normal, 1e-5, size, effort); })};
+                    or_refused(raster::info_hemicube().name, [&] { return hemicube_cell(room, eye, normal, 1e-5, size, effort); })};
             }};
 }
 
@@ -190,7 +192,7 @@ UnboundCase chart(const std::string& name, const std::string& meaning, const std
             std::vector<glm::vec2> uv;
             for (int q = 0; q < 2; ++q)
                 for (const int c : {0, 1, 2, 0, 2, 3}) uv.push_back(q == 0 ? whole[c] : corners[std::size_t(c)]);
-            return std::vector{or_refused("texture_space", [&] { return texture_space_cell(drawn, uv, 64, effort); })};
+            return std::vector{or_refused(raster::info_texture_space().name, [&] { return texture_space_cell(drawn, uv, 64, effort); })};
         }};
 }
 

@@ -124,7 +124,7 @@ Cell gather_cell(const rsm::GatherParams& params, const rsm::GatherInputs& in, c
                  Image4& position, Image4& normal, const Effort& effort) {
     rsm::AllRaysData data = rsm::prepare_all_rays(params, in, maps);
     const bool complete = data.view.strata_log2 < 0;
-    Subject subject{"rsm.all_rays", {"r", "g", "b"}, {}, {}};
+    Subject subject{rsm::stage_name(rsm::Gather::all_rays), {"r", "g", "b"}, {}, {}};
     if (!complete) subject.components.insert(subject.components.end(), {"error.r", "error.g", "error.b"});
     for (int i = 0; i < position.width; ++i)
         subject.invocations.push_back({fmt::format("point {}", i), [&, i](std::vector<Followed>& out) {
@@ -158,7 +158,7 @@ Cell all_rays_cell(rsm::GatherInputs in, const std::vector<raster::Rsm>& maps, c
         normal.texels[i] = in.normal->texels[points[chosen[i]]];
     }
     Cell cell;
-    cell.stage = "rsm.all_rays";
+    cell.stage = rsm::stage_name(rsm::Gather::all_rays);
     if (chosen.empty()) return cell;
     in.position = &position, in.normal = &normal;
     rsm::GatherParams params;

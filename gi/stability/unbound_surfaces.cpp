@@ -154,7 +154,7 @@ Cell hemicube_cell(const Drawable& drawn, const glm::dvec3& eye, const glm::dvec
                    const Effort& effort) {
     FpEnvironment environment;
     Cell cell;
-    cell.stage = "hemicube";
+    cell.stage = raster::info_hemicube().name;
     raster::Hemicube cube;
     RunOptions quiet = effort.run;
     quiet.progress = nullptr;
@@ -205,7 +205,7 @@ Cell texture_space_cell(Drawable drawn, const std::vector<glm::vec2>& uv, int si
     raster::SurfaceArgs args = raster::surface_args(drawn.geometry, drawn.surfaces, View{});
     for (float& c : args.viewer) c = 0;
 
-    Subject subject{"texture_space", {}, {}, {}};
+    Subject subject{raster::info_texture_space().name, {}, {}, {}};
     for (const char* image : {"position", "normal", "albedo", "emission"})
         for (const char c : {'x', 'y', 'z'}) subject.components.push_back(fmt::format("{}.{}", image, c));
     std::vector<std::size_t> covered;

@@ -3,6 +3,7 @@
 #include <random>
 
 #include "core/error.h"
+#include "core/hash.h"
 #include "gi/frame/kept.h"
 #include "gi/frame/kept_memory.h"
 #include "tests/gi/moving_scene.h"
@@ -207,6 +208,24 @@ TEST_CASE("frames: any sequence of changes gives the bits of a fresh frame", "[f
             reused += int(kept_in(frame).size());
         }
         CHECK(reused > 60);  // of about 300 stages: kept ones are what this is about
+    }
+}
+
+TEST_CASE("frames: filters, visibility and gathers in turns keep what they may, and no more", "[frame][frames]") {
+    const Scene scene = moving::scene();
+    frame::KeptStages kept;
+    for (std::uint32_t i = 0; i < 60; ++i) {
+        CAPTURE(i);
+        frame::Settings settings = settings_for(rsm::Gather::paths);
+        settings.rsm.gather = i % 7 == 0 ? rsm::Gather::disc : i % 11 == 0 ? rsm::Gather::all_rays : rsm::Gather::paths;
+        settings.rsm.visibility = rsm::Visibility(pcg(std::int32_t(i)) & 3);
+        settings.rsm.slots = i % 5 + 2;
+        const bool filters = settings.rsm.gather != rsm::Gather::all_rays;
+        settings.indirect.resolution = filter::Resolution(filters && (i / 3) % 2);
+        settings.indirect.blur = filter::Blur(filters ? (i / 2) % 3 : 0);
+        if (i % 13 == 12) settings.method = frame::Method::isr;
+        const frame::Frame& frame = frame::execute(scene, settings, frame::plan(scene, settings), {}, kept);
+        REQUIRE(differences(frame, fresh(scene, settings), scene.frame_size) == Labels{});
     }
 }
 

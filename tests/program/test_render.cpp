@@ -287,7 +287,7 @@ TEST_CASE("render: --dump binds every port of every stage to a file", "[program]
     // The two gathers add up to the frame's indirect light.
     const auto key = io::read_picture(out + "/dump/rsm.disc.key.irradiance.exr");
     const auto sun = io::read_picture(out + "/dump/rsm.disc.sun.irradiance.exr");
-    const auto sum = io::read_picture(out + "/dump/indirect.exr");
+    const auto sum = io::read_picture(out + "/dump/indirect.irradiance.exr");
     REQUIRE(key.channels == Words{"R", "G", "B", "A"});
     for (std::size_t i = 0; i < sum.data.size(); ++i) REQUIRE(sum.data[i] == key.data[i] + sun.data[i]);
     CHECK(io::read_npy(out + "/dump/rsm.disc.key.offsets.npy").shape == Shape{37, 64});

@@ -16,10 +16,17 @@ others='^(rsm|direct|shadow|compose|tonemap|reference)$'
 
 # What is counted: the product but for experiments, which are about methods, and gi/methods.cpp, which lists them.
 files=$(find core raster gi io tools -name '*.cpp' -o -name '*.h' -o -name '*.js' | grep -v '^tools/experiments/' | sort)
+# A stage's own folder.
+folder_of() {
+    case $1 in
+        gbuffer* | hemicube | texture_space) echo raster ;;
+        shadow.*) echo gi/direct ;;
+        *) echo "gi/${1%%.*}" ;;
+    esac
+}
 spellings=0 branches=0
 for name in $(grep -vE "$others" <<< "$names"); do
-    method=${name%%.*}
-    elsewhere=$(grep -vE "^gi/$method/|^raster/$method" <<< "$files")
+    elsewhere=$(grep -vE "^$(folder_of "$name")/" <<< "$files")
     literal="\"${name//./\\.}\""
     found=$(xargs grep -cE "$literal" <<< "$elsewhere" | grep -v ':0$')
     [ -n "$found" ] || continue

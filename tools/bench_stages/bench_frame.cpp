@@ -60,7 +60,8 @@ void stage(benchmark::State& state, const std::string& name, Isa isa) {
 }
 
 [[maybe_unused]] const bool registered = [] {
-    for (const char* name : {"gbuffer", "rsm", "shadow", "direct", "compose", "tonemap"})
+    for (const std::string& name : {raster::info_gbuffer().name, std::string("rsm"), std::string("shadow"), std::string("direct"),
+                                    std::string("compose"), std::string("tonemap")})
         for (Isa isa : supported_isas())
             benchmark::RegisterBenchmark((std::string("frame/") + name + "/" + isa_name(isa)).c_str(), stage, name, isa)
                 ->Unit(benchmark::kMillisecond)

@@ -1,5 +1,6 @@
 #include "tools/mutants/ties.h"
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 
@@ -62,7 +63,12 @@ void plant_ties(StageData& data) {
     float* positions = nullptr;
     for (Array& array : data.inputs.arrays)
         if (array.name == "position") positions = reinterpret_cast<float*>(array.bytes.data());
-    const bool shadow = data.stage == "shadow", paths = data.stage == "rsm.paths";
+    auto has = [&](const char* member) {
+        return std::any_of(binding.uniforms.begin(), binding.uniforms.end(),
+                           [&](const UniformMember& m) { return m.name == member; });
+    };
+    // A depth to compare with; slots between edges.
+    const bool shadow = has("perspective"), paths = has("axis") && find(data.inputs, "edges");
     glm::dvec3 eye(0), forward(0), axis(0);
     double edge = 0;
     if (paths) {

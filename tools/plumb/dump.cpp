@@ -21,9 +21,9 @@ class Files {
   public:
     explicit Files(Outputs& outputs) : outputs_(outputs) {}
 
-    // The file of an array; null of an empty one. The array must stay where it is until all is written.
+    // The file of an array; null of an empty picture. The array must stay where it is until all is written.
     Json file(const std::string& name, const Array& array, bool is_picture) {
-        if (array.bytes.empty()) return nullptr;
+        if (array.bytes.empty()) return is_picture ? Json(nullptr) : Json(buffer(name, array));
         const auto [at, is_new] = names_.try_emplace({array.bytes.data(), array.bytes.size()});
         if (is_new) at->second = is_picture ? picture(name, array) : buffer(name, array);
         return at->second;
@@ -110,7 +110,8 @@ class Dump {
         if (node.adds) node.run(options_, run);
         const StageInfo& info = infos_.at(s.name);
         Ports outputs(info.outputs), inputs(info.inputs);
-        for (const Array& array : kept_.emplace_back(node.outputs()).arrays) add(node, array, !is_records(array), outputs);
+        for (const Array& array : kept_.emplace_back(node.outputs()).arrays)
+            if (!array.bytes.empty()) add(node, array, !is_records(array), outputs);
         if (node.inputs)
             for (const Array& array : kept_.emplace_back(node.inputs()).arrays) add(node, array, is_image(array), inputs);
         else if (node.dispatches)

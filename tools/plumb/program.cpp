@@ -95,6 +95,7 @@ int run_program(int argc, char** argv) {
     Action action;
     add_render(program, action);
     add_plan(program, action);
+    add_graph(program, action);
     add_compare(program, action);
     add_explain(program, action);
     add_validate(program, action);

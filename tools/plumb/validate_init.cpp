@@ -192,7 +192,7 @@ bool guess_raw(const Slot& slot, const File& file, glm::ivec2 frame, io::DumpSpe
 
 // ---- One stage ----------------------------------------------------------------------------------------------------
 
-// The binding that a folder is named after: "rsm.disc.key" after "rsm.disc".
+// The binding that a folder is named after: "shadow.key" after "shadow".
 const StageBinding* named_after(const std::string& name) {
     const StageBinding* best = nullptr;
     for (const StageBinding& binding : parity::bindings()) {
@@ -223,7 +223,7 @@ const File* file_of(const Slot& slot, bool output, const std::vector<const File*
     return best;
 }
 
-// The light of a folder: ".key" of "rsm.disc.key".
+// The light of a folder: ".key" of "shadow.key".
 std::string light_of(const std::string& group) {
     const StageBinding* binding = named_after(group);
     return binding ? group.substr(binding->info.name.size()) : "";
@@ -331,16 +331,28 @@ void add_stage(const fs::path& folder, const StageBinding& binding, const std::s
     if (!stage.outputs.empty()) start.manifest.stages.push_back(std::move(stage));
 }
 
-// Whether dumps that lie together hold what the stage writes. Direct light is told from gathered by its name.
+// Whether no stage before it in the list writes an output of that name.
+bool writes_first(const StageBinding& binding, const std::string& output) {
+    for (const StageBinding& other : parity::bindings()) {
+        if (&other == &binding) return true;
+        for (const Slot& slot : other.outputs)
+            if (slot.name == output) return false;
+    }
+    return true;
+}
+
+// Whether dumps that lie together hold what the stage writes. Of stages whose outputs have the same name a file is the first
+// one's, but where it names another.
 bool written_by(const StageBinding& binding, const std::vector<const File*>& files) {
-    const std::string& stage = binding.info.name;
-    const bool gather = stage.starts_with("rsm.");
-    if (binding.raster || (gather && stage != "rsm.disc")) return false;
+    if (binding.raster) return false;
     for (const Slot& slot : binding.outputs) {
         const File* file = file_of(slot, true, files, binding);
         if (!file) continue;
-        const bool direct = std::find(file->words.begin(), file->words.end(), "direct") != file->words.end();
-        if (slot.name != "irradiance" || direct == (stage == "direct")) return true;
+        auto names = [&](const StageBinding& b) {
+            return std::find(file->words.begin(), file->words.end(), b.info.name) != file->words.end();
+        };
+        const std::vector<StageBinding>& all = parity::bindings();
+        if (names(binding) || (writes_first(binding, slot.name) && std::none_of(all.begin(), all.end(), names))) return true;
     }
     return false;
 }

@@ -101,7 +101,9 @@ Json stage_runs_json(const std::vector<frame::StageRun>& stages) {
                         {"ms", s.ms},
                         {"saved_ms", s.saved_ms},
                         {"parts", parts_json(s.parts)},
-                        {"bytes", s.bytes}});
+                        {"bytes", s.bytes},
+                        {"reads", s.reads}});
+        if (s.key) json.back()["key"] = hash_text(s.key);
     }
     return json;
 }

@@ -20,7 +20,7 @@ struct Variation {
     std::vector<FieldValue> values;   // never empty
 };
 struct SweptMethod {
-    std::string name;                 // as the curve is called: "rsm.disc", "rsm.disc, radius = 0.15"
+    std::string name;                 // as the curve is called: a gather, or "rsm.paths, radius = 0.15"
     frame::Method method = frame::Method::rsm;
     std::vector<Setting> fixed;       // parameters that all points of the curve share
     std::vector<Variation> varied;    // all combinations; empty: one point
@@ -95,7 +95,7 @@ inline constexpr double difference_swing = 0.25;  // of the display's range
 struct SweepRequest {
     std::vector<SceneOptions> scenes;   // file and sets
     const Scene* loaded = nullptr;      // of the only scene, in place of its file: one that was moved to a frame
-    std::vector<std::string> methods;   // "rsm", "rsm.disc"; empty: all
+    std::vector<std::string> methods;   // methods and gathers; empty: all
     std::vector<std::string> vary;      // "rsm.samples=50,100,200"
     int runs = 5;
     std::optional<glm::ivec2> size;     // in place of the scenes' own

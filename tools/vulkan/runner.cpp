@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <utility>
 
 #include "core/formats.h"
 #include "tools/vulkan/batches.h"
@@ -117,6 +118,7 @@ struct PreparedTwin::Parts {
     Sampler sampler;
     std::vector<Buffer> buffers;
     std::vector<Image> textures, stored;  // stored: outputs of a compute stage
+    std::vector<Buffer> lists;            // the same that are buffers, mapped
     TapBuffer taps;
     ChoiceBuffer choices;
     std::vector<Resource> resources;              // that every batch sees
@@ -145,6 +147,7 @@ struct PreparedTwin::Parts {
     void bind_all();
     void make_pipelines();
     void clear_stored(VkCommandBuffer to) const;
+    void empty_lists();
     void record();
     void read(const Image& image, VkImageLayout layout, Array& out) const;
 };
@@ -268,11 +271,20 @@ void PreparedTwin::Parts::upload(const StageData& data) {
 }
 
 void PreparedTwin::Parts::add_outputs() {
-    stored.reserve(binding.outputs.size());
+    stored.reserve(binding.outputs.size()), lists.reserve(binding.outputs.size());
     std::vector<VkFormat> colours;
     std::vector<VkClearValue> clear;
     for (const Slot& slot : binding.outputs) {
         if (slot.kind == SlotKind::depth) continue;
+        if (slot.kind == SlotKind::storage_buffer) {
+            const std::size_t bytes = at(outputs, slot.name).bytes.size();
+            lists.push_back(host_buffer(device, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT));
+            resources.push_back({.binding = std::uint32_t(slot.binding),
+                                 .type = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
+                                 .stages = stages(),
+                                 .buffer = &lists.back()});
+            continue;
+        }
         const VkFormat format = output_format(slot, options.colour);
         if (slot.kind == SlotKind::target) {
             // Attachments are numbered by location.
@@ -343,6 +355,16 @@ void PreparedTwin::Parts::clear_stored(VkCommandBuffer to) const {
     full_barrier(to);
 }
 
+// What items hold that are not written.
+void PreparedTwin::Parts::empty_lists() {
+    auto list = lists.begin();
+    for (const Slot& slot : binding.outputs)
+        if (slot.kind == SlotKind::storage_buffer) {
+            const Bytes& empty = std::as_const(at(outputs, slot.name).bytes);
+            std::memcpy((list++)->mapped, empty.data(), empty.size());
+        }
+}
+
 void PreparedTwin::Parts::record() {
     if (commands) device.free(commands);
     commands = VK_NULL_HANDLE;
@@ -379,6 +401,7 @@ PreparedTwin::PreparedTwin(PreparedTwin&&) noexcept = default;
 
 double PreparedTwin::submit() {
     if (parts_->options.tap) parts_->taps.clear();
+    parts_->empty_lists();
     return parts_->device.submit(parts_->commands);
 }
 
@@ -401,11 +424,14 @@ TwinResult PreparedTwin::read() {
     TwinResult result;
     result.outputs = parts_->outputs;
     auto next_stored = parts_->stored.begin();
+    auto next_list = parts_->lists.begin();
     for (std::size_t i = 0; i < parts_->binding.outputs.size(); ++i) {
         const Slot& slot = parts_->binding.outputs[i];
         Array& out = result.outputs.arrays[i];
         if (slot.kind == SlotKind::storage_image)
             parts_->read(*next_stored++, VK_IMAGE_LAYOUT_GENERAL, out);
+        else if (slot.kind == SlotKind::storage_buffer)
+            std::memcpy(out.bytes.data(), (next_list++)->mapped, out.bytes.size());
         else if (slot.kind == SlotKind::depth)
             parts_->read(parts_->targets.depth, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, out);
         else
