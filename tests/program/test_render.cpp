@@ -58,7 +58,7 @@ TEST_CASE("render: writes the contract's files, layers and keys", "[program][con
     CHECK(json["settings"]["rsm"]["samples"] == 37);
     int left_out = 0;
     for (const Json& s : json["stages"]) {
-        CHECK(keys(s) == Words{"name", "needed", "kept", "reason", "rule", "ms", "saved_ms", "parts", "bytes"});
+        CHECK(keys(s) == Words{"name", "needed", "kept", "reason", "rule", "ms", "saved_ms", "parts", "bytes", "reads"});
         CHECK_FALSE(s["kept"]);
         if (!s["needed"]) ++left_out;
     }

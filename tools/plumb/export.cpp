@@ -105,33 +105,6 @@ struct Maker {
     }
 };
 
-io::ManifestStage export_stage(const StageBinding& binding, const StageData& data, const std::string& light,
-                               const Maker& maker, ExportFiles& files) {
-    io::ManifestStage stage;
-    stage.stage = data.stage;
-    stage.label = data.label;
-    stage.light = light;
-    stage.face = face_of(data);
-    stage.width = data.size.x;
-    stage.height = data.size.y;
-    stage.block = files.write(data.id + "/block.bin", data.uniforms.data(), data.uniforms.size());
-    // By name, for people to read and to change; only the file holds what is not finite.
-    for (const UniformMember& member : binding.uniforms) {
-        const std::vector<double> value = uniform_value(binding, data, member.name);
-        if (!std::all_of(value.begin(), value.end(), [](double v) { return std::isfinite(v); })) stage.uniforms_file = stage.block;
-        stage.uniforms[member.name] = value;
-    }
-    if (!stage.uniforms_file.empty()) stage.uniforms.clear();
-    if (data.reversed_z) stage.params["reversed_z"] = {"true"};
-    for (const Slot& slot : binding.inputs) stage.inputs[slot.name] = files.input(data.id, slot, at(data.inputs, slot.name));
-    const Bundle expected = maker.expected(binding, data);
-    const MadeOutputs made = maker(binding, data);
-    for (const Slot& slot : binding.outputs)
-        stage.outputs[slot.name] = files.output(data.id, slot, at(expected, slot.name), find(made.outputs, slot.name));
-    stage.choices = files.choices(data.id, made, data.size);
-    return stage;
-}
-
 // The part of the plan that makes the inputs of what is exported: of what stands before a bounce, and of what gathers it, no
 // more than that.
 frame::Plan needed_by(frame::Plan plan, const Scene& scene, const frame::Settings& settings, const std::string& stage) {
@@ -216,7 +189,7 @@ int run_export(const ExportOptions& given) {
             if (!given.face.empty() && !face_of(data).empty() && face_of(data) != given.face) continue;
             const StageBinding& binding = parity::find_binding(data.stage, data.label);
             const std::string name = planned.light >= 0 ? scene.lights[std::size_t(planned.light)].name : "";
-            manifest.stages.push_back(export_stage(binding, data, name, maker, files));
+            manifest.stages.push_back(export_stage(binding, data, name, maker.expected(binding, data), maker(binding, data), files));
             readme.add(binding, data, manifest.stages.back(), given.folder);
             rows.push_back({data.label, fmt::format("{} x {}", data.size.x, data.size.y), data.id + "/"});
         }

@@ -1,9 +1,13 @@
 #include "tools/plumb/export_files.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "core/content_hash.h"
 #include "io/file.h"
 #include "io/filling.h"
 #include "tools/plumb/export_readme.h"
+#include "tools/plumb/stage_case.h"
 
 namespace plumb::cli {
 
@@ -61,6 +65,31 @@ io::DumpSpec ExportFiles::spec(const std::string& name, const Slot& slot, const 
         spec.height = int(texels / spec.width);  // layers lie one below the other
     }
     return spec;
+}
+
+io::ManifestStage export_stage(const StageBinding& binding, const StageData& data, const std::string& light,
+                               const Bundle& expected, const MadeOutputs& made, ExportFiles& files) {
+    io::ManifestStage stage;
+    stage.stage = data.stage;
+    stage.label = data.label;
+    stage.light = light;
+    stage.face = face_of(data);
+    stage.width = data.size.x;
+    stage.height = data.size.y;
+    stage.block = files.write(data.id + "/block.bin", data.uniforms.data(), data.uniforms.size());
+    // By name, for people to read and to change; only the file holds what is not finite.
+    for (const UniformMember& member : binding.uniforms) {
+        const std::vector<double> value = uniform_value(binding, data, member.name);
+        if (!std::all_of(value.begin(), value.end(), [](double v) { return std::isfinite(v); })) stage.uniforms_file = stage.block;
+        stage.uniforms[member.name] = value;
+    }
+    if (!stage.uniforms_file.empty()) stage.uniforms.clear();
+    if (data.reversed_z) stage.params["reversed_z"] = {"true"};
+    for (const Slot& slot : binding.inputs) stage.inputs[slot.name] = files.input(data.id, slot, at(data.inputs, slot.name));
+    for (const Slot& slot : binding.outputs)
+        stage.outputs[slot.name] = files.output(data.id, slot, at(expected, slot.name), find(made.outputs, slot.name));
+    stage.choices = files.choices(data.id, made, data.size);
+    return stage;
 }
 
 }  // namespace plumb::cli

@@ -49,4 +49,8 @@ class ExportFiles {
     std::size_t bytes_ = 0;
 };
 
+// Writes one dispatch: its block, inputs, answers and fillings. Returns what a manifest says of it. light: its name, or empty.
+io::ManifestStage export_stage(const StageBinding& binding, const StageData& data, const std::string& light,
+                               const Bundle& expected, const MadeOutputs& made, ExportFiles& files);
+
 }  // namespace plumb::cli
