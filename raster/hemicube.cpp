@@ -7,6 +7,7 @@
 #include "core/camera.h"
 #include "core/error.h"
 #include "core/host_math.h"
+#include "raster/bindings.h"
 
 namespace plumb::raster {
 namespace {
