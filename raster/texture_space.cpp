@@ -79,7 +79,8 @@ void draw_texture_space(const Geometry& geometry, const Surfaces& surfaces, cons
 StageInfo info_texture_space() {
     StageInfo s;
     s.name = "texture_space";
-    s.source = "IPR 3.2.1.2";
+    s.source = "IPR 3.2.1.2; a draw for its caller, so bound to no data of its own: the gbuffer's, with clip_positions "
+               "made of uv and a viewer of zeros";
     s.inputs = surface_ports();
     s.inputs.push_back({"uv", "buffer f32 x 2", "", "[vertex] lightmap coordinate, (0, 0) is the top left corner"});
     s.outputs = {

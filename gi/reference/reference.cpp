@@ -372,7 +372,8 @@ StageInfo info() {
     PathParams defaults;
     StageInfo s;
     s.name = "reference";
-    s.source = "the rendering equation (Kajiya 1986), by path tracing; no GPU pass, so without a twin";
+    s.source = "the rendering equation (Kajiya 1986), by path tracing; no GPU pass, so without a twin: "
+               "no device binds its inputs, they are what the function is given";
     s.inputs = raster::surface_ports();
     s.inputs.push_back({"lights", "buffer f32 x 4", "W", "[light][4]: gi/reference/light_kernel.h"});
     s.inputs.push_back({"position", "image rgba32f", "m", "points to ask about; none: the camera's pixels"});
