@@ -30,8 +30,9 @@ function(plumb_compile_twins target)
   add_custom_target(${target} ALL DEPENDS ${outputs})
 endfunction()
 
-# plumb_twin_layouts(<target> <file>...): a header a twin with its bindings and its block (core/twin_layout.h), for
-# <target> to include as "twins/<folder>.<name>.h"; the twins of <target> are those that plumb_compile_twins() compiled.
+# plumb_twin_layouts(<target> <file>...): a header a twin with its bindings and its block (core/twin_layout.h), one for
+# a .vert and its .frag, for <target> to include as "twins/<folder>.<name>.h"; the twins of <target> are those that
+# plumb_compile_twins() compiled.
 add_executable(plumb_twin_layout ${PROJECT_SOURCE_DIR}/tools/twins/layout.cpp)
 target_include_directories(plumb_twin_layout PRIVATE ${PROJECT_SOURCE_DIR})
 function(plumb_twin_layouts target)

@@ -1,5 +1,7 @@
 #include "core/kernel_stage.h"
 
+#include <algorithm>
+
 namespace plumb {
 
 namespace {
@@ -9,10 +11,35 @@ bool stands_for(const std::string& name, const std::string& variable) {
     return variable == name || variable == name + "_image";
 }
 
-const TwinBinding& find_variable(const TwinLayout& twin, const std::string& name) {
-    for (const TwinBinding& b : twin.bindings)
+// What the twin binds. No shader declares the depth buffer that a raster stage writes.
+std::vector<TwinBinding> bindings_of(const TwinLayout& twin) {
+    std::vector<TwinBinding> all(twin.bindings.begin(), twin.bindings.end());
+    if (twin.raster) all.push_back({"depth", TwinKind::depth, 0, "float"});
+    return all;
+}
+
+template <class... Args>
+[[noreturn]] void refuse(const TwinLayout& twin, fmt::format_string<Args...> text, Args&&... args) {
+    throw std::logic_error(fmt::format("{}: {}", twin.path, fmt::format(text, std::forward<Args>(args)...)));
+}
+
+const TwinBinding& find_variable(const std::vector<TwinBinding>& bindings, const TwinLayout& twin,
+                                 const std::string& name) {
+    for (const TwinBinding& b : bindings)
         if (stands_for(name, b.name)) return b;
-    throw std::logic_error(fmt::format("{}: \"{}\" is no binding of the twin", twin.path, name));
+    refuse(twin, "\"{}\" is no binding of the twin", name);
+}
+
+// Every binding has its one place in the description.
+void check_all_named(const std::vector<TwinBinding>& bindings, const TwinLayout& twin, const NamedStage& stage) {
+    for (const TwinBinding& b : bindings) {
+        const auto named = [&](const NamedSlot& s) { return stands_for(s.name, b.name); };
+        const auto times = std::count_if(stage.inputs.begin(), stage.inputs.end(), named) +
+                           std::count_if(stage.outputs.begin(), stage.outputs.end(), named);
+        if (times != 1)
+            refuse(twin, "the twin binds \"{}\", which the description names {}", b.name,
+                   times == 0 ? "nowhere" : "more than once");
+    }
 }
 
 void set_element(Slot& slot, const std::string& element) {
@@ -21,7 +48,7 @@ void set_element(Slot& slot, const std::string& element) {
     slot.channels = element.empty() ? 4 : vec == std::string::npos ? 1 : element[vec + 3] - '0';
 }
 
-Slot slot_of(const NamedSlot& named, const TwinBinding& b, bool output) {
+Slot slot_of(const NamedSlot& named, const TwinLayout& twin, const TwinBinding& b, bool output) {
     Slot s{.name = named.name, .binding = b.binding, .channels = named.channels, .frame = named.frame, .unit = named.unit,
            .meaning = named.meaning, .fixed = named.fixed, .unwritten = named.unwritten, .optional = named.optional,
            .instead = named.instead};
@@ -31,10 +58,14 @@ Slot slot_of(const NamedSlot& named, const TwinBinding& b, bool output) {
         case TwinKind::storage_image: s.kind = SlotKind::storage_image, set_element(s, b.element); break;
         case TwinKind::target: s.kind = SlotKind::target, set_element(s, b.element); break;
         case TwinKind::buffer: s.kind = SlotKind::buffer, s.frame = false, set_element(s, b.element); break;
+        case TwinKind::depth: s.kind = SlotKind::depth, set_element(s, b.element); break;
         case TwinKind::storage_buffer: s.kind = SlotKind::storage_buffer, set_element(s, b.element); break;
     }
-    const bool writable = b.kind == TwinKind::storage_image || b.kind == TwinKind::storage_buffer || b.kind == TwinKind::target;
-    if (writable != output) throw std::logic_error(fmt::format("{}: the twin {} it", named.name, writable ? "writes" : "reads"));
+    const bool readable = b.kind == TwinKind::sampled_image || b.kind == TwinKind::sampled_array ||
+                          b.kind == TwinKind::buffer;
+    if (readable == output)
+        refuse(twin, "the twin {} \"{}\", the description has it among its {}", readable ? "reads" : "writes", named.name,
+               output ? "outputs" : "inputs");
     return s;
 }
 
@@ -54,25 +85,33 @@ Port port_of(const Slot& s) {
 
 }  // namespace
 
-void add_slots(StageBinding& binding, const TwinLayout& twin, const std::vector<NamedSlot>& inputs,
-               const std::vector<NamedSlot>& outputs,
-               const std::vector<std::pair<std::string, std::uint32_t>>& fixed_uniforms) {
-    binding.twin = binding.info.twin = twin.path;
+StageBinding binding_of(const NamedStage& stage, const TwinLayout& twin) {
+    StageBinding binding;
+    binding.info.name = stage.name, binding.info.source = stage.source;
+    binding.info.params = stage.params, binding.info.budget = stage.budget;
+    binding.domain = stage.domain, binding.cost = stage.cost;
+    binding.twin = twin.path;
+    binding.info.twin = binding.twin + (twin.raster ? ".frag" : "");
     binding.raster = twin.raster;
     binding.uniform_bytes = twin.block_bytes;
-    for (const TwinMember& m : twin.members) {
-        UniformMember member{m.name, m.type, m.offset};
-        for (const auto& [name, fixed] : fixed_uniforms)
-            if (name == m.name) member.fixed = fixed;
-        binding.uniforms.push_back(member);
+    for (const TwinMember& m : twin.members) binding.uniforms.push_back({m.name, m.type, m.offset});
+    for (const auto& [name, fixed] : stage.fixed_uniforms) {
+        const auto member = std::find_if(binding.uniforms.begin(), binding.uniforms.end(),
+                                         [&, &name = name](const UniformMember& m) { return m.name == name; });
+        if (member == binding.uniforms.end())
+            refuse(twin, "\"{}\" is no member of the twin's uniform block", name);
+        member->fixed = fixed;
     }
-    for (const NamedSlot& s : inputs) binding.inputs.push_back(slot_of(s, find_variable(twin, s.name), false));
-    for (const NamedSlot& s : outputs) binding.outputs.push_back(slot_of(s, find_variable(twin, s.name), true));
+    const std::vector<TwinBinding> bindings = bindings_of(twin);
+    auto slot = [&](const NamedSlot& s, bool output) {
+        return slot_of(s, twin, find_variable(bindings, twin, s.name), output);
+    };
+    for (const NamedSlot& s : stage.inputs) binding.inputs.push_back(slot(s, false));
+    for (const NamedSlot& s : stage.outputs) binding.outputs.push_back(slot(s, true));
+    check_all_named(bindings, twin, stage);
     for (const Slot& s : binding.inputs) binding.info.inputs.push_back(port_of(s));
     for (const Slot& s : binding.outputs) binding.info.outputs.push_back(port_of(s));
-    if (inputs.size() + outputs.size() != twin.bindings.size())
-        throw std::logic_error(fmt::format("{}: the twin binds {} images and buffers, the description names {}", twin.path,
-                                           twin.bindings.size(), inputs.size() + outputs.size()));
+    return binding;
 }
 
 void check_uniforms(const StageBinding& binding, const StageData& data, const std::vector<Within>& ranges) {

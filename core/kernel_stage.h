@@ -1,5 +1,6 @@
 // A stage made of its kernel, its description and its twin's layout: KernelStage<Kernel> is what every compute stage is
-// bound as. Only a folder's stages.cpp includes it, a line a stage:
+// bound as. Only a folder's stages.cpp includes it, a line a stage; and raster/bindings.cpp, whose passes draw, and have a
+// NamedStage.
 //
 //     template <>
 //     const StageBinding& plumb::stage<isr::Bounce>() { return made<isr::Bounce, twins::gi_isr_bounce_comp>(); }
@@ -25,36 +26,40 @@
 
 namespace plumb {
 
-// The slots and members of a stage, from what it says and what its twin says. Throws std::logic_error where they differ:
-// an input that the twin does not bind, a binding that no input stands for.
-template <class View>
-StageBinding binding_of(const StageDescription<View>& d, const TwinLayout& twin);
-// Without View: what a description names, each with the channels of a sampled image.
+// A description without its View: the names, and what they mean.
 struct NamedSlot {
-    std::string name, unit, meaning;
-    std::uint32_t fixed;
-    int channels;
-    bool frame;
-    glm::vec4 unwritten;
-    bool optional;
-    std::string instead;
+    std::string name, unit = {}, meaning = {};
+    std::uint32_t fixed = 0;
+    int channels = 4;  // of a sampled image
+    bool frame = true;
+    glm::vec4 unwritten{0};
+    bool optional = false;
+    std::string instead = {};
 };
-void add_slots(StageBinding& binding, const TwinLayout& twin, const std::vector<NamedSlot>& inputs,
-               const std::vector<NamedSlot>& outputs,
-               const std::vector<std::pair<std::string, std::uint32_t>>& fixed_uniforms);
+struct NamedStage {
+    std::string name, source, domain;
+    std::vector<NamedSlot> inputs, outputs;  // of a raster stage the depth buffer, too: "depth", the last output
+    std::vector<ParamInfo> params = {};
+    std::vector<std::pair<std::string, std::uint32_t>> fixed_uniforms = {};
+    Budget budget = {};
+    Cost cost = {};
+};
+
+// The slots and members of a stage, from what it says and what its twin says. Throws std::logic_error where they
+// differ: an input that the twin does not bind, a binding that no input stands for.
+StageBinding binding_of(const NamedStage& stage, const TwinLayout& twin);
 
 template <class View>
 StageBinding binding_of(const StageDescription<View>& d, const TwinLayout& twin) {
-    StageBinding b;
-    b.info.name = d.name, b.info.source = d.source, b.info.params = d.params, b.info.budget = d.budget;
-    b.domain = d.domain, b.cost = d.cost;
-    std::vector<NamedSlot> inputs, outputs;
+    NamedStage s{d.name, d.source, d.domain, {}, {}, d.params, d.fixed_uniforms, d.budget, d.cost};
     for (const Reads<View>& r : d.inputs)
-        inputs.push_back({r.name, r.unit, r.meaning, r.fixed, r.channels, !r.size && !r.read, glm::vec4(0), r.optional,
-                          r.instead});
-    for (const Writes<View>& w : d.outputs) outputs.push_back({w.name, w.unit, w.meaning, w.fixed, 4, true, w.unwritten, false, {}});
-    add_slots(b, twin, inputs, outputs, d.fixed_uniforms);
-    return b;
+        s.inputs.push_back({.name = r.name, .unit = r.unit, .meaning = r.meaning, .fixed = r.fixed,
+                            .channels = r.channels, .frame = !r.size && !r.read, .optional = r.optional,
+                            .instead = r.instead});
+    for (const Writes<View>& w : d.outputs)
+        s.outputs.push_back({.name = w.name, .unit = w.unit, .meaning = w.meaning, .fixed = w.fixed,
+                             .unwritten = w.unwritten});
+    return binding_of(s, twin);
 }
 
 // Throws InputError for a member of the block that is out of range, for an image of another size than `size` (as `why`

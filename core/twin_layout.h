@@ -1,5 +1,6 @@
 // What a twin's SPIR-V says about its bindings: the members of its uniform block, its images and buffers. The build
-// reads it (tools/twins/layout.cpp) and writes one header a twin, <build>/twins/layouts/<path>.h.
+// reads it (tools/twins/layout.cpp) and writes one header a twin, <build>/layouts/twins/<path>.h; a raster twin's holds
+// what its two shaders bind and what its fragment shader writes.
 #pragma once
 
 #include <cstddef>
@@ -7,7 +8,7 @@
 
 namespace plumb {
 
-enum class TwinKind : int { sampled_image, sampled_array, storage_image, buffer, storage_buffer, target };
+enum class TwinKind : int { sampled_image, sampled_array, storage_image, buffer, storage_buffer, target, depth };
 
 // A member of the uniform block; members of a struct are written with a dot.
 struct TwinMember {
@@ -20,7 +21,7 @@ struct TwinBinding {
     const char* name;  // of the variable; of a buffer, of its array
     TwinKind kind;
     int binding;          // of a target: its location
-    const char* element;  // of a buffer or a storage image: float, int, vec4, ...; "" of a buffer of structs
+    const char* element;  // of a buffer, a storage image or a target: float, int, vec4, ...; "" of a buffer of structs
 };
 
 struct TwinLayout {

@@ -17,7 +17,7 @@ namespace plumb {
 namespace {
 
 ListedStage listed(const StageBinding& binding) { return {binding.info, &binding}; }
-ListedStage without_twin(const StageInfo& info, bool of_frame = true) { return {info, nullptr, of_frame}; }
+ListedStage unbound(const StageInfo& info, bool of_frame = true) { return {info, nullptr, of_frame}; }
 
 }  // namespace
 
@@ -33,7 +33,7 @@ const std::vector<ListedStage>& stages() {
         listed(rsm::stage_of(rsm::Gather::paths)),
         listed(rsm::stage_of(rsm::Gather::paths, rsm::Texels::continuous)),
         listed(rsm::stage_of(rsm::Gather::all)),
-        without_twin(rsm::info_all_rays()),
+        unbound(rsm::info_all_rays()),
         listed(stage<direct::DirectKernel>()),
         listed(stage<isr::DownsampleKernel>()),
         listed(stage<isr::GatherKernel>()),
@@ -48,10 +48,10 @@ const std::vector<ListedStage>& stages() {
         listed(stage<filter::UpsampleKernel>()),
         listed(stage<filter::BlurKernel>()),
         listed(stage<compose::ComposeKernel>()),
-        without_twin(reference::info()),
+        unbound(reference::info()),
         listed(stage<compose::TonemapKernel>()),
-        without_twin(raster::info_hemicube(), false),
-        without_twin(raster::info_texture_space(), false),
+        unbound(raster::info_hemicube(), false),
+        unbound(raster::info_texture_space(), false),
     };
     return all;
 }

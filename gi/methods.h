@@ -10,7 +10,7 @@ namespace plumb {
 
 struct ListedStage {
     StageInfo info;
-    const StageBinding* binding = nullptr;  // null: it has no twin, and info.source says why
+    const StageBinding* binding = nullptr;  // null: no data is bound to it, and info.source says why
     bool of_frame = true;                   // false: a pass that no frame runs by itself
 };
 

@@ -2,22 +2,56 @@
 
 #include <fmt/format.h>
 
-#include <cstddef>
-
 #include "core/error.h"
+#include "core/kernel_stage.h"
 #include "raster/bound_pass.h"
-#include "raster/gbuffer.h"
 #include "raster/pass_args.h"
 #include "raster/resolve_tiles.h"
-#include "raster/rsm.h"
 #include "raster/screen_triangle.h"
+#include "raster/visibility.h"
+#include "twins/raster.gbuffer.h"
+#include "twins/raster.gbuffer_layer.h"
+#include "twins/raster.rsm.h"
 
 namespace plumb::raster {
 namespace {
 
-float* target_of(Bundle& outputs, int i) {
-    return reinterpret_cast<float*>(outputs.arrays[std::size_t(i)].bytes.data());
+template <class T>
+void aim(T*& target, Bundle& outputs, const std::string& name) {
+    for (Array& array : outputs.arrays)
+        if (array.name == name) return void(target = reinterpret_cast<T*>(array.bytes.data()));
+    throw std::logic_error(name + " is no output of the pass");
 }
+
+// What raster/surface.glsl reads.
+std::vector<NamedSlot> surface_inputs() {
+    return {
+        {.name = "vertices", .unit = "m", .meaning = "[vertex][8]: position, u; normal, v"},
+        {.name = "triangles", .meaning = "[triangle][3]: vertices"},
+        {.name = "triangle_material", .meaning = "[triangle]: material"},
+        {.name = "materials", .unit = "W/m2",
+         .meaning = "[material][16]: reflectance, alpha; emission, alpha cutoff; rows of textures (base, emission, "
+                    "normal), scale of the normal; padding",
+         .fixed = 0xf700},
+        {.name = "tangents", .meaning = "[vertex]: tangent, side of the bitangent; zeros where none is read",
+         .fixed = 8},
+        {.name = "textures",
+         .meaning = "[row]: first texel, width, height, 1 nearest | 2 sRGB | 4 wrap u | 16 wrap v | 64 levels; 0 is "
+                    "white"},
+        {.name = "texels", .meaning = "RGBA8 texels of all textures and levels"},
+        {.name = "decode", .meaning = "[2][256]: byte to linear value, plain and sRGB"},
+    };
+}
+
+// What every pass binds: that, and what raster/pull_triangle.glsl reads.
+std::vector<NamedSlot> drawn_inputs() {
+    std::vector<NamedSlot> all = surface_inputs();
+    all.push_back({.name = "clip_positions", .meaning = "[vertex]: position in clip space, y down, 0 <= z <= w",
+                   .fixed = 15});
+    return all;
+}
+
+NamedSlot depth_buffer() { return {.name = "depth", .meaning = "z of the depth buffer; cleared to 1, reversed z: 0"}; }
 
 template <class F>
 void put(F* out, const vec4<F>& v) {
@@ -25,22 +59,42 @@ void put(F* out, const vec4<F>& v) {
 }
 
 struct GBufferPass {
+    using Uniforms = GBufferUniforms;
+    using Twin = twins::raster_gbuffer;
     static constexpr int components = 16;
     GBufferArgs args{};
 
+    static NamedStage describe() {
+        NamedStage s{
+            .name = "gbuffer",
+            .source = "ISR 4.2-4.3, VRSM 4.2, LRA 4.2.1",
+            .domain = "pixel",
+            .inputs = drawn_inputs(),
+            .outputs = {{.name = "position", .unit = "m", .meaning = "world-space position; w: linear eye depth"},
+                        {.name = "normal", .meaning = "unit normal on the side that is seen; w: 1 covered"},
+                        {.name = "albedo", .meaning = "diffuse reflectance rho, linear"},
+                        {.name = "emission", .unit = "W/m2", .meaning = "radiant exitance"},
+                        {.name = "id", .meaning = "object, triangle; -1 where nothing is seen"},
+                        depth_buffer()},
+            .fixed_uniforms = {{"viewer", 8}},
+        };
+        s.inputs.push_back({.name = "objects", .meaning = "[triangle]: object"});
+        return s;
+    }
+    static void set_kept(std::vector<Port>& outputs) { outputs.at(2).meaning += "; w: the layout's radiation mask"; }
+
     GBufferPass(const StageData& data, const BoundScene& scene)
-        : GBufferPass(uniforms_of<GBufferUniforms>(data), data, scene) {}
-    template <class Uniforms>
-    GBufferPass(const Uniforms& u, const StageData& data, const BoundScene& scene) {
+        : GBufferPass(uniforms_of<Uniforms>(data), data, scene) {}
+    template <class Block>
+    GBufferPass(const Block& u, const StageData& data, const BoundScene& scene) {
         args.surfaces = surface_args(scene, u.viewer, u.forward, u.pixel_area);
         for (int c = 0; c < 3; ++c) args.eye[c] = u.eye[c], args.forward[c] = u.forward[c];
         args.width = data.size.x, args.height = data.size.y;
         args.object = scene.geometry.object.data();
     }
     void target(Bundle& outputs) {
-        args.position = target_of(outputs, 0), args.normal = target_of(outputs, 1);
-        args.albedo = target_of(outputs, 2), args.emission = target_of(outputs, 3);
-        args.id = reinterpret_cast<std::int32_t*>(target_of(outputs, 4));
+        aim(args.position, outputs, "position"), aim(args.normal, outputs, "normal");
+        aim(args.albedo, outputs, "albedo"), aim(args.emission, outputs, "emission"), aim(args.id, outputs, "id");
     }
     std::vector<double> indices(std::int32_t triangle) const {
         return {triangle < 0 ? -1.0 : double(args.object[triangle]), double(triangle)};
@@ -61,16 +115,58 @@ struct GBufferPass {
 
 // What lies behind the input "behind" is BoundPass' to say.
 struct GBufferLayerPass : GBufferPass {
+    using Uniforms = GBufferLayerUniforms;
+    using Twin = twins::raster_gbuffer_layer;
+
+    static NamedStage describe() {
+        NamedStage s = GBufferPass::describe();
+        s.name = "gbuffer.layer", s.source = "ISR ch. 6, Everitt 2001";
+        s.inputs.push_back({.name = "behind",
+                            .meaning = "z of the depth buffer of the layer before; what lies farther is drawn",
+                            .fixed = 1, .channels = 1});
+        s.fixed_uniforms.push_back({"farther", 1});
+        return s;
+    }
+    static std::string refuses(const StageData& data) {
+        const float farther = uniforms_of<Uniforms>(data).farther, expected = data.reversed_z ? -1 : 1;
+        if (farther == expected) return "";
+        return fmt::format("uniform farther = {:g}: expected {:g}, as the depth test is", farther, expected);
+    }
     GBufferLayerPass(const StageData& data, const BoundScene& scene)
-        : GBufferPass(uniforms_of<GBufferLayerUniforms>(data), data, scene) {}
+        : GBufferPass(uniforms_of<Uniforms>(data), data, scene) {}
 };
 
 struct RsmPass {
+    using Uniforms = RsmUniforms;
+    using Twin = twins::raster_rsm;
     static constexpr int components = 12;
     RsmArgs args{};
 
+    static NamedStage describe() {
+        return {
+            .name = "rsm",
+            .source = "VRSM 4.2, LRA 4.2.2",
+            .domain = "texel",
+            .inputs = drawn_inputs(),
+            .outputs = {{.name = "position", .unit = "m",
+                         .meaning = "world-space position; w: linear depth from the light"},
+                        {.name = "normal", .meaning = "unit normal on the side that the light sees; w: 1 covered"},
+                        {.name = "flux", .unit = "W", .meaning = "reflected flux of the texel"},
+                        depth_buffer()},
+            .fixed_uniforms = {{"viewer", 8}, {"light.directional", 1}},
+        };
+    }
+    // A map keeps no depth buffer, but records, which no shader writes.
+    static void set_kept(std::vector<Port>& outputs) {
+        outputs.back() = {"records", "records rsm", "", "position, normal and flux, a texel a record"};
+    }
+    static std::string refuses(const StageData& data) {
+        if (data.size.x == data.size.y) return "";
+        return fmt::format("size {} x {}: a map is square", data.size.x, data.size.y);
+    }
+
     RsmPass(const StageData& data, const BoundScene& scene) {
-        const auto u = uniforms_of<RsmUniforms>(data);
+        const auto u = uniforms_of<Uniforms>(data);
         args.surfaces = surface_args(scene, u.viewer, u.forward, u.pixel_area);
         for (int c = 0; c < 3; ++c) args.eye[c] = u.eye[c], args.forward[c] = u.forward[c];
         args.light = u.light;
@@ -78,7 +174,7 @@ struct RsmPass {
         args.size = data.size.x;
     }
     void target(Bundle& outputs) {
-        args.position = target_of(outputs, 0), args.normal = target_of(outputs, 1), args.flux = target_of(outputs, 2);
+        aim(args.position, outputs, "position"), aim(args.normal, outputs, "normal"), aim(args.flux, outputs, "flux");
     }
     std::vector<double> indices(std::int32_t) const { return {}; }
     template <Isa isa>
@@ -94,132 +190,23 @@ struct RsmPass {
     }
 };
 
-std::unique_ptr<BoundStage> bind_gbuffer(const StageData& data) {
-    check_slots(gbuffer_binding(), data);
-    return std::make_unique<BoundPass<GBufferPass>>(gbuffer_binding(), data);
-}
-std::unique_ptr<BoundStage> bind_gbuffer_layer(const StageData& data) {
-    check_slots(gbuffer_layer_binding(), data);
-    const float farther = uniforms_of<GBufferLayerUniforms>(data).farther, expected = data.reversed_z ? -1 : 1;
-    if (farther != expected)
-        throw InputError(fmt::format("{}: uniform farther = {:g}: expected {:g}, as the depth test is",
-                                     data.label.empty() ? data.stage : data.label, farther, expected));
-    return std::make_unique<BoundPass<GBufferLayerPass>>(gbuffer_layer_binding(), data);
-}
-std::unique_ptr<BoundStage> bind_rsm(const StageData& data) {
-    check_slots(rsm_binding(), data);
-    if (data.size.x != data.size.y)
-        throw InputError(fmt::format("{}: size {} x {}: a map is square", data.label.empty() ? data.stage : data.label,
-                                     data.size.x, data.size.y));
-    return std::make_unique<BoundPass<RsmPass>>(rsm_binding(), data);
-}
-
-Slot buffer(const char* name, int binding, DType dtype, int channels, const char* unit, const char* meaning,
-            std::uint32_t fixed = 0) {
-    return {name, SlotKind::buffer, binding, dtype, channels, false, unit, meaning, fixed};
-}
-Slot target(const char* name, int location, const char* unit, const char* meaning) {
-    return {name, SlotKind::target, location, DType::f32, 4, true, unit, meaning};
-}
-Slot depth_slot() {
-    return {"depth", SlotKind::depth, 0, DType::f32, 1, true, "", "z of the depth buffer; cleared to 1, reversed z: 0"};
-}
-
-// What raster/surface.glsl and raster/pull_triangle.glsl bind.
-std::vector<Slot> surface_slots() {
-    return {
-        buffer("vertices", 1, DType::f32, 4, "m", "[vertex][8]: position, u; normal, v"),
-        buffer("triangles", 2, DType::i32, 1, "", "[triangle][3]: vertices"),
-        buffer("triangle_material", 3, DType::i32, 1, "", "[triangle]: material"),
-        buffer("materials", 4, DType::f32, 4, "W/m2",
-               "[material][16]: reflectance, alpha; emission, alpha cutoff; rows of textures (base, emission, normal), "
-               "scale of the normal; padding", 0xf700),
-        buffer("tangents", 5, DType::f32, 4, "", "[vertex]: tangent, side of the bitangent; zeros where none is read",
-               8),
-        buffer("textures", 6, DType::i32, 4, "",
-               "[row]: first texel, width, height, 1 nearest | 2 sRGB | 4 wrap u | 16 wrap v | 64 levels; 0 is white"),
-        buffer("texels", 7, DType::i32, 1, "", "RGBA8 texels of all textures and levels"),
-        buffer("decode", 8, DType::f32, 1, "", "[2][256]: byte to linear value, plain and sRGB"),
-        buffer("clip_positions", 9, DType::f32, 4, "", "[vertex]: position in clip space, y down, 0 <= z <= w",
-               15),
-    };
-}
-
-StageBinding make_gbuffer() {
-    using U = GBufferUniforms;
-    StageBinding b;
-    b.info = info_gbuffer();
-    b.raster = true;
-    b.domain = "pixel";
-    b.twin = "raster/gbuffer";
-    b.uniforms = {{"viewer", "vec4", offsetof(U, viewer), 8},
-                  {"eye", "vec3", offsetof(U, eye)},
-                  {"forward", "vec3", offsetof(U, forward)},
-                  {"pixel_area", "float", offsetof(U, pixel_area)}};
-    b.uniform_bytes = sizeof(U);
-    b.inputs = surface_slots();
-    b.inputs.push_back(buffer("objects", 10, DType::i32, 1, "", "[triangle]: object"));
-    b.outputs = {
-        target("position", 0, "m", "world-space position; w: linear eye depth"),
-        target("normal", 1, "", "unit normal on the side that is seen; w: 1 covered"),
-        target("albedo", 2, "", "diffuse reflectance rho, linear"),
-        target("emission", 3, "W/m2", "radiant exitance"),
-        {"id", SlotKind::target, 4, DType::i32, 2, true, "", "object, triangle; -1 where nothing is seen"},
-        depth_slot(),
-    };
-    b.bind = bind_gbuffer;
-    return b;
-}
-
-StageBinding make_gbuffer_layer() {
-    using U = GBufferLayerUniforms;
-    StageBinding b = make_gbuffer();
-    b.info = info_gbuffer_layer();
-    b.twin = "raster/gbuffer_layer";
-    b.uniforms = {{"viewer", "vec4", offsetof(U, viewer), 8},
-                  {"eye", "vec3", offsetof(U, eye)},
-                  {"farther", "float", offsetof(U, farther), 1},
-                  {"forward", "vec3", offsetof(U, forward)},
-                  {"pixel_area", "float", offsetof(U, pixel_area)}};
-    b.uniform_bytes = sizeof(U);
-    b.inputs.push_back({"behind", SlotKind::image, 11, DType::f32, 1, true, "",
-                        "z of the depth buffer of the layer before; what lies farther is drawn", 1});
-    b.bind = bind_gbuffer_layer;
-    return b;
-}
-
-StageBinding make_rsm() {
-    using U = RsmUniforms;
-    constexpr int light = offsetof(U, light);
-    StageBinding b;
-    b.info = info_rsm();
-    b.raster = true;
-    b.domain = "texel";
-    b.twin = "raster/rsm";
-    b.uniforms = {{"viewer", "vec4", offsetof(U, viewer), 8},
-                  {"eye", "vec3", offsetof(U, eye)},
-                  {"forward", "vec3", offsetof(U, forward)},
-                  {"pixel_area", "float", offsetof(U, pixel_area)},
-                  {"light.position", "vec3", light + int(offsetof(LightArgs, position))},
-                  {"light.cos_outer", "float", light + int(offsetof(LightArgs, cos_outer))},
-                  {"light.direction", "vec3", light + int(offsetof(LightArgs, direction))},
-                  {"light.falloff_scale", "float", light + int(offsetof(LightArgs, falloff_scale))},
-                  {"light.intensity", "vec3", light + int(offsetof(LightArgs, intensity))},
-                  {"light.directional", "float", light + int(offsetof(LightArgs, directional)), 1},
-                  {"light.inverse_radius2", "float", light + int(offsetof(LightArgs, inverse_radius2))},
-                  {"light.radius2", "float", light + int(offsetof(LightArgs, radius2))},
-                  {"texel_scale", "float", offsetof(U, texel_scale)},
-                  {"half_width", "float", offsetof(U, half_width)}};
-    b.uniform_bytes = sizeof(U);
-    b.inputs = surface_slots();
-    b.outputs = {
-        target("position", 0, "m", "world-space position; w: linear depth from the light"),
-        target("normal", 1, "", "unit normal on the side that the light sees; w: 1 covered"),
-        target("flux", 2, "W", "reflected flux of the texel"),
-        depth_slot(),
-    };
-    b.bind = bind_rsm;
-    return b;
+// The one binding of a pass.
+template <class Pass>
+const StageBinding& pass_binding() {
+    static_assert(Pass::Twin::template fits<typename Pass::Uniforms>());
+    static const StageBinding binding = [] {
+        StageBinding b = binding_of(Pass::describe(), Pass::Twin::layout);
+        if constexpr (requires { Pass::set_kept(b.info.outputs); }) Pass::set_kept(b.info.outputs);
+        b.bind = [](const StageData& data) -> std::unique_ptr<BoundStage> {
+            check_slots(pass_binding<Pass>(), data);
+            if constexpr (requires { Pass::refuses(data); })
+                if (const std::string cause = Pass::refuses(data); !cause.empty())
+                    throw InputError((data.label.empty() ? data.stage : data.label) + ": " + cause);
+            return std::make_unique<BoundPass<Pass>>(pass_binding<Pass>(), data);
+        };
+        return b;
+    }();
+    return binding;
 }
 
 // Appends a buffer of `rows` rows; one row of zeros where there is none.
@@ -257,17 +244,16 @@ Uniforms viewer_uniforms(const Args& a) {
 
 }  // namespace
 
-const StageBinding& gbuffer_binding() {
-    static const StageBinding binding = make_gbuffer();
-    return binding;
-}
-const StageBinding& gbuffer_layer_binding() {
-    static const StageBinding binding = make_gbuffer_layer();
-    return binding;
-}
-const StageBinding& rsm_binding() {
-    static const StageBinding binding = make_rsm();
-    return binding;
+const StageBinding& gbuffer_binding() { return pass_binding<GBufferPass>(); }
+const StageBinding& gbuffer_layer_binding() { return pass_binding<GBufferLayerPass>(); }
+const StageBinding& rsm_binding() { return pass_binding<RsmPass>(); }
+
+std::vector<Port> surface_ports() {
+    std::vector<Port> ports;
+    for (const Port& port : gbuffer_binding().info.inputs)
+        for (const NamedSlot& s : surface_inputs())
+            if (s.name == port.name) ports.push_back(port);
+    return ports;
 }
 
 StageData gbuffer_data(const Geometry& geometry, const Surfaces& surfaces, const View& view, glm::ivec2 size) {

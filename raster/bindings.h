@@ -9,7 +9,7 @@
 
 namespace plumb::raster {
 
-// std140: a vec3 starts on a multiple of 16 bytes.
+// The twins' blocks: the build holds them against the twins' SPIR-V.
 struct GBufferUniforms {
     float viewer[4];   // SurfaceArgs
     float eye[3], padding;
@@ -35,6 +35,8 @@ struct RsmUniforms {
 const StageBinding& gbuffer_binding();
 const StageBinding& gbuffer_layer_binding();
 const StageBinding& rsm_binding();
+// What raster/surface.glsl reads: inputs of every stage that looks at surfaces, with a twin or without.
+std::vector<Port> surface_ports();
 
 // One draw, with copies of all it reads; label and id are the caller's. What is empty has one element of zeros, for no
 // device binds an empty buffer: a triangle of zeros draws nothing.

@@ -2,6 +2,10 @@
 //
 // Pass is a small struct made from StageData and the scene that it draws. It offers
 //
+//     Uniforms, Twin                                               its block; its twin's generated header
+//     static NamedStage describe()                                 what it binds: core/kernel_stage.h
+//     static std::string refuses(const StageData&)                 optional: says what it cannot draw, or nothing
+//     static void set_kept(std::vector<Port>& outputs)             optional: a frame keeps others than the twin writes
 //     args                                                         the kernel's
 //     static constexpr int components                              of its targets of floats, which come first
 //     std::vector<double> indices(std::int32_t triangle) const     of its targets of indices, which follow

@@ -135,30 +135,4 @@ std::vector<TapValue> explain_gbuffer(const Geometry& geometry, const Surfaces& 
     return recorder.values;
 }
 
-StageInfo info_gbuffer() {
-    StageInfo s;
-    s.name = "gbuffer";
-    s.source = "ISR 4.2-4.3, VRSM 4.2, LRA 4.2.1";
-    s.inputs = surface_ports();
-    s.outputs = {
-        {"position", "image rgba32f", "m", "world-space position; w: linear eye depth"},
-        {"normal", "image rgba32f", "", "unit normal on the side that is seen; w: 1 covered"},
-        {"albedo", "image rgba32f", "", "diffuse reflectance rho, linear; w: radiation mask"},
-        {"emission", "image rgba32f", "W/m2", "radiant exitance"},
-        {"depth", "image r32f", "", "z of the depth buffer"},
-        {"id", "image rg32i", "", "object, triangle; -1 where nothing is seen"},
-    };
-    s.twin = "raster/gbuffer.frag";
-    return s;
-}
-
-StageInfo info_gbuffer_layer() {
-    StageInfo s = info_gbuffer();
-    s.name = "gbuffer.layer";
-    s.source = "ISR ch. 6, Everitt 2001";
-    s.inputs.push_back({"behind", "image r32f", "", "z of the depth buffer of the layer before"});
-    s.twin = "raster/gbuffer_layer.frag";
-    return s;
-}
-
 }  // namespace plumb::raster

@@ -6,7 +6,6 @@
 #include "core/image.h"
 #include "core/isa.h"
 #include "core/scene.h"
-#include "core/stage.h"
 #include "core/tap.h"
 #include "core/view.h"
 #include "raster/covered.h"
@@ -52,8 +51,5 @@ void draw_gbuffer(const Geometry& geometry, const Surfaces& surfaces, const View
 std::vector<TapValue> explain_gbuffer(const Geometry& geometry, const Surfaces& surfaces, const View& view,
                                       glm::ivec2 size, glm::ivec2 pixel, const Layout& layout = Layout::fp32,
                                       const Image1* behind = nullptr);
-
-StageInfo info_gbuffer();
-StageInfo info_gbuffer_layer();
 
 }  // namespace plumb::raster

@@ -7,6 +7,7 @@
 #include "core/camera.h"
 #include "core/error.h"
 #include "core/host_math.h"
+#include "raster/bindings.h"
 
 namespace plumb::raster {
 namespace {
@@ -91,7 +92,8 @@ std::vector<double> delta_form_factors_side(int size) {
 StageInfo info_hemicube() {
     StageInfo s;
     s.name = "hemicube";
-    s.source = "HEM 4.5.3, 5.6";
+    s.source = "HEM 4.5.3, 5.6; five draws for its caller, so bound to no data of its own: a draw binds the gbuffer's "
+               "triangles and a face's clip_positions";
     s.inputs = surface_ports();
     s.outputs = {
         {"top", "image r32i", "", "triangle that each pixel of the top face sees; -1 where nothing is"},

@@ -155,19 +155,4 @@ std::vector<TapValue> explain_rsm(const Geometry& geometry, const Surfaces& surf
     return recorder.values;
 }
 
-StageInfo info_rsm() {
-    StageInfo s;
-    s.name = "rsm";
-    s.source = "VRSM 4.2, LRA 4.2.2";
-    s.inputs = surface_ports();
-    s.outputs = {
-        {"position", "image rgba32f", "m", "world-space position; w: linear depth from the light"},
-        {"normal", "image rgba32f", "", "unit normal on the side that the light sees; w: 1 covered"},
-        {"flux", "image rgba32f", "W", "reflected flux of the texel"},
-        {"records", "records rsm", "", "the three of them, a texel a record"},
-    };
-    s.twin = "raster/rsm.frag";
-    return s;
-}
-
 }  // namespace plumb::raster

@@ -8,7 +8,6 @@
 #include "core/image.h"
 #include "core/isa.h"
 #include "core/scene.h"
-#include "core/stage.h"
 #include "core/tap.h"
 #include "core/view.h"
 #include "raster/layout.h"
@@ -52,7 +51,5 @@ void draw_rsm(const Geometry& geometry, const Surfaces& surfaces, const Light& l
 // what the layout makes of position, normal and flux: "stored_position" and so on.
 std::vector<TapValue> explain_rsm(const Geometry& geometry, const Surfaces& surfaces, const Light& light,
                                   const View& light_view, glm::ivec2 texel, const Layout& layout = Layout::fp32);
-
-StageInfo info_rsm();
 
 }  // namespace plumb::raster

@@ -145,19 +145,4 @@ SurfaceArgs surface_args(const Geometry& geometry, const Surfaces& surfaces, con
     return a;
 }
 
-std::vector<Port> surface_ports() {
-    return {
-        {"vertices", "buffer vec4", "m", "[vertex][2]: position, u; normal, v"},
-        {"triangles", "buffer i32", "", "[triangle][3] vertices"},
-        {"material", "buffer i32", "", "[triangle] material"},
-        {"materials", "buffer vec4", "W/m2",
-         "[material][4]: reflectance, alpha; emission, alpha cutoff; textures (base, emission, normal), normal scale"},
-        {"textures", "buffer i32", "",
-         "[row][4]: first texel, width, height, 1 nearest | 2 sRGB | 4 wrap u | 16 wrap v | 64 levels; 0 is white"},
-        {"texels", "buffer i32", "", "RGBA8 texels of all textures and levels"},
-        {"decode", "buffer f32", "", "[2][256]: byte to linear value, plain and sRGB"},
-        {"tangents", "buffer vec4", "", "[vertex]: tangent, side of the bitangent; empty where no map reads them"},
-    };
-}
-
 }  // namespace plumb::raster

@@ -6,7 +6,6 @@
 
 #include "core/image.h"
 #include "core/scene.h"
-#include "core/stage.h"
 #include "core/view.h"
 #include "raster/layout.h"
 #include "raster/surface_kernel.h"
@@ -40,8 +39,5 @@ Buffer<float> decode_table();
 // without a size every texture is read at level 0.
 SurfaceArgs surface_args(const Geometry& geometry, const Surfaces& surfaces, const View& view,
                          glm::ivec2 size = {0, 0});
-
-// The same as a stage's inputs.
-std::vector<Port> surface_ports();
 
 }  // namespace plumb::raster

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "raster/bindings.h"
 #include "raster/resolve_tiles.h"
 #include "raster/visibility_kernel.h"
 #include "raster/workspace.h"
@@ -78,9 +79,10 @@ void draw_texture_space(const Geometry& geometry, const Surfaces& surfaces, cons
 StageInfo info_texture_space() {
     StageInfo s;
     s.name = "texture_space";
-    s.source = "IPR 3.2.1.2";
+    s.source = "IPR 3.2.1.2; a draw for its caller, so bound to no data of its own: the gbuffer's, with clip_positions "
+               "made of uv and a viewer of zeros";
     s.inputs = surface_ports();
-    s.inputs.push_back({"uv", "buffer vec2", "", "[vertex] lightmap coordinate, (0, 0) is the top left corner"});
+    s.inputs.push_back({"uv", "buffer f32 x 2", "", "[vertex] lightmap coordinate, (0, 0) is the top left corner"});
     s.outputs = {
         {"position", "image rgba32f", "m", "world-space position of the texel's centre"},
         {"normal", "image rgba32f", "", "unit normal on the front of the triangle; w: 1 covered"},

@@ -4,6 +4,7 @@
 #include "gi/frame/frame_graph.h"
 #include "raster/bindings.h"
 #include "raster/light_view.h"
+#include "raster/screen_triangle.h"
 
 namespace plumb::frame {
 
@@ -62,6 +63,12 @@ std::size_t bytes_of_map(const raster::Rsm& r) {
            r.half_records.size() * sizeof(Half);
 }
 
+// Where a pass draws the vertices, under a name that starts with `prefix`.
+void add_clip_positions(const Geometry& g, const View& view, const std::string& prefix, Bundle& b) {
+    const Buffer<glm::vec4> clip = raster::clip_positions(g, view, 0);
+    add(b, prefix + "clip_positions", {std::int64_t(clip.size()), 4}, clip.empty() ? nullptr : &clip.data()->x);
+}
+
 Camera camera_of(Context& c, int view) { return c.views[std::size_t(view)].camera; }
 
 // A point light's maps lie side by side.
@@ -73,7 +80,7 @@ void lend_surfaces(const Geometry& g, const raster::Surfaces& s, Bundle& b) {
     const std::int64_t triangles = std::int64_t(g.triangles.size());
     lend(b, "vertices", {std::int64_t(g.vertices.size()), 8}, reinterpret_cast<const float*>(g.vertices.data()));
     lend(b, "triangles", {triangles, 3}, reinterpret_cast<const std::uint32_t*>(g.triangles.data()));
-    lend(b, "material", {triangles}, g.material.data());
+    lend(b, "triangle_material", {triangles}, g.material.data());
     lend(b, "materials", {std::int64_t(s.masked.size()), 16}, s.materials.data());
     lend(b, "textures", {std::int64_t(s.textures.size() / 4), 4}, s.textures.data());
     lend(b, "texels", {std::int64_t(s.texels.size())}, s.texels.data());
@@ -98,7 +105,10 @@ void add_gbuffer(Context& c, int view, Nodes& nodes) {
                     {"emission", "emission", "emission", 0, 3, true, true}};
     node.inputs = [=, &c] {
         Bundle b;
-        lend_surfaces(c.world().geometry, c.world().surfaces, b);
+        const Geometry& g = c.world().geometry;
+        lend_surfaces(g, c.world().surfaces, b);
+        add_clip_positions(g, view_of(c, view), "", b);
+        lend(b, "objects", {std::int64_t(g.object.size())}, g.object.data());
         if (const Image1* depth = behind(c, view)) lend(b, "behind", *depth);
         return b;
     };
@@ -174,9 +184,12 @@ void add_maps(Context& c, int l, Nodes& nodes) {
     node.of_pixels = false, node.of_scene = node.direct = true;
     node.results = {{"position", "position", "position", 0, 3, true, true}, {"depth", "position", "depth", 3, 1, true, true},
                     {"normal", "normal", "normal", 0, 3, true, true},       {"flux", "flux", "flux", 0, 3, true, true}};
-    node.inputs = [&c] {
+    node.inputs = [=, &c] {
         Bundle b;
         lend_surfaces(c.world().geometry, c.world().surfaces, b);
+        each_map(c.maps(l), [&](const raster::Rsm& map, int, const std::string& face) {
+            add_clip_positions(c.world().geometry, map.view, face.empty() ? "" : face + ".", b);
+        });
         return b;
     };
     node.size = [=] { return glm::ivec2(maps * int(side), int(side)); };

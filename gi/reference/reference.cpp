@@ -13,6 +13,7 @@
 #include "gi/reference/path_args.h"
 #include "gi/reference/path_rows.h"
 #include "gi/reference/ray_query.h"
+#include "raster/bindings.h"
 
 namespace plumb::reference {
 
@@ -371,9 +372,10 @@ StageInfo info() {
     PathParams defaults;
     StageInfo s;
     s.name = "reference";
-    s.source = "the rendering equation (Kajiya 1986), by path tracing; no GPU pass, so without a twin";
+    s.source = "the rendering equation (Kajiya 1986), by path tracing; no GPU pass, so without a twin: "
+               "no device binds its inputs, they are what the function is given";
     s.inputs = raster::surface_ports();
-    s.inputs.push_back({"lights", "buffer vec4", "W", "[light][4]: gi/reference/light_kernel.h"});
+    s.inputs.push_back({"lights", "buffer f32 x 4", "W", "[light][4]: gi/reference/light_kernel.h"});
     s.inputs.push_back({"position", "image rgba32f", "m", "points to ask about; none: the camera's pixels"});
     s.inputs.push_back({"normal", "image rgba32f", "", "of those points"});
     s.outputs = {{"truth", "image rgba32f", "W/(m2 sr)", "outgoing radiance; of points: irradiance, W/m2"},

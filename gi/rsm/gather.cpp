@@ -204,7 +204,8 @@ StageInfo info_all_rays() {
     defaults.gather = Gather::all_rays;
     StageInfo s;
     s.name = stage_name(defaults);
-    s.source = "VRSM fig. 5.1 d: (3.2) over every texel, a shadow ray each; a reference on the CPU, so without a twin";
+    s.source = "VRSM fig. 5.1 d: (3.2) over every texel, a shadow ray each; a reference on the CPU, so without a twin: "
+               "no device binds its inputs, they are what the function is given";
     s.inputs = {
         {"position", "image rgba32f", "m", "world-space position of the shading points"},
         {"normal", "image rgba32f", "", "unit normal of the shading points"},

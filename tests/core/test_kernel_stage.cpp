@@ -221,10 +221,99 @@ TEST_CASE("a description that its twin contradicts is refused in one line", "[st
     const auto description = describe(PairKernel{});
     CHECK_THROWS_WITH(binding_of(description, Unbound::layout), "tests/pair.comp: \"length\" is no binding of the twin");
     CHECK_THROWS_WITH(binding_of(description, Another::layout),
-                      "tests/pair.comp: the twin binds 4 images and buffers, the description names 3");
+                      "tests/pair.comp: the twin binds \"depth_image\", which the description names nowhere");
     StageDescription<PairView> swapped = description;
     swapped.inputs[0].name = "value", swapped.outputs[0].name = "normal";
-    CHECK_THROWS_WITH(binding_of(swapped, PairTwin::layout), "value: the twin writes it");
+    CHECK_THROWS_WITH(binding_of(swapped, PairTwin::layout),
+                      "tests/pair.comp: the twin writes \"value\", the description has it among its inputs");
+}
+
+// ---- one that draws ---------------------------------------------------------------------------------------------------
+
+namespace {
+
+struct DrawTwin {
+    static constexpr TwinMember members[] = {{"viewer", "vec4", 0}, {"light.on", "float", 16}};
+    static constexpr TwinBinding bindings[] = {{"triangles", TwinKind::buffer, 2, "int"},
+                                               {"behind_image", TwinKind::sampled_image, 5, ""},
+                                               {"colour", TwinKind::target, 0, "vec4"},
+                                               {"id", TwinKind::target, 1, "ivec2"}};
+    static constexpr TwinLayout layout{"tests/draw", true, members, 32, bindings};
+};
+NamedStage drawing() {
+    return {.name = "test.draw",
+            .source = "this test",
+            .domain = "pixel",
+            .inputs = {{.name = "triangles"}, {.name = "behind", .channels = 1}},
+            .outputs = {{.name = "colour"}, {.name = "id"}, {.name = "depth"}},
+            .fixed_uniforms = {{"light.on", 1}}};
+}
+std::string refusal(const NamedStage& stage) {
+    try {
+        binding_of(stage, DrawTwin::layout);
+        return "";
+    } catch (const std::logic_error& error) {
+        return error.what();
+    }
+}
+
+}  // namespace
+
+TEST_CASE("a raster stage: numbers, locations and types are the twin's, and it has a depth buffer", "[stage][raster]") {
+    const StageBinding binding = binding_of(drawing(), DrawTwin::layout);
+    CHECK(binding.raster);
+    CHECK(binding.twin == "tests/draw");
+    CHECK(binding.info.twin == "tests/draw.frag");
+    CHECK(binding.uniform_bytes == 32);
+    REQUIRE(binding.uniforms.size() == 2);
+    CHECK(binding.uniforms[0].fixed == 0);
+    CHECK(binding.uniforms[1].fixed == 1);
+    struct Expected {
+        const Slot& slot;
+        SlotKind kind;
+        int at;
+        DType dtype;
+        int channels;
+        bool frame;
+    };
+    REQUIRE(binding.inputs.size() == 2);
+    REQUIRE(binding.outputs.size() == 3);
+    for (const Expected& e : {Expected{binding.inputs[0], SlotKind::buffer, 2, DType::i32, 1, false},
+                              {binding.inputs[1], SlotKind::image, 5, DType::f32, 1, true},
+                              {binding.outputs[0], SlotKind::target, 0, DType::f32, 4, true},
+                              {binding.outputs[1], SlotKind::target, 1, DType::i32, 2, true},
+                              {binding.outputs[2], SlotKind::depth, 0, DType::f32, 1, true}}) {
+        INFO(e.slot.name);
+        CHECK(e.slot.kind == e.kind);
+        CHECK(e.slot.binding == e.at);
+        CHECK(e.slot.dtype == e.dtype);
+        CHECK(e.slot.channels == e.channels);
+        CHECK(e.slot.frame == e.frame);
+    }
+    CHECK(binding.info.outputs[1].type == "image rg32i");
+    CHECK(binding.info.outputs[2].type == "image r32f");
+}
+
+TEST_CASE("a raster stage that its twin contradicts is refused in one line", "[stage][raster]") {
+    CHECK(refusal(drawing()) == "");
+    NamedStage changed = drawing();
+    changed.inputs[0].name = "vertices";
+    CHECK(refusal(changed) == "tests/draw: \"vertices\" is no binding of the twin");
+    changed = drawing();
+    changed.inputs.pop_back();
+    CHECK(refusal(changed) == "tests/draw: the twin binds \"behind_image\", which the description names nowhere");
+    changed = drawing();
+    changed.outputs.pop_back();
+    CHECK(refusal(changed) == "tests/draw: the twin binds \"depth\", which the description names nowhere");
+    changed = drawing();
+    changed.outputs.insert(changed.outputs.begin(), changed.outputs[0]);
+    CHECK(refusal(changed) == "tests/draw: the twin binds \"colour\", which the description names more than once");
+    changed = drawing();
+    std::swap(changed.inputs[0], changed.outputs[1]);
+    CHECK(refusal(changed) == "tests/draw: the twin writes \"id\", the description has it among its inputs");
+    changed = drawing();
+    changed.fixed_uniforms[0].first = "light.off";
+    CHECK(refusal(changed) == "tests/draw: \"light.off\" is no member of the twin's uniform block");
 }
 
 TEST_CASE("lent bytes: read in place, written in place, or copied first", "[bundle]") {

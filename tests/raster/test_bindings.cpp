@@ -202,6 +202,25 @@ TEST_CASE("bindings: a bound gbuffer draws the pass's bits", "[bindings]") {
     check(Fixture(fair(), {211, 130}));
 }
 
+TEST_CASE("bindings: a stage's row names what its twin binds, and what a frame keeps", "[bindings][stage]") {
+    using Names = std::vector<std::string>;
+    auto names = [](const auto& list) {
+        Names all;
+        for (const auto& one : list) all.push_back(one.name);
+        return all;
+    };
+    for (const StageBinding* b : {&gbuffer_binding(), &gbuffer_layer_binding(), &rsm_binding()}) {
+        INFO(b->info.name);
+        CHECK(names(b->info.inputs) == names(b->inputs));
+        CHECK(b->outputs.back().kind == SlotKind::depth);
+        CHECK(b->info.twin == b->twin + ".frag");
+    }
+    CHECK(names(gbuffer_binding().info.outputs) == names(gbuffer_binding().outputs));
+    CHECK(names(rsm_binding().info.outputs) == Names{"position", "normal", "flux", "records"});
+    CHECK(names(surface_ports()) == Names{"vertices", "triangles", "triangle_material", "materials", "tangents",
+                                          "textures", "texels", "decode"});
+}
+
 TEST_CASE("bindings: a bound rsm draws the pass's bits", "[bindings]") {
     for (const Scene& scene : {load("cornell/cornell.toml"), load("atrium/atrium.toml"), fair()}) {
         Fixture f(scene, {16, 16});

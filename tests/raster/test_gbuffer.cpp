@@ -412,5 +412,4 @@ TEST_CASE("gbuffer: explain names the values of the picture", "[raster][gbuffer]
             textured_pixels += !value(taps, "uv").empty();
         }
     CHECK(textured_pixels > 10);
-    CHECK(info_gbuffer().name == "gbuffer");
 }

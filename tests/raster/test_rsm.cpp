@@ -448,5 +448,4 @@ TEST_CASE("rsm: explain multiplies up to the flux of the map", "[raster][rsm][ex
         CHECK(flux[std::size_t(c)] == rsm.flux(9, 13)[c]);
         CHECK(flux[std::size_t(c)] == float(albedo[c]) * (float(intensity[c]) * float(dw[0])));
     }
-    CHECK(info_rsm().name == "rsm");
 }

@@ -21,6 +21,7 @@ struct Member {
     std::string name, type;
     std::uint32_t offset;
     std::vector<std::uint32_t> path;  // indices from the block's own members
+    bool operator==(const Member&) const = default;
 };
 
 std::string scalar_name(const Module& m, std::uint32_t type) {
@@ -96,6 +97,7 @@ std::set<std::string> members_read(const Module& m, std::uint32_t variable, cons
 struct Binding {
     std::string name, kind, element;
     std::uint32_t at;
+    bool operator==(const Binding&) const = default;
 };
 
 // What lies in a buffer: the type of the elements of its array.
@@ -127,7 +129,7 @@ void add_variable(const Module& m, std::uint32_t id, std::uint32_t storage, std:
     Binding b;
     if (storage == uniform && decorations.count(binding)) {
         const Block block = block_of(m, pointee);
-        if (out.block.bytes && block.members.size() != out.block.members.size())
+        if (out.block.bytes && block.members != out.block.members)
             throw std::runtime_error("its shaders have different uniform blocks");
         out.block = block;
         out.read.merge(members_read(m, id, block));
@@ -148,7 +150,13 @@ void add_variable(const Module& m, std::uint32_t id, std::uint32_t storage, std:
     } else {
         return;
     }
-    out.bindings.insert({{b.kind == "target" ? "target" : "", b.at}, b});
+    const auto [there, is_new] = out.bindings.insert({{b.kind == "target" ? "target" : "", b.at}, b});
+    auto named = [](const Binding& one) {
+        return one.kind + " \"" + one.name + "\"" + (one.element.empty() ? "" : " of " + one.element);
+    };
+    if (!is_new && there->second != b)
+        throw std::runtime_error("binding " + std::to_string(b.at) + " is " + named(there->second) +
+                                 " in one shader and " + named(b) + " in another");
 }
 
 std::string identifier(std::string path) {
@@ -182,13 +190,12 @@ std::string header_of(const std::string& path, bool raster, const Layout& l) {
     return h.str();
 }
 
-Layout layout_of(const std::string& spirv) {
-    Layout layout;
+void add_shader(const std::string& spirv, Layout& layout) {
     const Module m = read_module(spirv);
+    const bool fragment = spirv.ends_with(".frag.spv");
     for (const Instruction& in : m.instructions)
         if (in.opcode == op_variable)
-            add_variable(m, in.words[1], in.words[2], m.types.at(in.words[0]).words[1], false, layout);
-    return layout;
+            add_variable(m, in.words[1], in.words[2], m.types.at(in.words[0]).words[1], fragment, layout);
 }
 
 // "gi.isr" of "<folders>/gi.isr.blur.comp.spv".
@@ -201,7 +208,8 @@ std::string folder_of(const std::string& path) {
 void refuse_unread(int count, char** paths) {
     std::map<std::string, Layout> blocks;  // by folder and name
     for (int i = 0; i < count; ++i) {
-        Layout layout = layout_of(paths[i]);
+        Layout layout;
+        add_shader(paths[i], layout);
         Layout& all = blocks[folder_of(paths[i]) + " " + layout.block.name];
         all.block = layout.block;
         all.read.merge(layout.read);
@@ -222,14 +230,10 @@ int main(int argc, char** argv) try {
     if (argc < 4) throw std::runtime_error("usage: layout <path> <header> <spirv>...");
     const std::string path = argv[1];
     Layout layout;
-    for (int i = 3; i < argc; ++i) {
-        const Module m = read_module(argv[i]);
-        const bool fragment = std::string(argv[i]).find(".frag") != std::string::npos;
-        for (const Instruction& in : m.instructions) {
-            if (in.opcode != op_variable) continue;
-            const Type& pointer = m.types.at(in.words[0]);
-            add_variable(m, in.words[1], in.words[2], pointer.words[1], fragment, layout);
-        }
+    try {
+        for (int i = 3; i < argc; ++i) add_shader(argv[i], layout);
+    } catch (const std::exception& error) {
+        throw std::runtime_error(path + ": " + error.what());
     }
     std::ofstream header(argv[2]);
     header << header_of(path, argc > 4, layout);
