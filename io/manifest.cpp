@@ -257,7 +257,7 @@ class ManifestReader {
         if (spec.near_far.empty()) reader.fail("near_far", "expected [near, far]");
     }
 
-    // Outputs are of the stage's size; raw images are where nothing else is said. The stage's own may be an output's.
+    // Outputs are of the stage's size, but for lists; raw images are where nothing else is said. The stage's own may be an output's.
     void complete_size(DocumentReader& reader, DumpSpec& spec, ManifestStage& stage, bool is_output) {
         const bool has_some = spec.width > 0 || spec.height > 0;
         if (has_some && (spec.width == 0 || spec.height == 0))
@@ -266,7 +266,6 @@ class ManifestReader {
         if (is_output && has_some && (stage.width != spec.width || stage.height != spec.height))
             reader.fail("width", fmt::format("{} x {}: the stage's outputs are {} x {}", spec.width, spec.height,
                                              stage.width, stage.height));
-        if (is_output && spec.count) reader.fail("count", "outputs are images; expected width and height");
         if (!has_some && spec.count == 0 && (is_output || !spec.vk_format.empty()))
             spec.width = stage.width, spec.height = stage.height;
     }

@@ -195,7 +195,8 @@ struct Until {
     std::function<double()> residual = {};  // of the round before; missing: all rounds run. NaN never is enough
 };
 // A node that runs `start` once and then `body` in rounds. What the body reads before it writes it the start has written; of
-// memory that neither writes both may read what earlier nodes made. `plan` is the node's; outputs, size and what else a node
+// memory that neither writes both may read what earlier nodes made. What they write has its place before the node is asked
+// what it reads. `plan` is the node's; outputs, size and what else a node
 // has are the caller's to add.
 Node repeat(NodePlan plan, Node start, std::vector<Node> body, Until until);
 

@@ -6,6 +6,7 @@
 #include "gi/reference/ray_query.h"
 #include "gi/rsm/all_rays.h"
 #include "gi/stability/unbound_stages.h"
+#include "raster/bindings.h"
 #include "raster/gbuffer.h"
 #include "raster/light_view.h"
 #include "raster/texture_space.h"
@@ -127,7 +128,7 @@ std::vector<Cell> unbound_cells(const std::string& case_name, const Scene& scene
     add("visibility", [&] { return look_at_visibility(d); });
     if (any) add(raster::info_texture_space().name, [&] { return look_at_texture_space(d); });
     // What reads the G-buffer is refused with it.
-    const Cell refused = or_refused(raster::info_gbuffer().name, [&] { return d.draw_gbuffer(), Cell(); });
+    const Cell refused = or_refused(raster::gbuffer_binding().info.name, [&] { return d.draw_gbuffer(), Cell(); });
     if (any && !refused.refused) {
         add(raster::info_hemicube().name, [&] { return look_at_hemicubes(d); });
         add(rsm::stage_name(rsm::Gather::all_rays), [&] { return look_at_all_rays(d); });

@@ -512,7 +512,6 @@ TEST_CASE("manifest: what is wrong is named in one line", "[io][manifest][robust
         {of_output(raw + "row_pitch = 1.5\n"), {"line 7", "row_pitch = 1.5", "expected an integer"}},
         {of_output(raw + "offset = -1\n"), {"line 7", "offset = -1"}},
         {of_output(raw + "offset = 1e300\n"), {"line 7", "offset", "expected an integer"}},
-        {of_output(raw + "count = 8\n"), {"line 7", "count = 8", "outputs are images"}},
         {of_output(raw + "trailing = 1\n"), {"line 7", "trailing = 1", "true or false"}},
         {of_output(raw + "layer = \"a\"\n"), {"line 7", "layer = \"a\"", "raw files have none"}},
         {of_output(raw + "flip_y = \"yes\"\n"), {"line 7", "flip_y = \"yes\"", "true or false"}},

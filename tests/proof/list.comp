@@ -18,7 +18,7 @@ vec4 gather(int receiver) {
     float x = positions[receiver];
     precise vec3 sum = vec3(0.0);
     for (int k = 0; k < u.links; ++k) {
-        vec4 b = radiosity[links[receiver * u.links + k]];
+        vec4 b = radiosity[min(links[receiver * u.links + k], u.senders - 1)];
         precise float d = (x - b.w) * (x - b.w) + 1.0;
         precise float w = u.scale / d;
         sum = vec3(sum.x + w * b.x, sum.y + w * b.y, sum.z + w * b.z);

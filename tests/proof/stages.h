@@ -33,7 +33,7 @@ struct ListKernel {
         vec3<F> sum{F(0.0f), F(0.0f), F(0.0f)};
         for (int k = 0; k < in.u.links; ++k) {
             tap.sample(k);
-            const I sender = N::fetch(in.links, receiver * I(in.u.links) + I(k));
+            const I sender = min(N::fetch(in.links, receiver * I(in.u.links) + I(k)), I(in.u.senders - 1));
             tap("sender", sender, "which sends");
             const vec4<F> b = N::fetch4(in.radiosity, sender);
             const F d = (x - b.w) * (x - b.w) + F(1.0f);

@@ -50,14 +50,15 @@ struct Solve {
     }
 
     explicit Solve(float b = 1) {
-        source = Image4(size.x, size.y, glm::vec4(b, 2 * b, 0.25f * b, 1));
+        source = x = before = sum = Image4(size.x, size.y);
+        sum = Image4(1, 1);
         graph::Node light;
         light.plan.name = light.plan.label = "light";
         light.size = [this] { return size; };
         light.reads = [b](graph::Reads& r) { r.value(b); };
         light.outputs = [this] { return lent("source", source); };
         light.run = [this, b](const RunOptions&, graph::NodeRun&) {
-            source = Image4(size.x, size.y, glm::vec4(b, 2 * b, 0.25f * b, 1));
+            std::fill(source.texels.begin(), source.texels.end(), glm::vec4(b, 2 * b, 0.25f * b, 1));
         };
         nodes.push_back(light);
 
@@ -66,17 +67,15 @@ struct Solve {
         start.outputs = [this] { return lent("x", x); };
         start.reads = [this](graph::Reads& r) { r.image(source); };
         start.run = [this](const RunOptions&, graph::NodeRun&) {
-            x = source;
-            if (before.empty()) before = Image4(size.x, size.y);
+            x.texels.assign(source.texels.begin(), source.texels.end());
         };
         step.plan.name = "proof.step";
         step.outputs = [this] { return lent("before", before); };
         step.reads = [this](graph::Reads& r) {
-            if (before.empty()) before = Image4(size.x, size.y);
             r.dispatch(stage<proof::StepKernel>(), step_data());
         };
         step.run = [this](const RunOptions& options, graph::NodeRun&) {
-            std::swap(x.texels, before.texels);
+            before.texels.assign(x.texels.begin(), x.texels.end());
             run(stage<proof::StepKernel>(), step_data(), options, x);
             ++steps;
         };
@@ -108,7 +107,7 @@ struct Solve {
 };
 
 std::string folder_of(const std::string& name) {
-    const fs::path folder = fs::path(PLUMB_BINARY_DIR) / "test_proof_store" / name;
+    const fs::path folder = fs::path(PLUMB_BINARY_DIR) / "proof_store" / name;
     fs::remove_all(folder);
     return folder.string();
 }

@@ -4,7 +4,11 @@ if(TARGET plumb_program AND TARGET plumb_vulkan)
   plumb_compile_twins(proof_shaders_spirv ${proof_shaders})
   file(GLOB sources CONFIGURE_DEPENDS proof/test_*.cpp)
   set(proof_kernels ${PROJECT_SOURCE_DIR}/tests/proof/methods.cpp)
-  plumb_add_test_executable(test_proof ${sources} ${proof_kernels})
+  # Not by plumb_add_test_executable(), which links libraries first: the list of stages is this folder's, not the library's.
+  add_executable(test_proof ${sources} ${proof_kernels})
+  target_link_libraries(test_proof PRIVATE plumb_catch_main plumb_warnings plumb_test_flags plumb::core)
+  target_compile_definitions(test_proof PRIVATE PLUMB_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
+    PLUMB_BINARY_DIR="${CMAKE_BINARY_DIR}")
   plumb_twin_layouts(test_proof ${proof_shaders})
   target_link_libraries(test_proof PRIVATE plumb_program)
   foreach(file spirv sites edit marks guards generic survivors mutant)

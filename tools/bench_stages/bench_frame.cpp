@@ -7,6 +7,7 @@
 
 #include "core/host_math.h"
 #include "gi/frame/frame.h"
+#include "raster/bindings.h"
 
 namespace {
 
@@ -60,7 +61,7 @@ void stage(benchmark::State& state, const std::string& name, Isa isa) {
 }
 
 [[maybe_unused]] const bool registered = [] {
-    for (const std::string& name : {raster::info_gbuffer().name, std::string("rsm"), std::string("shadow"), std::string("direct"),
+    for (const std::string& name : {raster::gbuffer_binding().info.name, std::string("rsm"), std::string("shadow"), std::string("direct"),
                                     std::string("compose"), std::string("tonemap")})
         for (Isa isa : supported_isas())
             benchmark::RegisterBenchmark((std::string("frame/") + name + "/" + isa_name(isa)).c_str(), stage, name, isa)

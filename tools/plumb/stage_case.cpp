@@ -276,10 +276,20 @@ glm::ivec2 size_of(const io::ManifestStage& stage, const StageBinding& binding) 
             const Slot* slot = find_slot(output ? binding.outputs : binding.inputs, name);
             if (!slot || (!output && !slot->frame)) continue;
             if (slot->kind == SlotKind::buffer || slot->kind == SlotKind::image_array) continue;
+            if (slot->kind == SlotKind::storage_buffer && spec.count) return {spec.count, 1};
             const std::string place = slot_place(stage, output ? "output" : "input", name);
             return image_size(io::read_dump(spec).array, place);
         }
     throw InputError(stage.place + ": expected size = [width, height], or an output");
+}
+
+// A list as one of items, in the order of the domain.
+void fit_list(const Slot& slot, io::DumpedImage& dump, glm::ivec2 size, const std::string& place) {
+    const std::int64_t items = std::int64_t(size.x) * size.y, found = std::int64_t(dump.array.bytes.size() / 4 / std::size_t(slot.channels));
+    if (found != items)
+        throw InputError(fmt::format("{}: {} elements of {}: expected {}", place, found, slot.channels, items));
+    for (Array* array : {&dump.array, &dump.rounding})
+        if (!array->bytes.empty()) array->shape = {size.y, size.x, slot.channels};
 }
 
 void read_outputs(const io::ManifestStage& stage, const StageBinding& binding, StageCase& out) {
@@ -294,7 +304,10 @@ void read_outputs(const io::ManifestStage& stage, const StageBinding& binding, S
             throw InputError(fmt::format("{}: encoding = \"{}\" gives linear depth: expected the depth buffer as it is, "
                                          "plain, and reversed_z = true in [stage.params] where 1 is near", place,
                                          spec.encoding));
+        const bool list = slot->kind == SlotKind::storage_buffer;
+        if (!list && spec.count) throw InputError(place + ": count: the output is an image; expected width and height");
         io::DumpedImage dump = io::read_dump(spec);
+        if (list) fit_list(*slot, dump, out.data.size, place);
         fit_output(*slot, dump, out.data.size, place);
         parity::Dumped dumped{name, std::move(dump.array), dump.stored, dump.channels & ((1u << slot->channels) - 1)};
         if (dumped.channels == 0) throw InputError(place + ": none of the output's channels was dumped");
