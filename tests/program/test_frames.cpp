@@ -126,7 +126,7 @@ TEST_CASE("frames: run.json and the text say what each reused", "[program][frame
         CHECK(frame["frame"] == f);
         CHECK(kept_in(frame) == (f == 0 ? Words{} : Words{"rsm (key)", "rsm (sun)"}));
         for (const Json& s : frame["stages"]) {
-            CHECK(keys(s) == Words{"name", "needed", "kept", "reason", "rule", "ms", "saved_ms", "parts", "bytes"});
+            CHECK(keys(s) == Words{"name", "needed", "kept", "reason", "rule", "ms", "saved_ms", "parts", "bytes", "reads", "key"});
             if (!s["kept"]) continue;
             CHECK(s["reason"] == "kept: nothing that it reads has changed");
             CHECK(s["saved_ms"].get<double>() > s["ms"].get<double>());
