@@ -78,10 +78,10 @@ class BoundPass final : public BoundStage {
             if (t.triangle == ours.triangle) t.l = ours.l, ours = t;
         append(pixel, ours, false, choices, out);
 
-        // Where the device told which triangle it is, no other has to be looked at.
+        // Where the device says which triangle it is, no other has to be looked at.
         const std::size_t last = Pass::components + pass_.indices(-1).size();
-        const float told = last > Pass::components && last < got.size() ? got[last - 1] : std::nanf("");
-        auto may_be = [&](std::int32_t triangle) { return told != told || told == float(triangle); };
+        const float triangle_seen = last > Pass::components && last < got.size() ? got[last - 1] : std::nanf("");
+        auto may_be = [&](std::int32_t triangle) { return triangle_seen != triangle_seen || triangle_seen == float(triangle); };
         for (const LegalTriangle& t : legal)
             if (t.triangle != ours.triangle && may_be(t.triangle)) append(pixel, t, true, choices, out);
         if (nothing && ours.triangle >= 0 && may_be(-1)) append(pixel, empty_pixel(), true, choices, out);

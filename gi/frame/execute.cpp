@@ -14,7 +14,7 @@ namespace {
 
 // Asks the rules of the plan that only a run can ask: what stages before have made tells what the next may leave out.
 bool left_out(const Plan& plan, const Frame& frame, const PlannedNode& node, StageRun& run) {
-    Seen seen{frame.gbuffer, {}, frame.gbuffer.covered};
+    RunFacts seen{frame.gbuffer, {}, frame.gbuffer.covered};
     if (node.plan.light >= 0) seen.maps = frame.rsms[std::size_t(node.plan.light)];
     const Rule* rule = left_out_by(plan.run_rules, seen, {node.work, "", node.plan.light});
     if (!rule) return false;
@@ -33,7 +33,13 @@ void forget(Context& c, const Plan& plan) {
     Frame& f = c.frame;
     std::erase_if(f.traced, [&](const Traced& t) { return !makes(plan, t.layer); });
     if (!makes(plan, "truth")) f.truth_display = {};
+    const isr::IsrParams& isr = c.settings.isr;
     if (!gathers_isr(c.settings)) f.isr = {};
+    if (isr.bounces < 2) f.isr.reflectance = {};
+    if (isr.guard > 0) f.isr.radiosity = {};  // the wider view's takes its place
+    if (isr.blur == isr::Blur::none) f.isr.blurred_across = f.isr.blurred = {};
+    if (!casts_shadows(c.settings))
+        for (std::vector<raster::Rsm>& maps : f.rsms) maps.clear();
     if (!direct::blurs_maps(c.settings.shadow))
         for (std::size_t l = 0; l < c.lights.size(); ++l) f.maps_blurred_across[l] = f.maps_blurred[l] = {};
     const bool half = halves_indirect(c.settings);
@@ -62,7 +68,7 @@ void execute_in(KeptMemory& memory, const Scene& scene, const Settings& settings
 
     graph::RunWith with{options, progress};
     if (kept) with.kept = &memory.made;
-    if (kept && kept->other_key()) with.other_key = std::cref(kept->other_key());  // it may count
+    if (kept && kept->other_key()) with.other_key = std::cref(kept->other_key());  // not a copy: it may have a state
     with.leaves_out = [&](const graph::Node& node, StageRun& run) {
         return node.listed && left_out(plan, memory.frame, static_cast<const PlannedNode&>(node), run);
     };

@@ -3,15 +3,8 @@
 #include <algorithm>
 
 #include "gi/methods.h"
-#include "gi/rsm/gather.h"
 
 namespace plumb::frame {
-
-bool is_gather(const std::string& stage) {
-    for (const auto& [gather, texels] : rsm::gather_stages)
-        if (stage == rsm::stage_name(gather, texels)) return true;
-    return false;
-}
 
 const Traced* find_traced(const Frame& frame, const std::string& layer) {
     for (const Traced& traced : frame.traced)

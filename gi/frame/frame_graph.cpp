@@ -37,7 +37,7 @@ Image4& Context::term_error(int light) {
 
 raster::Covered Context::tiles_to_shade(const TileWork& of, const raster::Covered& covered, graph::NodeRun& run) const {
     if (!plan) return {};
-    Seen seen{frame.gbuffer, {}, covered};
+    RunFacts seen{frame.gbuffer, {}, covered};
     if (of.light >= 0) seen.maps = frame.rsms[std::size_t(of.light)];
     raster::Covered tiles = covered;
     Work work{of.work, "tile", of.light};
@@ -75,8 +75,32 @@ FrameGraph::FrameGraph(const Scene& scene, const Settings& settings, const Plan&
     add_nodes();
 }
 
+namespace {
+
+// A name as a part of a file's: letters, digits and '-' stay.
+std::string word_of(const std::string& name) {
+    std::string word;
+    for (const char c : name)
+        word += (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ? c : '_';
+    return word;
+}
+
+// The words of the lights, no two alike.
+std::vector<std::string> light_words(const Scene& scene) {
+    std::vector<std::string> words;
+    for (const Light& light : scene.lights) {
+        std::string word = light.name.empty() ? "light" : word_of(light.name);
+        while (std::find(words.begin(), words.end(), word) != words.end()) word += "_";
+        words.push_back(word);
+    }
+    return words;
+}
+
+}  // namespace
+
 void FrameGraph::add_nodes() {
     Context& c = *context_;
+    light_words_ = light_words(c.scene);
     const int lights = casts_shadows(c.settings) ? int(c.lights.size()) : 0, views = int(c.views.size());
     add_gbuffer(c, 0, nodes_);
     add_filters_before(c, nodes_);
@@ -129,29 +153,6 @@ std::vector<const graph::Node*> FrameGraph::planned(const Plan& plan) {
     return nodes;
 }
 
-namespace {
-
-// A name as a part of a file's: letters, digits and '-' stay.
-std::string word_of(const std::string& name) {
-    std::string word;
-    for (const char c : name)
-        word += (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ? c : '_';
-    return word;
-}
-
-// The words of the lights, no two alike.
-std::vector<std::string> light_words(const Scene& scene) {
-    std::vector<std::string> words;
-    for (const Light& light : scene.lights) {
-        std::string word = light.name.empty() ? "light" : word_of(light.name);
-        while (std::find(words.begin(), words.end(), word) != words.end()) word += "_";
-        words.push_back(word);
-    }
-    return words;
-}
-
-}  // namespace
-
 std::vector<StageData> FrameGraph::dispatches(const PlannedNode& node) const {
     std::vector<StageData> all;
     if (node.dispatches) all = node.dispatches();
@@ -167,7 +168,7 @@ std::string FrameGraph::file_name(const PlannedNode& node, const std::string& pa
     const graph::NodePlan& p = node.plan;
     std::string id = p.name;
     if (!p.form.empty()) id += "." + word_of(p.form);
-    if (p.light >= 0) id += "." + light_words(context_->scene)[std::size_t(p.light)];
+    if (p.light >= 0) id += "." + light_words_.at(std::size_t(p.light));
     if (!part.empty()) id += "." + part;
     if (p.view > 0) id += "." + word_of(node.view_name);
     if (!p.layer.empty()) id += "." + p.layer;

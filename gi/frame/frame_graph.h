@@ -40,6 +40,7 @@ struct Context {
     SceneKeys keys = {};            // where keys are asked for
     Isa isa = Isa::scalar;
     bool keeps = false;             // of an execution: what each gather makes is wanted again
+    std::vector<std::string> summed = {};  // labels of gathers that have added to the sum themselves
     double triangles = 0;           // to plan with
     glm::ivec2 size{0};
     std::vector<Light> lights;      // shining()
@@ -147,6 +148,7 @@ class FrameGraph {
     std::unique_ptr<Frame> own_frame_;
     std::unique_ptr<Context> context_;
     std::vector<PlannedNode> nodes_;
+    std::vector<std::string> light_words_;  // of the lights, as parts of files' names
 };
 
 // The settings, or the nearest to them whose frame has that stage, in that form; as they are where none has.

@@ -36,6 +36,8 @@ void World::update(const Scene& scene, const Settings& settings, const SceneKeys
     }
     const bool repainted = changed(surfaces_key, keys, hash_of(k.surfaces, k.emission, geometry.tangents.empty()));
     if (repainted) surfaces = raster::prepare(scene, geometry, keys ? &surfaces : nullptr);
+    // Which materials are drawn the geometry says.
+    if (moved && !repainted) surfaces.brightest = raster::brightest_of(scene, geometry);
     if (moved || repainted || kind != settings.rsm.rays) rays.reset();
     if (changed(paths_key, keys, k.paths) || paths_kind != settings.reference.rays) paths = {};
     kind = settings.rsm.rays, paths_kind = settings.reference.rays;

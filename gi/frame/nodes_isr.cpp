@@ -151,11 +151,11 @@ class Adder {
         const int made = c_.isr_gathers++;
         auto result = [=, &c = c_]() -> Image4& { return c.frame.isr.gathered[std::size_t(made)]; };
         compute(c_, node, params_, inputs, result);
-        node.run = [=, run = node.run, &c = c_](const RunOptions& options, graph::NodeRun& told) {
-            run(options, told);
+        node.run = [=, run = node.run, &c = c_](const RunOptions& options, graph::NodeRun& row) {
+            run(options, row);
             const isr::Excess excess = isr::excess_of(c.frame.isr.surface, result());
             if (excess.share > 0)
-                told.reason += fmt::format("; form factors sum to more than 1, at most {:.4g}, at {:.3g} % of the pixels",
+                row.reason += fmt::format("; form factors sum to more than 1, at most {:.4g}, at {:.3g} % of the pixels",
                                            excess.largest, 100 * excess.share);
         };
         node.in_steps = true;

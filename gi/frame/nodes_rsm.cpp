@@ -137,7 +137,6 @@ void add_gather(Context& c, int l, Nodes& nodes) {
     };
     node.reads = [=, &c, &params](graph::Reads& r) {
         r.value(c.settings.layout.indirect);
-        if (!c.keeps) r.image(sum_of(c));  // it adds to what those before it have made
         if (!traces) return each_dispatch([&](const StageData& data) { r.dispatch(rsm::stage_of(params), data); });
         rsm::GatherParams copy = params;
         r.fields(rsm::fields(copy));
@@ -166,13 +165,14 @@ void add_gather(Context& c, int l, Nodes& nodes) {
     // Where nothing is kept it has gone into the sum.
     node.outputs = [=, &c] {
         Bundle b;
-        if (c.memory ? !c.keeps : c.term(l).empty()) return lent("irradiance", sum_of(c));
+        if (c.memory && !c.keeps) return b;
+        if (!c.memory && c.term(l).empty()) return lent("irradiance", sum_of(c));
         lend(b, "irradiance", c.term(l));
         if (traces) lend(b, "standard_error", c.term_error(l));
         return b;
     };
-    node.run = [=, &c, &params, name = node.plan.name, work = node.tile_work()](const RunOptions& options,
-                                                                             graph::NodeRun& run) {
+    node.run = [=, &c, &params, name = node.plan.name, label = node.plan.label, work = node.tile_work()](
+                   const RunOptions& options, graph::NodeRun& run) {
         raster::Covered tiles;
         if (!traces)
             tiles = c.tiles_to_shade(work, half ? covered_by(c.frame.half_normal) : c.frame.gbuffer.covered, run);
@@ -185,7 +185,10 @@ void add_gather(Context& c, int l, Nodes& nodes) {
         run.bytes = bytes_of(irradiance) + bytes_of(report.standard_error);
         // What was asked takes the place of what the plan could tell.
         if (traces) run.reason = run.reason.substr(0, run.reason.find("; subset of ")) + "; " + rsm::summary(report);
-        if (c.memory && !c.keeps) return add_to_sum(c, irradiance, report.standard_error);
+        if (c.memory && !c.keeps) {
+            c.summed.push_back(label);
+            return add_to_sum(c, irradiance, report.standard_error);
+        }
         c.term(l) = std::move(irradiance), c.term_error(l) = std::move(report.standard_error);
     };
     node.leave_out = [=, &c] {
@@ -215,7 +218,7 @@ void add_sum(Context& c, Nodes& nodes) {
     node.size = [&c] { return gather_size(c.settings, c.size); };
     node.reads = [=, &c](graph::Reads& r) {
         for (int l = 0; l < int(c.lights.size()); ++l) r.image(c.term(l)), r.image(c.term_error(l));
-        if (!c.keeps) r.image(sum_of(c));
+        for (const std::string& gather : c.summed) r.edge(gather);
         if (filtered) r.image(position());
     };
     node.outputs = [=, &c] {

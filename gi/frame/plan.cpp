@@ -42,7 +42,7 @@ void leave_out(PlannedStage& stage, const Rule& rule, bool pruning) {
 }
 
 // Leaves out parts of a node that is needed.
-void leave_out_parts(const PlannedNode& node, const std::vector<Rule>& rules, const Known& known, PlannedStage& stage,
+void leave_out_parts(const PlannedNode& node, const std::vector<Rule>& rules, const PlanFacts& known, PlannedStage& stage,
                      Plan& plan) {
     struct Some {
         const Rule* rule = nullptr;
@@ -67,7 +67,7 @@ void leave_out_parts(const PlannedNode& node, const std::vector<Rule>& rules, co
 
 // The graph of a frame, rewritten by the rules.
 Plan plan_of(const Scene& scene, const Settings& settings, const Geometry& geometry, const std::vector<Rule>& rules) {
-    const Known known = known_of(scene, settings, geometry);
+    const PlanFacts known = known_of(scene, settings, geometry);
     const FrameGraph graph(scene, settings, geometry);
     Plan plan;
     plan.maps.resize(scene.lights.size());

@@ -12,34 +12,34 @@ namespace plumb::frame {
 
 namespace {
 
-const Light& light_of(const Known& known, const Work& work) {
+const Light& light_of(const PlanFacts& known, const Work& work) {
     return known.scene.lights[std::size_t(work.light)];
 }
 
-bool any_lit(const Known& known, const Light& light, const std::vector<Box>& boxes) {
+bool any_lit(const PlanFacts& known, const Light& light, const std::vector<Box>& boxes) {
     return std::any_of(boxes.begin(), boxes.end(),
                        [&](const Box& box) { return may_light(light, grown(box, known.slack)); });
 }
 
 // ---- what the plan knows ----------------------------------------------------------------------------------------------
 
-bool scene_empty(const Known& known, const Work&) { return known.empty; }
+bool scene_empty(const PlanFacts& known, const Work&) { return known.empty; }
 
-bool light_off(const Known& known, const Work& work) { return known.tame && !light_of(known, work).on; }
+bool light_off(const PlanFacts& known, const Work& work) { return known.tame && !light_of(known, work).on; }
 
-bool light_black(const Known& known, const Work& work) {
+bool light_black(const PlanFacts& known, const Work& work) {
     return known.tame && light_of(known, work).intensity == glm::vec3(0);
 }
 
 // Outside of a map the shadow test as it is printed finds no point lit, which a shadow density shows.
-bool light_misses(const Known& known, const Work& work) {
+bool light_misses(const PlanFacts& known, const Work& work) {
     const Settings& s = known.settings;
     if (reads_density(s) && s.shadow.variant == direct::ShadowVariant::published && work.stage != "gather") return false;
     return known.tame && !any_lit(known, light_of(known, work), known.drawn);
 }
 
 // The density of a scene that its lights miss is 1; without a light that shines it is 0.
-bool no_light(const Known& known, const Work& work) {
+bool no_light(const PlanFacts& known, const Work& work) {
     const bool density = work.stage == "direct" && reads_density(known.settings);
     for (int l = 0; l < int(known.shines.size()); ++l) {
         const Work of{work.stage, work.part, l};
@@ -49,57 +49,57 @@ bool no_light(const Known& known, const Work& work) {
 }
 
 // The path tracer reads the scene itself.
-bool paths_instead(const Known& known, const Work&) { return known.settings.method == Method::reference; }
+bool paths_instead(const PlanFacts& known, const Work&) { return known.settings.method == Method::reference; }
 
-bool camera_blind(const Known& known, const Work&) {
+bool camera_blind(const PlanFacts& known, const Work&) {
     return known.tame && std::none_of(known.drawn.begin(), known.drawn.end(),
                                       [&](const Box& box) { return may_see(known.scene, box); });
 }
 
-bool nothing_reflects(const Known& known, const Work&) { return known.tame && known.reflecting.empty(); }
+bool nothing_reflects(const PlanFacts& known, const Work&) { return known.tame && known.reflecting.empty(); }
 
-bool reflectors_missed(const Known& known, const Work& work) {
+bool reflectors_missed(const PlanFacts& known, const Work& work) {
     return known.tame && !any_lit(known, light_of(known, work), known.reflecting);
 }
 
-bool no_albedo(const Known& known, const Work&) { return known.reflecting.empty(); }
+bool no_albedo(const PlanFacts& known, const Work&) { return known.reflecting.empty(); }
 
-bool no_emission(const Known& known, const Work&) { return !known.emits; }
+bool no_emission(const PlanFacts& known, const Work&) { return !known.emits; }
 
 // What sends indirect light in image space: emitters, and what a light shines on. As printed, unlit colours.
-bool no_radiosity(const Known& known, const Work& work) {
+bool no_radiosity(const PlanFacts& known, const Work& work) {
     return known.settings.isr.variant == isr::Variant::corrected && !known.emits && no_light(known, work);
 }
 
-bool isr_unseen(const Known& known, const Work&) { return known.settings.isr.k_isr == 0; }
+bool isr_unseen(const PlanFacts& known, const Work&) { return known.settings.isr.k_isr == 0; }
 
 // Without occlusion of direct light, and without light from everywhere, nobody asks how open a point is.
-bool access_unread(const Known& known, const Work&) {
+bool access_unread(const PlanFacts& known, const Work&) {
     const isr::IsrParams& p = known.settings.isr;
     const bool sky = p.variant == isr::Variant::corrected && p.ambient == isr::Ambient::environment &&
                      known.scene.environment.radiance != glm::vec3(0);
     return p.k_ssao == 0 && !sky;
 }
 
-bool isr_unread(const Known& known, const Work&) {
+bool isr_unread(const PlanFacts& known, const Work&) {
     return left_out_by(rules(), known, {"isr", ""}) && left_out_by(rules(), known, {"isr access", ""});
 }
 
 // Nothing to filter: every light's gather is left out.
-bool no_gather(const Known& known, const Work&) {
+bool no_gather(const PlanFacts& known, const Work&) {
     for (int l = 0; l < int(known.scene.lights.size()); ++l)
         if (!left_out_by(rules(), known, {"gather", "", l})) return false;
     return true;
 }
 
 // plan() asks it of the maps that no gather of its own reads.
-bool light_unread(const Known& known, const Work& work) {
+bool light_unread(const PlanFacts& known, const Work& work) {
     return known.settings.method != Method::rsm || nothing_reflects(known, work) || reflectors_missed(known, work);
 }
 
 // Where nothing is drawn the corrected shadow test finds every point lit, as it does without the face. The test as it is
 // printed does not.
-bool face_blind(const Known& known, const Work& work) {
+bool face_blind(const PlanFacts& known, const Work& work) {
     const Light& light = light_of(known, work);
     if (light.type != LightType::point || known.settings.shadow.variant == direct::ShadowVariant::published) return false;
     const View face = raster::light_views(light, known.low, known.high)[std::size_t(work.index)];
@@ -110,18 +110,18 @@ bool face_blind(const Known& known, const Work& work) {
 
 // ---- what only the run sees -------------------------------------------------------------------------------------------
 
-bool nothing_covered(const Seen& seen, const Work&) {
+bool nothing_covered(const RunFacts& seen, const Work&) {
     const Buffer<std::uint8_t>& any = seen.gbuffer.covered.any;
     return !any.empty() && std::find(any.begin(), any.end(), 1) == any.end();
 }
 
-bool map_dark(const Seen& seen, const Work&) {
+bool map_dark(const RunFacts& seen, const Work&) {
     return std::all_of(seen.maps.begin(), seen.maps.end(),
                        [](const raster::Rsm& map) { return map.size == 0 || map.largest_flux == 0; });
 }
 
 // Without a normal no cosine is above 0; but nothing times an infinite flux is not 0.
-bool tile_empty(const Seen& seen, const Work& work) {
+bool tile_empty(const RunFacts& seen, const Work& work) {
     const bool finite = work.stage != "gather" || std::all_of(seen.maps.begin(), seen.maps.end(), [](const raster::Rsm& map) {
         return map.size == 0 || map.largest_flux <= std::numeric_limits<float>::max();
     });
@@ -195,20 +195,20 @@ const std::vector<Rule>& rules() {
     return all;
 }
 
-const Rule* left_out_by(const std::vector<Rule>& rules, const Known& known, const Work& work) {
+const Rule* left_out_by(const std::vector<Rule>& rules, const PlanFacts& known, const Work& work) {
     for (const Rule& rule : rules)
         if (rule.holds && rule.speaks_of(work) && rule.holds(known, work)) return &rule;
     return nullptr;
 }
 
-const Rule* left_out_by(const std::vector<Rule>& rules, const Seen& seen, const Work& work) {
+const Rule* left_out_by(const std::vector<Rule>& rules, const RunFacts& seen, const Work& work) {
     for (const Rule& rule : rules)
         if (rule.seen && rule.speaks_of(work) && rule.seen(seen, work)) return &rule;
     return nullptr;
 }
 
-Known known_of(const Scene& scene, const Settings& settings, const Geometry& geometry) {
-    Known known{scene, settings, geometry};
+PlanFacts known_of(const Scene& scene, const Settings& settings, const Geometry& geometry) {
+    PlanFacts known{scene, settings, geometry};
     known.empty = !bounds(geometry, known.low, known.high);
     known.tame = fits(known.low) && fits(known.high) && fits(glm::vec3(scene.camera.position));
     for (const Light& light : scene.lights) known.tame = known.tame && fits(light.position);

@@ -24,7 +24,7 @@ struct Box {
 Box grown(const Box& box, double by);
 
 // What a plan knows before anything is rendered.
-struct Known {
+struct PlanFacts {
     const Scene& scene;
     const Settings& settings;
     const Geometry& geometry;
@@ -38,7 +38,7 @@ struct Known {
 };
 
 // What a run knows when it comes to a stage.
-struct Seen {
+struct RunFacts {
     const raster::GBuffer& gbuffer;
     std::span<const raster::Rsm> maps;  // of the stage's light
     const raster::Covered& covered;     // of the pixels that the stage writes
@@ -59,8 +59,8 @@ struct Rule {
     std::string part;                 // as Work has it
     std::string reason;               // "the light is off"
     // One of them: of what the plan knows, or of what only the run sees.
-    bool (*holds)(const Known& known, const Work& work) = nullptr;
-    bool (*seen)(const Seen& seen, const Work& work) = nullptr;
+    bool (*holds)(const PlanFacts& known, const Work& work) = nullptr;
+    bool (*seen)(const RunFacts& seen, const Work& work) = nullptr;
 
     bool speaks_of(const Work& work) const;
 };
@@ -69,15 +69,15 @@ struct Rule {
 const std::vector<Rule>& rules();
 
 // The first rule that holds, or null.
-const Rule* left_out_by(const std::vector<Rule>& rules, const Known& known, const Work& work);
-const Rule* left_out_by(const std::vector<Rule>& rules, const Seen& seen, const Work& work);
+const Rule* left_out_by(const std::vector<Rule>& rules, const PlanFacts& known, const Work& work);
+const Rule* left_out_by(const std::vector<Rule>& rules, const RunFacts& seen, const Work& work);
 
 // As plan() of frame.h, by other rules, and refusing nothing in advance: a test breaks a rule and must see the picture
 // change, and stability sees what each stage refuses by itself.
 Plan plan(const Scene& scene, const Settings& settings, const std::vector<Rule>& rules);
 
 // Everything that rules ask. The scene, the settings and the geometry must outlive it.
-Known known_of(const Scene& scene, const Settings& settings, const Geometry& geometry);
+PlanFacts known_of(const Scene& scene, const Settings& settings, const Geometry& geometry);
 
 // Whether a spot, a point or a directional light may send light to a point of the box, or a map of a spot show it.
 bool may_light(const Light& light, const Box& box);

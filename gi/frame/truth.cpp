@@ -77,7 +77,7 @@ Traced Tracer::trace(const std::string& layer, const raster::GBuffer& gbuffer, c
     if (store_) {
         key = own ? reference::cache_key(traced.params, *view.scene, geometry_, points, seed, options.isa)
                   : reference::cache_key(traced.params, *view.scene, geometry_, seed, options.isa);
-        if (std::optional<reference::Kept> kept = store_->find(key, scene_.frame_size)) {
+        if (std::optional<reference::KeptEstimate> kept = store_->find(key, scene_.frame_size)) {
             traced.estimate = std::move(kept->estimate);
             traced.ms = kept->ms;
             traced.cached = true;

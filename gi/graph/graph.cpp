@@ -16,13 +16,19 @@ namespace plumb::graph {
 
 namespace {
 
-// Whatever is kept, a key of 0 says that there is none.
-Key key_of(const Node& node, bool left_out, Reads& reads) {
+// Which node it is.
+void tell_name(const Node& node, Reads& reads) {
     const NodePlan& p = node.plan;
     reads.text(p.name), reads.text(p.form), reads.text(p.layer);
-    reads.value(left_out, p.light, p.view);
-    const glm::ivec2 size = node.size();
+    reads.value(p.light, p.view);
+    const glm::ivec2 size = node.size ? node.size() : glm::ivec2(0);
     reads.value(size.x, size.y);
+}
+
+// A key of 0 says that there is none.
+Key key_of(const Node& node, bool left_out, Reads& reads) {
+    tell_name(node, reads);
+    reads.value(left_out);
     if (!left_out)
         node.reads(reads);
     else if (node.reads_left_out)
@@ -49,7 +55,7 @@ class Run {
         run.reads = reads.from();
         const auto start = std::chrono::steady_clock::now();
         const Key key = with_.other_key ? with_.other_key(node, run.key) : run.key;
-        if (const Made* made = with_.kept ? holds(node, key) : nullptr)
+        if (const KeptOutput* made = with_.kept ? holds(node, key) : nullptr)
             reuse(node, *made, left_out, run);
         else if (left_out)
             node.leave_out();
@@ -69,7 +75,7 @@ class Run {
     void end() {
         if (!with_.kept) return;
         std::erase_if(*with_.kept, [&](const auto& entry) {
-            const Made& made = entry.second;
+            const KeptOutput& made = entry.second;
             return std::any_of(made.outputs.begin(), made.outputs.end(),
                                [&](const auto& o) { return !written_.is_by(entry.first, o.first, o.second); });
         });
@@ -85,7 +91,7 @@ class Run {
     }
 
     // What was made before, where it lies now, if it was made from the same.
-    const Made* holds(const Node& node, Key key) const {
+    const KeptOutput* holds(const Node& node, Key key) const {
         const auto at = before_.find(id_of(node.plan));
         if (at == before_.end() || at->second.key != key || at->second.outputs != places_of(node)) return nullptr;
         const bool over = std::any_of(at->second.outputs.begin(), at->second.outputs.end(),
@@ -101,7 +107,7 @@ class Run {
         run.isa = last_dispatched_isa();
     }
 
-    static void reuse(const Node& node, const Made& made, bool left_out, NodeRun& run) {
+    static void reuse(const Node& node, const KeptOutput& made, bool left_out, NodeRun& run) {
         if (node.reuse) node.reuse();
         if (left_out) return;
         run.kept = true;
@@ -130,8 +136,10 @@ class Run {
 
     void note(const Node& node, Key key, const NodeRun& run) {
         const std::string id = id_of(node.plan);
-        const Made made{key, run, places_of(node)};
-        for (const auto& [at, size] : made.outputs) written_.write(at, {size, run.key, id, run.label});
+        const KeptOutput made{key, run, places_of(node)};
+        const Bundle outputs = node.outputs();
+        for (const Array& a : outputs.arrays)
+            if (!a.bytes.empty()) written_.write(a.bytes.data(), {a.bytes.size(), run.key, a.name, id, run.label});
         if (with_.kept) (*with_.kept)[id] = made;
     }
 
@@ -195,6 +203,7 @@ void Reads::memory(const void* at, std::size_t size) {
         if (begin + range.size <= first) continue;
         if (begin > known) break;
         h_.add(range.key, std::ptrdiff_t(begin - first));
+        h_.add(range.output);
         from_.insert(range.label);
         known = begin + range.size;
     }
@@ -223,12 +232,12 @@ Node repeat(NodePlan plan, Node start, std::vector<Node> nodes, Until until) {
     Node node;
     node.plan = std::move(plan);
     node.reads = [=](Reads& r) {
-        r.value(until.most, until.enough);
+        r.value(until.most, until.enough, bool(until.residual), all->size());
         for (const Node& n : *all) {
             const Bundle outputs = n.outputs();
             for (const Array& a : outputs.arrays) r.own(a.bytes.data(), a.bytes.size());
         }
-        for (const Node& n : *all) r.text(n.plan.name), n.reads(r);
+        for (const Node& n : *all) tell_name(n, r), n.reads(r);
     };
     node.run = [=](const RunOptions& options, NodeRun& run) {
         all->front().run(options, run);
@@ -247,10 +256,13 @@ Node repeat(NodePlan plan, Node start, std::vector<Node> nodes, Until until) {
     return node;
 }
 
-std::vector<NodeRun> run(const std::vector<const Node*>& nodes, const RunWith& with) {
+namespace {
+
+std::vector<NodeRun> run_all(const std::vector<const Node*>& nodes, const RunWith& with) {
     Run run(with);
     std::vector<NodeRun> runs;
-    const Node* last = nullptr;  // that is listed
+    std::size_t last_ran = 0;               // index into runs, plus 1
+    const Node* last = nullptr;             // that node
     std::map<std::string, std::vector<std::string>> joins;  // what those that are not listed read, by label
     for (const Node* node : nodes) {
         NodeRun made = run.node(*node);
@@ -263,15 +275,27 @@ std::vector<NodeRun> run(const std::vector<const Node*>& nodes, const RunWith& w
                 reads.insert(joined->second.begin(), joined->second.end());
         }
         made.reads.assign(reads.begin(), reads.end());
-        if (!node->listed) joins[made.label] = made.reads;
-        if (node->listed)
-            runs.push_back(std::move(made));
-        else if (last)
-            runs.back().ms += made.ms, run.joined(*last, runs.back().ms);
-        if (node->listed) last = node;
+        if (!node->listed) {
+            joins[made.label] = made.reads;
+            if (last) runs[last_ran - 1].ms += made.ms, run.joined(*last, runs[last_ran - 1].ms);
+            continue;
+        }
+        runs.push_back(std::move(made));
+        if (runs.back().needed) last = node, last_ran = runs.size();
     }
     run.end();
     return runs;
+}
+
+}  // namespace
+
+std::vector<NodeRun> run(const std::vector<const Node*>& nodes, const RunWith& with) {
+    try {
+        return run_all(nodes, with);
+    } catch (...) {
+        if (with.kept) with.kept->clear();
+        throw;
+    }
 }
 
 }  // namespace plumb::graph

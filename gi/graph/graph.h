@@ -2,9 +2,9 @@
 // method: what a node does are functions that it was given.
 //
 // Nodes run in the order in which they were added. What a node reads it tells before it runs: parameters by their values,
-// and memory by its address. Memory that a node before it wrote counts by that node's key, any other by its content. So a
-// key is made of everything that the node reads, and an edge of the graph is an address: neither is written down a second
-// time, and neither can be forgotten. Equal keys are equal bits.
+// and memory by its address. Memory that a node before it wrote counts by that node's key, any other by its content. So what a
+// dispatch binds is in the key, and an edge of the graph is an address: neither is written down a second time. Equal keys are
+// equal bits.
 //
 // A node without a twin (a host node) is the same but for its dispatches. What a node makes is kept in memory from one run to
 // the next (Kept) and, where the node can load it, in a store that outlives the program (store.h): what is found there does
@@ -77,6 +77,7 @@ class Written {
     struct Range {
         std::size_t size = 0;  // bytes
         Key key = 0;
+        std::string output;     // which of the node's
         std::string id, label;  // of the node
     };
     // What lay there is gone.
@@ -121,6 +122,8 @@ class Reads {
     void list(const T& values) {
         memory(values.data(), values.size() * sizeof(values[0]));
     }
+    // Memory that the node finds changed by a node of that label, where the key does not depend on it.
+    void edge(const std::string& label) { from_.insert(label); }
     // All that a dispatch binds: its size, the members of its block, its inputs.
     void dispatch(const StageBinding& binding, const StageData& data);
 
@@ -163,13 +166,13 @@ struct Node {
     std::function<glm::ivec2()> size;  // items of the domain
 };
 
-// What was made in an earlier run.
-struct Made {
+// What a node made in an earlier run.
+struct KeptOutput {
     Key key = 0;
     NodeRun run;
     std::vector<std::pair<const void*, std::size_t>> outputs;  // where it lies
 };
-using Kept = std::map<std::string, Made>;  // by id_of(); empty: nothing to rely on
+using Kept = std::map<std::string, KeptOutput>;  // by id_of(); empty: nothing to rely on
 
 // A name of a node that no other node of the graph has.
 std::string id_of(const NodePlan& plan);
@@ -194,13 +197,12 @@ struct Until {
     double enough = 0;                   // residual at which no further round runs
     std::function<double()> residual = {};  // of the round before; missing: all rounds run. NaN never is enough
 };
-// A node that runs `start` once and then `body` in rounds. What the body reads before it writes it the start has written; of
-// memory that neither writes both may read what earlier nodes made. What they write has its place before the node is asked
-// what it reads. `plan` is the node's; outputs, size and what else a node
-// has are the caller's to add.
+// A node that runs `start` once and then `body` in rounds. `start` writes what the body reads in its first round; both may read
+// what earlier nodes made. Memory that they write is allocated before the node is asked what it reads. `plan` is the node's own;
+// its outputs, its size and what else a node has are the caller's to add.
 Node repeat(NodePlan plan, Node start, std::vector<Node> body, Until until);
 
-// Runs the nodes one after the other. Returns what became of each that is listed.
+// Runs the nodes one after the other. Returns what became of each that is listed. After an exception nothing is kept.
 std::vector<NodeRun> run(const std::vector<const Node*>& nodes, const RunWith& with);
 
 }  // namespace plumb::graph

@@ -18,7 +18,7 @@ std::uint64_t cache_key(const PathParams& params, const Scene& scene, const Geom
 std::uint64_t cache_key(const PathParams& params, const Scene& scene, const Geometry& geometry,
                         const PointInputs& points, std::uint32_t seed, Isa isa);
 
-struct Kept {
+struct KeptEstimate {
     Estimate estimate;
     double ms = 0;  // that tracing it took
 };
@@ -28,8 +28,8 @@ class Store {
   public:
     virtual ~Store() = default;
     // The estimate of that key, of `size` pixels; nothing where there is none to be trusted.
-    virtual std::optional<Kept> find(std::uint64_t key, glm::ivec2 size) = 0;
-    virtual void keep(std::uint64_t key, const Kept& kept) = 0;
+    virtual std::optional<KeptEstimate> find(std::uint64_t key, glm::ivec2 size) = 0;
+    virtual void keep(std::uint64_t key, const KeptEstimate& kept) = 0;
 };
 
 }  // namespace plumb::reference

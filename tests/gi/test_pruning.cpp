@@ -120,8 +120,8 @@ std::set<std::string> fired(const frame::Frame& f) {
     std::vector<frame::Rule> all = frame::rules();
     for (frame::Rule& rule : all) {
         if (rule.name != name) continue;
-        if (rule.holds) rule.holds = [](const frame::Known&, const frame::Work&) { return true; };
-        if (rule.seen) rule.seen = [](const frame::Seen&, const frame::Work&) { return true; };
+        if (rule.holds) rule.holds = [](const frame::PlanFacts&, const frame::Work&) { return true; };
+        if (rule.seen) rule.seen = [](const frame::RunFacts&, const frame::Work&) { return true; };
     }
     return all;
 }

@@ -286,10 +286,10 @@ std::vector<frame::Rule> careless(const std::string& name) {
     std::vector<frame::Rule> all = frame::rules();
     for (frame::Rule& rule : all)
         if (rule.name == name)
-            rule.holds = [](const frame::Known& known, const frame::Work& work) {
+            rule.holds = [](const frame::PlanFacts& known, const frame::Work& work) {
                 frame::Settings plain = known.settings;
                 plain.direct = {}, plain.compose = {};
-                const frame::Known other = frame::known_of(known.scene, plain, known.geometry);
+                const frame::PlanFacts other = frame::known_of(known.scene, plain, known.geometry);
                 for (const frame::Rule& r : frame::rules())
                     if (r.speaks_of(work) && (r.name == "light-misses" || r.name == "no-light") && r.holds(other, work))
                         return true;

@@ -114,7 +114,7 @@ TEST_CASE("frames: run.json and the text say what each reused", "[program][frame
     CHECK_THAT(text.out, Contains("wrote " + folder + "/out/small.0002.png"));
 
     const Json json = Json::parse(read(folder + "/out/run.json"));
-    CHECK(keys(json) == Words{"scene", "settings", "isa", "threads", "frames", "needed_stages", "kept_stages", "read_ms",
+    CHECK(keys(json) == Words{"version", "scene", "settings", "isa", "threads", "frames", "needed_stages", "kept_stages", "read_ms",
                               "render_ms", "write_ms", "total_ms", "saved_ms", "peak_bytes"});
     REQUIRE(json["frames"].size() == 3);
     double render_ms = 0, write_ms = 0;

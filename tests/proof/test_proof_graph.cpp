@@ -128,9 +128,6 @@ TEST_CASE("graph: a group runs until its residual is small, and ends in the clos
     CHECK(runs[2].reads == std::vector<std::string>{"solve"});
 
     // Never enough: it stops after the rounds that it may run, and says so.
-    Solve cut;
-    cut.nodes.clear();
-    Solve few(1);
     graph::NodePlan plan;
     int rounds = 0;
     graph::Node step;
@@ -167,7 +164,6 @@ TEST_CASE("graph: an iteration is kept while what it reads is the same, and runs
     CHECK_FALSE(other[2].kept);
     CHECK(s.sum.texels[0].x == Approx(1 / (1 - 0.25)).epsilon(2e-6));
     // What somebody else writes into memory that no node made is content: it counts.
-    s.x.texels[0].x = 99;
     graph::Node stranger;
     stranger.plan.name = stranger.plan.label = "stranger";
     stranger.size = [] { return glm::ivec2(1); };
@@ -178,12 +174,46 @@ TEST_CASE("graph: an iteration is kept while what it reads is the same, and runs
     stranger.run = [&](const RunOptions&, graph::NodeRun&) { ++ran; };
     for (const float value : {1.0f, 1.0f, 2.0f}) {
         foreign.texels[3].y = value;
-        graph::Kept own;
         static graph::Kept memory;
         with.kept = &memory;
         graph::run({&stranger}, with);
     }
     CHECK(ran == 2);
+}
+
+TEST_CASE("graph: two outputs of one node are two things to read, and after an exception nothing is kept", "[graph]") {
+    Image4 a(4, 4, glm::vec4(1)), b(4, 4, glm::vec4(2)), copy(4, 4);
+    bool second = false, fails = false;
+    graph::Node both, reader, later;
+    both.plan.name = both.plan.label = "both", reader.plan.name = reader.plan.label = "reader";
+    later.plan.name = later.plan.label = "later";
+    both.size = reader.size = later.size = [] { return glm::ivec2(4); };
+    both.reads = later.reads = [](graph::Reads& r) { r.value(1); };
+    both.outputs = [&] {
+        Bundle bundle;
+        lend(bundle, "a", a), lend(bundle, "b", b);
+        return bundle;
+    };
+    both.run = [](const RunOptions&, graph::NodeRun&) {};
+    reader.reads = [&](graph::Reads& r) { r.image(second ? b : a); };
+    reader.outputs = [&] { return lent("copy", copy); };
+    reader.run = [&](const RunOptions&, graph::NodeRun&) { copy.texels = (second ? b : a).texels; };
+    later.outputs = [] { return Bundle(); };
+    later.run = [&](const RunOptions&, graph::NodeRun&) {
+        if (fails) throw InputError("later: no");
+    };
+    graph::Kept kept;
+    graph::RunWith with;
+    with.kept = &kept;
+    graph::run({&both, &reader}, with);
+    second = true;
+    const auto runs = graph::run({&both, &reader}, with);
+    CHECK(runs[0].kept);
+    CHECK_FALSE(runs[1].kept);
+    CHECK(copy.texels[5].x == 2);
+    fails = true;
+    CHECK_THROWS_AS(graph::run({&both, &reader, &later}, with), InputError);
+    CHECK(kept.empty());
 }
 
 TEST_CASE("graph: what a host node made lies in a file, and is believed only as it was written", "[graph]") {

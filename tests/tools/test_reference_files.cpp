@@ -57,8 +57,8 @@ std::string fresh_folder(const char* name) {
     return folder;
 }
 
-reference::Kept kept_of(glm::ivec2 size, float value) {
-    reference::Kept kept;
+reference::KeptEstimate kept_of(glm::ivec2 size, float value) {
+    reference::KeptEstimate kept;
     kept.estimate.mean = Image4(size.x, size.y, glm::vec4(value, 2 * value, 3 * value, 0));
     kept.estimate.error = Image4(size.x, size.y, glm::vec4(0.1f * value));
     kept.estimate.samples = 48;
@@ -200,7 +200,7 @@ TEST_CASE("kept references: are named after their key and the program's bytes", 
 TEST_CASE("kept references: come back to the bit, for their key and size alone", "[tools][cache]") {
     ReferenceFiles files(fresh_folder("kept"));
     CHECK_FALSE(files.find(1, {3, 2}));
-    reference::Kept kept = kept_of({3, 2}, 1);
+    reference::KeptEstimate kept = kept_of({3, 2}, 1);
     kept.estimate.mean(1, 1).x = std::numeric_limits<float>::quiet_NaN();
     files.keep(1, kept);
     CHECK(files.notes().empty());

@@ -26,7 +26,7 @@ std::vector<std::string> with_ambient_off(std::vector<std::string> sets) {
 // Times and errors of all candidates on one view.
 Json measure(const IsrCommon& common, const BatchView& view, const std::vector<IsrBeyond>& candidates) {
     const RunOptions& options = common.options;
-    const reference::Kept truth = common.truths.of(common.scenes, view, common.request.size, options);
+    const reference::KeptEstimate truth = common.truths.of(common.scenes, view, common.request.size, options);
     const Scene& scene = common.scenes.scene(view, common.request.size);
     const IsrModel model = isr_model(truth.estimate.mean, isr_exposure(truth.estimate.mean), options);
     const Image4 direct = isr_frame(scene, isr_settings(scene, "direct", {}), options).radiance;

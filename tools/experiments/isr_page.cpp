@@ -28,7 +28,7 @@ double correlation_gain(const IsrViewResult& v, const IsrK& k) {
 
 IsrPictures pictures_of(const IsrCommon& common, const BatchView& view, const IsrViewResult& result, const IsrK& best) {
     const RunOptions& options = common.options;
-    const reference::Kept truth = common.truths.of(common.scenes, view, common.request.size, options);
+    const reference::KeptEstimate truth = common.truths.of(common.scenes, view, common.request.size, options);
     const Scene& scene = common.scenes.scene(view, common.request.size);
     IsrPictures p;
     p.name = view.name;

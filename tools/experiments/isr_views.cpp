@@ -232,7 +232,7 @@ IsrViewResult isr_measure_view(const IsrCommon& common, const BatchView& view) {
     if (const std::optional<Json> found = common.results.find("view_" + view.name, key.hash)) return view_of(*found);
 
     const RunOptions& options = common.options;
-    const reference::Kept truth = common.truths.of(common.scenes, view, common.request.size, options);
+    const reference::KeptEstimate truth = common.truths.of(common.scenes, view, common.request.size, options);
     const Scene& scene = common.scenes.scene(view, common.request.size);
     IsrViewResult result;
     result.name = view.name, result.group = view.group, result.triangles = common.scenes.triangles();

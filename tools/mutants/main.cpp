@@ -102,18 +102,18 @@ bool enough(const Options& options, const Matrix& matrix) {
     return ok;
 }
 
-// Calls one(court, i) for i = 0 .. n - 1, each court on a thread of its own, and tell(i, result) in order.
+// Calls one(judge, i) for i = 0 .. n - 1, each judge on a thread of its own, and tell(i, result) in order.
 template <class Result>
-void on_all(std::vector<Court>& courts, std::size_t n, const std::function<Result(Court&, std::size_t)>& one,
+void on_all(std::vector<Judge>& judges, std::size_t n, const std::function<Result(Judge&, std::size_t)>& one,
             const std::function<void(std::size_t, const Result&)>& tell) {
     std::vector<std::promise<Result>> promises(n);
     std::atomic<std::size_t> next = 0;
     std::vector<std::jthread> threads;
-    for (Court& court : courts)
+    for (Judge& judge : judges)
         threads.emplace_back([&, n] {
             for (std::size_t i; (i = next++) < n;) {
                 try {
-                    promises[i].set_value(one(court, i));
+                    promises[i].set_value(one(judge, i));
                 } catch (...) {
                     next = n;
                     promises[i].set_exception(std::current_exception());
@@ -124,14 +124,14 @@ void on_all(std::vector<Court>& courts, std::size_t n, const std::function<Resul
 }
 
 // The twins themselves must pass, or nothing that follows means anything.
-bool try_unmutated(const Options& options, std::vector<Court>& courts, const std::vector<Dispatch>& all) {
+bool try_unmutated(const Options& options, std::vector<Judge>& judges, const std::vector<Dispatch>& all) {
     std::vector<std::string> stages;
     for (const Dispatch& d : all)
         if (std::find(stages.begin(), stages.end(), d.data.stage) == stages.end() && wanted(options, d.data.stage))
             stages.push_back(d.data.stage);
     bool ok = true;
     on_all<Trial>(
-        courts, stages.size(), [&](Court& court, std::size_t i) { return court.unmutated(stages[i]); },
+        judges, stages.size(), [&](Judge& judge, std::size_t i) { return judge.unmutated(stages[i]); },
         [&](std::size_t i, const Trial& trial) {
             fmt::print("{:12} unmutated {}: {}\n", parity::verdict_name(trial.verdict), stages[i], described(trial));
             // Ambiguous it may be: a layer behind our own depths is, where a device's differ in their last bits.
@@ -140,7 +140,7 @@ bool try_unmutated(const Options& options, std::vector<Court>& courts, const std
     return ok;
 }
 
-bool try_all(const Options& options, std::vector<Court>& courts, const std::vector<Mutant>& mutants) {
+bool try_all(const Options& options, std::vector<Judge>& judges, const std::vector<Mutant>& mutants) {
     Matrix matrix;
     int misses = 0, alarms = 0;
     const auto tell = [&](std::size_t i, const Trial& trial) {
@@ -153,17 +153,17 @@ bool try_all(const Options& options, std::vector<Court>& courts, const std::vect
         std::fflush(stdout);
     };
     on_all<Trial>(
-        courts, mutants.size(),
-        [&](Court& court, std::size_t i) { return court(mutants[i], mutants[i].kind == Kind::wrong); }, tell);
+        judges, mutants.size(),
+        [&](Judge& judge, std::size_t i) { return judge(mutants[i], mutants[i].kind == Kind::wrong); }, tell);
     matrix.print();
     fmt::print("\n{} misses, {} false alarms\n", misses, alarms);
     return enough(options, matrix) && misses == 0 && alarms == 0;
 }
 
-void measure_sensitivity(std::vector<Court>& courts, const std::vector<Mutant>& mutants) {
+void measure_sensitivity(std::vector<Judge>& judges, const std::vector<Mutant>& mutants) {
     fmt::print("\n| what is multiplied by 1 + e | smallest e that is wrong |\n|---|---|\n");
     on_all<double>(
-        courts, mutants.size(), [&](Court& court, std::size_t i) { return smallest_error(court, mutants[i]); },
+        judges, mutants.size(), [&](Judge& judge, std::size_t i) { return smallest_error(judge, mutants[i]); },
         [&](std::size_t i, const double& e) {
             fmt::print("| {} | {} |\n", mutants[i].name, e > 0 ? fmt::format("{:.1e}", e) : "above 0.1");
             std::fflush(stdout);
@@ -204,14 +204,14 @@ int run(const Options& options) {
     const DeviceProfile& profile = find_profile(options.profile, "--profile");
     const TwinCompiler compiler(options.glslang, options.source);
     const std::vector<Dispatch> all = dispatches(options.source);
-    std::vector<Court> courts;
-    for (const auto& device : devices) courts.emplace_back(*device, compiler, all, profile);
+    std::vector<Judge> judges;
+    for (const auto& device : devices) judges.emplace_back(*device, compiler, all, profile);
 
-    bool ok = try_unmutated(options, courts, all);
+    bool ok = try_unmutated(options, judges, all);
     if (options.sensitivity)
-        measure_sensitivity(courts, mutants);
+        measure_sensitivity(judges, mutants);
     else
-        ok = try_all(options, courts, mutants) && ok;
+        ok = try_all(options, judges, mutants) && ok;
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
     fmt::print("{} on {} in {:.1f} s\n", ok ? "as it should be" : "FAILED", devices.front()->name(), seconds.count());
     return ok ? 0 : 1;

@@ -9,21 +9,21 @@
 
 namespace plumb::mutants {
 
-Court::Court(const vulkan::Device& device, const TwinCompiler& compiler, const std::vector<Dispatch>& dispatches,
+Judge::Judge(const vulkan::Device& device, const TwinCompiler& compiler, const std::vector<Dispatch>& dispatches,
              const DeviceProfile& profile)
     : compiler_(compiler), panels_(device, dispatches, profile) {}
 
-Trial Court::unmutated(const std::string& stage) {
+Trial Judge::unmutated(const std::string& stage) {
     const StageBinding& binding = parity::find_binding(stage, "plumb_mutants");
     return run(binding, compiler_.compile(binding), false);
 }
 
-Trial Court::operator()(const Mutant& mutant, bool until_wrong, double scale) {
+Trial Judge::operator()(const Mutant& mutant, bool until_wrong, double scale) {
     const StageBinding& binding = parity::find_binding(mutant.stage, mutant.place);
     return run(binding, compiler_.compile(binding, mutant, scale), until_wrong);
 }
 
-Trial Court::run(const StageBinding& binding, std::span<const std::uint32_t> spirv, bool until_wrong) {
+Trial Judge::run(const StageBinding& binding, std::span<const std::uint32_t> spirv, bool until_wrong) {
     if (panels_.stage() != binding.info.name) panels_.hold(binding, {runnable(compiler_.compile(binding)), {}});
     panels_.use({runnable(spirv), {}});
     Trial trial;
@@ -43,8 +43,8 @@ Trial Court::run(const StageBinding& binding, std::span<const std::uint32_t> spi
     return trial;
 }
 
-double smallest_error(Court& court, const Mutant& mutant) {
-    const auto is_wrong = [&](double e) { return court(mutant, true, 1 + e).verdict == parity::Verdict::wrong; };
+double smallest_error(Judge& judge, const Mutant& mutant) {
+    const auto is_wrong = [&](double e) { return judge(mutant, true, 1 + e).verdict == parity::Verdict::wrong; };
     double found = 0.1, missed = 1e-8;
     if (!is_wrong(found)) return 0;
     while (found > 1.1 * missed) {

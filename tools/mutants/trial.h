@@ -22,9 +22,9 @@ struct Trial {
 };
 
 // One thread's: all that it is given must outlive it.
-class Court {
+class Judge {
   public:
-    Court(const vulkan::Device& device, const TwinCompiler& compiler, const std::vector<Dispatch>& dispatches,
+    Judge(const vulkan::Device& device, const TwinCompiler& compiler, const std::vector<Dispatch>& dispatches,
           const DeviceProfile& profile);
 
     // The twin as it is.
@@ -40,6 +40,6 @@ class Court {
 };
 
 // The smallest e for which a factor of 1 + e is found to be wrong, to within a tenth; 0 where not even 0.1 is.
-double smallest_error(Court& court, const Mutant& mutant);
+double smallest_error(Judge& judge, const Mutant& mutant);
 
 }  // namespace plumb::mutants

@@ -207,7 +207,7 @@ class Batch {
         ContentHasher key;
         key.add(truth_version, scenes_.content(view(i), size_), std::int32_t(given_.samples));
         if (records_.find(name + ".model", key.hash)) return;
-        const reference::Kept truth = truths_.of(scenes_, view(i), size_, options_);
+        const reference::KeptEstimate truth = truths_.of(scenes_, view(i), size_, options_);
         Outputs outputs(given_.folder);
         write_exr(outputs, name + ".model.exr", truth.estimate.mean);
         outputs.commit();

@@ -94,7 +94,7 @@ class Dump {
         for (const StageInfo& info : frame::all_stages()) infos_[info.name] = info;
     }
 
-    // What is not listed is written where somebody reads it: the sum of gathers.
+    // What nodes without a row of their own made: the sum of gathers, the truth's picture.
     void add_sums() {
         for (const frame::PlannedNode& node : graph_.nodes()) {
             if (node.listed) continue;

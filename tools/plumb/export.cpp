@@ -168,7 +168,7 @@ int run_export(const ExportOptions& given) {
     Outputs outputs(given.folder);
 
     // Render what the stages read, then write one after the other: a big frame's inputs are not held twice.
-    const frame::Frame frame = [&] {
+    frame::Frame frame = [&] {
         const frame::Plan needed = needed_by(plan, scene, settings, given.stage);
         ProgressBar bar(needed);
         return frame::execute(scene, settings, needed, options, bar.callback());
@@ -183,11 +183,14 @@ int run_export(const ExportOptions& given) {
     ExportReadme readme(scene.name, maker.name());
     std::vector<std::vector<std::string>> rows;
     bool any_face = false;
+    frame::FrameGraph graph(scene, settings, frame);
+    graph.fill();
     for (const frame::PlannedStage& planned : stages) {
-        for (const StageData& data : dispatches(scene, settings, plan, frame, planned)) {
-            any_face |= !face_of(data).empty();
-            if (!given.face.empty() && !face_of(data).empty() && face_of(data) != given.face) continue;
-            const StageBinding& binding = parity::find_binding(data.stage, data.label);
+        for (const StageData& lent : graph.dispatches(graph.node(planned))) {
+            any_face |= !face_of(lent).empty();
+            if (!given.face.empty() && !face_of(lent).empty() && face_of(lent) != given.face) continue;
+            const StageBinding& binding = parity::find_binding(lent.stage, lent.label);
+            const StageData data = owned(binding, lent);
             const std::string name = planned.light >= 0 ? scene.lights[std::size_t(planned.light)].name : "";
             manifest.stages.push_back(export_stage(binding, data, name, maker.expected(binding, data), maker(binding, data), files));
             readme.add(binding, data, manifest.stages.back(), given.folder);

@@ -53,7 +53,7 @@ Json frames_json(const FramesReport& report) {
         frames.push_back(std::move(json));
     }
     const Reuse all = reuse_of(report.frames);
-    Json json = {{"scene", report.scene.name},
+    Json json = {{"version", run_version}, {"scene", report.scene.name},
                  {"settings", settings_json(report.settings)},
                  {"isa", isa_name(report.options.isa)},
                  {"threads", thread_count(report.options.threads)},

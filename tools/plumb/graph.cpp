@@ -38,9 +38,8 @@ Json graph_json(const std::vector<GraphNode>& nodes) {
         if (!n.plan.form.empty()) node["form"] = n.plan.form;
         if (!n.plan.layer.empty()) node["layer"] = n.plan.layer;
         if (!n.view.empty()) node["view"] = n.view;
-        node.update({{"needed", n.run.needed}, {"reason", n.run.reason}, {"rule", n.run.rule}, {"ms", n.run.ms},
-                     {"saved_ms", n.run.saved_ms}, {"bytes", n.run.bytes}, {"key", hash_text(n.run.key)},
-                     {"reads", n.run.reads}, {"read_until", n.read_until}});
+        node.update(stage_runs_json({n.run}).at(0));
+        node["read_until"] = n.read_until;
         all.push_back(node);
     }
     return {{"version", version}, {"nodes", all}};

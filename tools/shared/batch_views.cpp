@@ -85,17 +85,17 @@ std::uint64_t light_hash(const Scene& scene) {
     return h.hash;
 }
 
-reference::Kept BatchTruths::of(BatchScenes& scenes, const BatchView& view, glm::ivec2 size,
+reference::KeptEstimate BatchTruths::of(BatchScenes& scenes, const BatchView& view, glm::ivec2 size,
                                 const RunOptions& options) {
     reference::PathParams params;
     params.samples = samples_;
     ContentHasher key;
     key.add(scenes.content(view, size), std::int32_t(params.samples), std::int32_t(params.rounds));
-    if (std::optional<reference::Kept> kept = files_.find(key.hash, size)) return *kept;
+    if (std::optional<reference::KeptEstimate> kept = files_.find(key.hash, size)) return *kept;
     const Scene& scene = scenes.scene(view, size);
     const std::unique_ptr<reference::PathScene> paths = reference::prepare(scene, params.rays);
     const auto start = std::chrono::steady_clock::now();
-    reference::Kept kept;
+    reference::KeptEstimate kept;
     kept.estimate = reference::trace(params, *paths, scene.camera, size, scene.seed, options);
     kept.ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     files_.keep(key.hash, kept);

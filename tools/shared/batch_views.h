@@ -55,7 +55,7 @@ inline constexpr std::uint64_t truth_version = 1;
 class BatchTruths {
   public:
     BatchTruths(const std::string& folder, int samples) : samples_(samples), files_(folder, max_bytes, truth_version) {}
-    reference::Kept of(BatchScenes& scenes, const BatchView& view, glm::ivec2 size, const RunOptions& options);
+    reference::KeptEstimate of(BatchScenes& scenes, const BatchView& view, glm::ivec2 size, const RunOptions& options);
     int traced() const { return traced_; }  // that were not there
     const std::vector<std::string>& notes() const { return files_.notes(); }
 

@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::uint64_t max_header = 1 << 16;  // of a bundle, its names and its checksum
-constexpr const char* key_name = "key";        // of the array that holds it: two words of 32 bits, the low half first
+constexpr const char* key_name = ".key";       // of the array that holds it: two words of 32 bits, the low half first
 
 Array key_array(graph::Key key) {
     Bundle one;
@@ -94,7 +94,8 @@ std::optional<Bundle> FileStore::find(graph::Key key, std::uint64_t most) {
 
 void FileStore::keep(graph::Key key, const Bundle& bundle, const std::string& what) {
     try {
-        if (bytes_of(bundle) > limits_.max_bytes) return;
+        if (bytes_of(bundle) > limits_.max_bytes)
+            throw InputError(fmt::format("{} bytes are more than the limit of {}", bytes_of(bundle), limits_.max_bytes));
         Bundle file = bundle;
         file.arrays.push_back(key_array(own_key(key)));
         io::make_folder(folder_);

@@ -34,7 +34,8 @@ class FileStore : public graph::Store {
     std::optional<Bundle> find(graph::Key key, std::uint64_t most);
     void keep(graph::Key key, const Bundle& bundle, const std::string& what) override;
 
-    // What this store has found or kept is not removed while it lives, whatever the limit: a bake that runs needs it.
+    // What this store has found or kept it does not remove while it lives, whatever the limit: a bake that runs needs it.
+    // Another program that keeps to the limit of the same kind does not know of it.
     void pin() { pins_ = true; }
 
     // What its user has to know: one line each.

@@ -31,7 +31,7 @@ Image4 read_image(const Bundle& bundle, const char* name, glm::ivec2 size) {
     return image4(at(bundle, name));
 }
 
-Bundle bundle_of(const reference::Kept& kept) {
+Bundle bundle_of(const reference::KeptEstimate& kept) {
     const reference::Estimate& e = kept.estimate;
     Bundle bundle;
     add_words(bundle, "counts", {std::uint64_t(e.samples), std::uint64_t(e.rounds), e.rays, e.nonfinite});
@@ -43,10 +43,10 @@ Bundle bundle_of(const reference::Kept& kept) {
 }
 
 // Throws InputError where the bundle is not what bundle_of() makes.
-reference::Kept kept_of(const Bundle& bundle, glm::ivec2 size) {
+reference::KeptEstimate kept_of(const Bundle& bundle, glm::ivec2 size) {
     const std::vector<std::uint64_t> counts = read_words(bundle, "counts", 4);
     const std::span<const double> numbers = elements<double>(bundle, "numbers", {2});
-    reference::Kept kept;
+    reference::KeptEstimate kept;
     kept.estimate = {read_image(bundle, "mean", size), read_image(bundle, "error", size), int(counts[0]),
                      int(counts[1]), counts[2], std::size_t(counts[3]), numbers[0]};
     kept.ms = numbers[1];
@@ -58,7 +58,7 @@ reference::Kept kept_of(const Bundle& bundle, glm::ivec2 size) {
 ReferenceFiles::ReferenceFiles(std::string folder, std::uint64_t max_bytes, std::uint64_t program)
     : files_(std::move(folder), "reference", {max_bytes, program, "traced"}), max_bytes_(max_bytes) {}
 
-std::optional<reference::Kept> ReferenceFiles::find(std::uint64_t key, glm::ivec2 size) {
+std::optional<reference::KeptEstimate> ReferenceFiles::find(std::uint64_t key, glm::ivec2 size) {
     const std::optional<Bundle> found = files_.find(key, picture_bytes(size));
     if (!found) return std::nullopt;
     try {
@@ -69,7 +69,7 @@ std::optional<reference::Kept> ReferenceFiles::find(std::uint64_t key, glm::ivec
     }
 }
 
-void ReferenceFiles::keep(std::uint64_t key, const reference::Kept& kept) {
+void ReferenceFiles::keep(std::uint64_t key, const reference::KeptEstimate& kept) {
     if (picture_bytes({kept.estimate.mean.width, kept.estimate.mean.height}) > max_bytes_) return;
     files_.keep(key, bundle_of(kept), "the reference");
 }

@@ -17,8 +17,8 @@ class ReferenceFiles : public reference::Store {
     explicit ReferenceFiles(std::string folder, std::uint64_t max_bytes = std::uint64_t(4) << 30,
                             std::uint64_t program = 0);
 
-    std::optional<reference::Kept> find(std::uint64_t key, glm::ivec2 size) override;
-    void keep(std::uint64_t key, const reference::Kept& kept) override;
+    std::optional<reference::KeptEstimate> find(std::uint64_t key, glm::ivec2 size) override;
+    void keep(std::uint64_t key, const reference::KeptEstimate& kept) override;
 
     // What its user has to know: one line each.
     const std::vector<std::string>& notes() const { return files_.notes(); }

@@ -123,7 +123,8 @@ Json run_json(const RunReport& run) {
     Json kernels = Json::object();
     for (const frame::StageRun& s : run.stages)
         if (s.needed) kernels[s.label] = isa_name(s.isa);
-    Json json = {{"scene", run.scene.name},
+    Json json = {{"version", run_version},
+                 {"scene", run.scene.name},
                  {"settings", settings_json(run.settings)},
                  {"isa", isa_name(run.options.isa)},
                  {"kernels", kernels},

@@ -27,6 +27,9 @@ void add_times(const RunTimes& times, Json& json);
 // "in 120 ms: 5.0 reading, 98.0 rendering, 17.0 writing"
 std::string times_text(const RunTimes& times);
 
+// Of run.json: another meaning of a key is another version.
+inline constexpr int run_version = 1;
+
 // Everything that a run was made with and what it took.
 struct RunReport {
     const Scene& scene;
