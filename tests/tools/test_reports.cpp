@@ -85,7 +85,7 @@ TEST_CASE("reports: run.json has the contract's keys and the kernels that ran", 
     CHECK(text.find("1024 x 1024 pixels in 7.0 ms: 1.0 reading, 2.5 rendering, 3.0 writing; by sse on 3 threads") !=
           std::string::npos);
     CHECK(keys(json["stages"][0]) ==
-          Words{"name", "needed", "kept", "reason", "rule", "ms", "saved_ms", "parts", "bytes"});
+          Words{"name", "needed", "kept", "reason", "rule", "ms", "saved_ms", "parts", "bytes", "reads"});
     CHECK(json["stages"][0]["parts"].dump() ==
           R"([{"rule":"no-emission","reason":"no emission: nothing emits","saved_ms":0.5}])");
     CHECK(json["stages"][1]["rule"] == "light-off");

@@ -16,7 +16,7 @@ namespace {
 
 using page::escaped;
 
-constexpr int box_width = 190, box_height = 40, column_step = 240, row_step = 54, margin = 20;  // px
+constexpr int box_width = 256, box_height = 40, column_step = 300, row_step = 54, margin = 20;  // px
 constexpr int most_texels = 384;  // a side of a picture on the page
 
 std::string id_of(std::size_t node) { return fmt::format("stage-{}", node); }
