@@ -214,9 +214,10 @@ void compute(Context& c, PlannedNode& node, const Params& params, InputsOf input
     node.outputs = [=, &binding] { return lent(binding.outputs[0].name, result()); };
     node.run = [=, &c](const RunOptions& options, graph::NodeRun& run) {
         Inputs in = inputs();
+        [[maybe_unused]] Context& context = c;
         raster::Covered tiles;
         if constexpr (requires { in.tiles; }) {
-            tiles = c.tiles_to_shade(work, covered ? covered() : c.frame.gbuffer.covered, run);
+            tiles = context.tiles_to_shade(work, covered ? covered() : context.frame.gbuffer.covered, run);
             in.tiles = or_all(tiles);
         }
         Image4& made = result();
