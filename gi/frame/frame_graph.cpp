@@ -226,26 +226,30 @@ PlannedNode begin_node(Context& c, const StageBinding& binding, const std::strin
     return begin_node(c, binding.info.name, work, why, turns, binding.cost, light);
 }
 
+namespace {
+
+// "rsm.disc (key)" as "rsm.disc (key, word)".
+void add_to_label(std::string& label, const std::string& word) {
+    if (label.ends_with(')'))
+        label.insert(label.size() - 1, ", " + word);
+    else
+        label += " (" + word + ")";
+}
+
+}  // namespace
+
 void set_view(Context& c, PlannedNode& node, int view) {
     if (view == 0) return;
     graph::NodePlan& p = node.plan;
     node.view_name = c.views[std::size_t(view)].name;
     p.view = view;
-    if (p.label.ends_with(')'))
-        p.label.insert(p.label.size() - 1, ", " + node.view_name);
-    else
-        p.label += " (" + node.view_name + ")";
+    add_to_label(p.label, node.view_name);
     if (p.reason.empty()) p.reason = "indirect light reads it";
 }
 
 void set_form(PlannedNode& node, const std::string& form) {
-    graph::NodePlan& p = node.plan;
-    p.form = form;
-    if (form.empty()) return;
-    if (p.label.ends_with(')'))
-        p.label.insert(p.label.size() - 1, ", " + form);
-    else
-        p.label += " (" + form + ")";
+    node.plan.form = form;
+    if (!form.empty()) add_to_label(node.plan.label, form);
 }
 
 std::vector<TapValue> with_stored(std::vector<TapValue> values, const char* name, Format format,

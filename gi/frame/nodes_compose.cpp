@@ -11,6 +11,13 @@ namespace {
 // Milliseconds for a million paths (nodes_raster.cpp).
 constexpr double ms_paths = 1000;
 
+// What either composition reads.
+template <class Inputs>
+Inputs composed(Context& c) {
+    const raster::GBuffer& g = c.frame.gbuffer;
+    return {&g.normal, &g.albedo, &g.emission, &c.frame.direct, &c.frame.indirect, c.scene.environment.radiance};
+}
+
 Traced* find_layer(Context& c, const std::string& layer) {
     for (Traced& traced : c.frame.traced)
         if (traced.layer == layer) return &traced;
@@ -49,24 +56,12 @@ void add_compose(Context& c, Nodes& nodes) {
     if (gathers_isr(c.settings)) {
         PlannedNode node = begin(stage<isr::ComposeKernel>());
         node.results = {{"result", "", "radiance"}};
-        compute(c, node, c.settings.isr,
-                [&c] {
-                    const raster::GBuffer& g = c.frame.gbuffer;
-                    return isr::ComposeInputs{&g.normal, &g.albedo, &g.emission, &c.frame.direct, &c.frame.indirect,
-                                              c.scene.environment.radiance};
-                },
-                result);
+        compute(c, node, c.settings.isr, [&c] { return composed<isr::ComposeInputs>(c); }, result);
         node.in_steps = true;
         return nodes.push_back(std::move(node));
     }
     PlannedNode node = begin(stage<compose::ComposeKernel>());
-    compute(c, node, c.settings.compose,
-            [&c] {
-                const raster::GBuffer& g = c.frame.gbuffer;
-                return compose::ComposeInputs{&g.normal, &g.albedo, &g.emission, &c.frame.direct, &c.frame.indirect,
-                                              c.scene.environment.radiance};
-            },
-            result);
+    compute(c, node, c.settings.compose, [&c] { return composed<compose::ComposeInputs>(c); }, result);
     nodes.push_back(std::move(node));
 }
 

@@ -211,6 +211,27 @@ TEST_CASE("frames: any sequence of changes gives the bits of a fresh frame", "[f
     }
 }
 
+TEST_CASE("frames: kept or not, a stage tells the same that it reads, and nothing of what was left out", "[frame][frames]") {
+    Scene scene = moving::scene();
+    scene.lights[2].on = false;
+    for (const frame::Method method : {frame::Method::rsm, frame::Method::isr}) {
+        frame::Settings settings = settings_for(rsm::Gather::disc);
+        settings.method = method;
+        const frame::Plan plan = frame::plan(scene, settings);
+        frame::KeptStages kept;
+        const frame::Frame plain = frame::execute(scene, settings, plan, {});
+        const frame::Frame& keyed = frame::execute(scene, settings, plan, {}, kept);
+        for (std::size_t i = 0; i < plan.stages.size(); ++i) {
+            CAPTURE(plan.stages[i].label);
+            CHECK(plain.stages[i].reads == keyed.stages[i].reads);
+            CHECK(plain.stages[i].key == 0);
+            CHECK(keyed.stages[i].key != 0);
+            if (plan.stages[i].label == "compose")
+                CHECK(plain.stages[i].reads == Labels{"direct", "gbuffer", "rsm.disc (key)", "rsm.disc (sun)"});
+        }
+    }
+}
+
 TEST_CASE("frames: filters, visibility and gathers in turns keep what they may, and no more", "[frame][frames]") {
     const Scene scene = moving::scene();
     frame::KeptStages kept;
