@@ -16,7 +16,7 @@ constexpr std::size_t max_depth = 64, max_values = std::size_t(1) << 24;
 constexpr double max_whole = 9007199254740992.0;  // 2^53: every integer up to it is a double
 
 // Counts what a parser would build, before one does.
-void require_small(const std::string& path, std::string_view text) {
+void require_few(const std::string& shown_path, std::string_view text) {
     std::size_t depth = 0, values = 0;
     for (std::size_t i = 0; i < text.size(); ++i) {
         const char c = text[i];
@@ -31,10 +31,10 @@ void require_small(const std::string& path, std::string_view text) {
             ++values;
         }
         if (depth > max_depth)
-            throw InputError(shown(path), fmt::format("byte {}", i),
+            throw InputError(shown_path, fmt::format("byte {}", i),
                              fmt::format("values nested deeper than {}", max_depth));
         if (values > max_values)
-            throw InputError(shown(path), fmt::format("byte {}", i), fmt::format("more than {} values", max_values));
+            throw InputError(shown_path, fmt::format("byte {}", i), fmt::format("more than {} values", max_values));
     }
 }
 
@@ -84,13 +84,17 @@ std::string shown_value(const GltfJson& json) {
 
 }  // namespace
 
-GltfJson parse_gltf_json(const std::string& path, std::string_view text) {
-    require_small(path, text);
+void require_small_json(const std::string& shown_path, std::string_view text) {
+    require_few(shown_path, text);
     // A pass of its own: a parser with a callback takes a time quadratic in the length of a list.
     DuplicateKeys duplicates;
     GltfJson::sax_parse(text.begin(), text.end(), &duplicates);
     if (!duplicates.found.empty())
-        throw InputError(shown(path), "", fmt::format("an object holds \"{}\" twice", printable(duplicates.found)));
+        throw InputError(shown_path, "", fmt::format("an object holds \"{}\" twice", printable(duplicates.found)));
+}
+
+GltfJson parse_gltf_json(const std::string& path, std::string_view text) {
+    require_small_json(shown(path), text);
     try {
         return GltfJson::parse(text.begin(), text.end());
     } catch (const GltfJson::parse_error& e) {

@@ -12,8 +12,11 @@ namespace plumb::io {
 
 using GltfJson = nlohmann::json;
 
-// Parses `text`. Throws InputError with the byte of what is wrong: also for values nested deeper than 64 (before a
-// parser sees them), more than 2^24 values, and a key that an object holds twice.
+// Throws InputError with the byte where values are nested deeper than 64 or there are more than 2^24: before a parser sees
+// them; and for a key that an object holds twice. What else is wrong it leaves to the parser.
+void require_small_json(const std::string& shown_path, std::string_view text);
+
+// Parses `text`. Throws InputError with the byte of what is wrong: also as require_small_json().
 GltfJson parse_gltf_json(const std::string& path, std::string_view text);
 
 // A value, or the absence of one, and where it stands. Each function that returns something throws InputError where the

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -28,7 +29,10 @@ RandomFile::RandomFile(const std::string& path) : path_(path) {
     throw InputError(shown(path), "", "cannot be read: " + cause);
 }
 
-RandomFile::~RandomFile() { ::close(fd_); }
+RandomFile::~RandomFile() {
+    if (mapped_) ::munmap(mapped_, std::size_t(size_));
+    ::close(fd_);
+}
 
 void RandomFile::read(std::int64_t offset, std::size_t bytes, void* to) const {
     char* next = static_cast<char*>(to);
@@ -42,6 +46,16 @@ void RandomFile::read(std::int64_t offset, std::size_t bytes, void* to) const {
             throw InputError(shown(path_), fmt::format("byte {}", offset), "the file was cut while it was read");
         next += n, offset += n, bytes -= std::size_t(n);
     }
+}
+
+const unsigned char* RandomFile::map() {
+    if (!mapped_ && size_ > 0) {
+        void* mapped = ::mmap(nullptr, std::size_t(size_), PROT_READ, MAP_SHARED, fd_, 0);
+        if (mapped == MAP_FAILED)
+            throw InputError(shown(path_), "", std::string("cannot be mapped into memory: ") + std::strerror(errno));
+        mapped_ = mapped;
+    }
+    return static_cast<const unsigned char*>(mapped_);
 }
 
 }  // namespace plumb::io

@@ -28,6 +28,7 @@ class Folder {
 
     std::string operator/(const std::string& name) const { return (path_ / name).string(); }
     std::string put(const std::string& name, const std::string& content) const {
+        std::filesystem::remove(*this / name);  // a file system may wait for the disk where one is cut and written anew
         std::ofstream(*this / name, std::ios::binary) << content;
         return *this / name;
     }

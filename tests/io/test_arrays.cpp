@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "bundle_bytes.h"
 #include "files.h"
 #include "io/bundle_file.h"
 #include "io/npy.h"
@@ -137,35 +138,32 @@ TEST_CASE("bundle: a cut, an added and a changed byte are seen, whichever it is"
 
 TEST_CASE("bundle: headers that lie under a right checksum are named with the cause", "[io][robustness]") {
     const Folder folder;
-    const auto refuse = [&](std::string header, const std::string& payload = "") {
-        header.resize((16 + header.size() + 63) / 64 * 64 - 16, ' ');
-        std::string file = "PLUMBNDL" + std::string("\1\0\0\0", 4);
-        for (int i = 0; i < 4; ++i) file += char(header.size() >> 8 * i & 255);
-        file += header + payload;
-        const std::uint64_t checksum = content_hash(file);
-        for (int i = 0; i < 8; ++i) file += char(checksum >> 8 * i & 255);
-        const std::string path = folder.put("a.bundle", file);
+    const auto refuse = [&](const std::string& header, const std::string& payload) {
+        const std::string path = folder.put("a.bundle", bundle_bytes(header, payload));
         return error_of([&] { read_bundle(path); });
     };
     const std::string pad(64, 'x');
     const auto entry = [](const std::string& name, const std::string& type, const std::string& shape, int offset) {
-        return fmt::format(R"({{"name":"{}","type":"{}","shape":{},"offset":{}}})", name, type, shape, offset);
+        return fmt::format(R"({{"name":"{}","type":"{}","shape":{},"offset":{},"checksum":"{}"}})", name, type, shape,
+                           offset, hash_text(content_hash(std::string(64, 'x'))));
     };
     const auto list = [](const std::string& entries) { return "{\"arrays\":[" + entries + "]}"; };
     CHECK(refuse(list(entry("a", "f32", "[16]", 0)), pad) == "");  // the helper makes files that are read
     const std::vector<std::pair<std::string, std::string>> cases = {
         {"not json", "header: expected a list of arrays"},
-        {std::string(100000, '['), "header: expected a list of arrays"},
+        {std::string(100000, '['), "header: byte 64: values nested deeper than 64"},
+        {R"({"arrays":[],"arrays":[]})", "header: an object holds \"arrays\" twice"},
         {"[]", "header: expected a list of arrays"},
-        {list("1"), "header: expected an array's name, type, shape and offset"},
+        {list("1"), "header: expected an array's name, type, shape, offset and checksum"},
         {list(entry("a", "f31", "[16]", 0)), "header: type \"f31\" is unknown"},
-        {list(entry("a", "f32", "[-16]", 0)), "header: an extent is not a whole number"},
-        {list(entry("a", "f32", "[1.5]", 0)), "header: an extent is not a whole number"},
-        {list(entry("a", "f32", "[99999999999]", 0)), "header: array \"a\" of 399999999996 bytes goes beyond the end"},
+        {list(entry("a", "f32", "[-16]", 0)), "header: an extent of array \"a\" is not a whole number"},
+        {list(entry("a", "f32", "[1.5]", 0)), "header: an extent of array \"a\" is not a whole number"},
+        {list(entry("a", "f32", "[99999999999]", 0)), "array \"a\": 399999999996 bytes go beyond the end"},
         {list(entry("a", "f32", "[4294967296,4294967296]", 0)), "header: array \"a\": shape"},
         {list(entry("a", "f32", "[16]", 64)), "header: array \"a\" does not begin where the one before it ends"},
-        {list(entry("a", "f32", "[16]", 0) + "," + entry("a", "f32", "[0]", 64)), "two arrays have one name"},
-        {list(""), "end: bytes follow the last array"},
+        {list(entry("a", "f32", "[16]", 0) + "," + entry("a", "f32", "[0]", 64)), "two arrays have the name \"a\""},
+        {list(entry("a", "f32", "[15]", 0)), "array \"a\": the checksum is wrong"},
+        {list(""), "end: 64 bytes follow the last array"},
     };
     for (const auto& [header, message] : cases) {
         CAPTURE(header.substr(0, 80));

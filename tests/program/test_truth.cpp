@@ -360,7 +360,7 @@ TEST_CASE("cache: a file that is broken is never believed, and renewed", "[progr
         {"a byte of the magic", flipped(0)},
         {"a byte of the header", flipped(40)},
         {"a byte of the picture", flipped(good.size() / 2)},
-        {"a byte of the checksum", flipped(good.size() - 1)},
+        {"the last byte", flipped(good.size() - 1)},
         {"no bundle", std::string(good.size(), 'x')},
         {"another key", other},
     };
