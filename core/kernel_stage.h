@@ -149,6 +149,7 @@ class KernelStage final : public BoundStage {
         const FollowScope scope(tape);
         out.clear();
         append<Followed>(pixel, out);
+        drop_integers(out);
     }
 
     void in_double(glm::ivec2 pixel, std::vector<double>& out) const override { append<double>(pixel, out); }
@@ -239,6 +240,16 @@ class KernelStage final : public BoundStage {
         NoTap tap;
         each_component(Kernel::template item<F>(view_, pixel.x, pixel.y, tap),
                        [&](const auto& component) { values.push_back(F(component)); });
+    }
+
+    // Of all components of all outputs, those of outputs that hold floats.
+    template <class F>
+    void drop_integers(std::vector<F>& values) const {
+        std::size_t kept = 0, at = 0;
+        for (const Slot& slot : binding_.outputs)
+            for (int c = 0; c < slot.channels; ++c, ++at)
+                if (slot.dtype == DType::f32) values[kept++] = values[at];
+        values.resize(kept);
     }
 
     // Of an item that is written: whether every device writes it.

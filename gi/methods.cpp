@@ -5,6 +5,8 @@
 #include "gi/direct/log_blur.h"
 #include "gi/filter/filter.h"
 #include "gi/isr/isr.h"
+#include "gi/probes/density.h"
+#include "gi/probes/supports.h"
 #include "gi/reference/reference.h"
 #include "gi/rsm/all_rays.h"
 #include "gi/rsm/gather.h"
@@ -16,7 +18,7 @@ namespace plumb {
 
 namespace {
 
-ListedStage listed(const StageBinding& binding) { return {binding.info, &binding}; }
+ListedStage listed(const StageBinding& binding, bool of_frame = true) { return {binding.info, &binding, of_frame}; }
 ListedStage unbound(const StageInfo& info, bool of_frame = true) { return {info, nullptr, of_frame}; }
 
 }  // namespace
@@ -50,6 +52,8 @@ const std::vector<ListedStage>& stages() {
         listed(stage<compose::ComposeKernel>()),
         unbound(reference::info()),
         listed(stage<compose::TonemapKernel>()),
+        listed(stage<probes::DensityKernel>(), false),
+        listed(stage<probes::SupportsKernel>(), false),
         unbound(raster::info_hemicube(), false),
         unbound(raster::info_texture_space(), false),
     };

@@ -1,0 +1,16 @@
+#include "core/kernel_stage.h"
+#include "gi/probes/density.h"
+#include "gi/probes/supports.h"
+#include "twins/gi.probes.density.comp.h"
+#include "twins/gi.probes.supports.comp.h"
+
+namespace plumb {
+
+using namespace probes;
+
+template <>
+const StageBinding& stage<DensityKernel>() { return made<DensityKernel, twins::gi_probes_density_comp>(); }
+template <>
+const StageBinding& stage<SupportsKernel>() { return made<SupportsKernel, twins::gi_probes_supports_comp>(); }
+
+}  // namespace plumb
