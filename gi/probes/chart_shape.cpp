@@ -66,12 +66,8 @@ void measure(const SurfaceMesh& mesh, ChartShape& shape) {
         const PlaneTriangle p = shape.triangle(mesh, t);
         for (const glm::dvec2& corner : p) shape.low = glm::min(shape.low, corner), shape.high = glm::max(shape.high, corner);
         shape.area += mesh.area[t];
-        // Corners weighted by the sides opposite to them meet in the centre of the inner circle.
-        const double a = length(p[2] - p[1]), b = length(p[0] - p[2]), c = length(p[1] - p[0]);
-        const double radius = std::fabs(twice_area(p)) / (a + b + c);
-        if (radius > shape.inner_radius)
-            shape.inner_radius = radius, shape.inner_centre = (p[0] * a + p[1] * b + p[2] * c) / (a + b + c);
     }
+    find_inner_circle(mesh, shape);
 }
 
 // Whether a texel's centre lies inside the triangle, given in texels, by texel_margin: row by row of centres, the
@@ -97,6 +93,15 @@ bool holds_centre(const PlaneTriangle& t) {
 PlaneTriangle in_texels(PlaneTriangle t, double scale, const glm::dvec2& shift) {
     for (glm::dvec2& p : t) p = p * scale + shift;
     return t;
+}
+
+// Whether the centre of a texel lies inside, drawn with that scale and shift.
+bool covers_centre(const SurfaceMesh& mesh, const ChartShape& shape, double scale, const glm::dvec2& shift) {
+    // Wherever it lies, a circle of that size holds one.
+    if (shape.inner_radius * scale > 0.75) return true;
+    return std::any_of(shape.triangles.begin(), shape.triangles.end(), [&](std::uint32_t t) {
+        return holds_centre(in_texels(shape.triangle(mesh, t), scale, shift));
+    });
 }
 
 constexpr double too_many = 1 << 20;  // texels a side: no atlas has room for them
@@ -136,14 +141,6 @@ ChartShape planar_shape(const SurfaceMesh& mesh, const glm::dvec3& normal, std::
     return shape;
 }
 
-bool covers_centre(const SurfaceMesh& mesh, const ChartShape& shape, double scale, const glm::dvec2& shift) {
-    // Wherever it lies, a circle of that size holds the centre of a texel.
-    if (shape.inner_radius * scale > 0.75) return true;
-    return std::any_of(shape.triangles.begin(), shape.triangles.end(), [&](std::uint32_t t) {
-        return holds_centre(in_texels(shape.triangle(mesh, t), scale, shift));
-    });
-}
-
 TexelRectangle texel_rectangle(const SurfaceMesh& mesh, const ChartShape* shapes, std::size_t count, double scale) {
     glm::dvec2 low = shapes[0].low, high = shapes[0].high;
     for (std::size_t i = 1; i < count; ++i) low = glm::min(low, shapes[i].low), high = glm::max(high, shapes[i].high);
@@ -160,7 +157,7 @@ TexelRectangle texel_rectangle(const SurfaceMesh& mesh, const ChartShape* shapes
     // Puts the inner circle's centre onto that of a texel, with as few texels before and behind it as hold the figure.
     const glm::dvec2 centre = shapes[0].inner_centre;
     r.has_centre = shapes[0].inner_radius * scale >= texel_margin;
-    for (int c = 0; c < 2 && r.has_centre; ++c) {
+    for (int c = 0; c < 2; ++c) {
         const double before = (centre[c] - low[c]) * scale, behind = (high[c] - centre[c]) * scale;
         const int texels_before = std::max(0, int(std::ceil(before - 0.5 - texel_slack)));
         r.size[c] = texels_before + 1 + std::max(0, int(std::ceil(behind - 0.5 - texel_slack)));

@@ -17,7 +17,7 @@ struct ChartShape {
     std::vector<std::uint32_t> triangles;          // of its mesh
     glm::dvec2 low{0}, high{0};                    // bounds, m
     double area = 0;                               // m2 of the surface
-    double inner_radius = 0;                       // m: the largest circle that one of its triangles holds
+    double inner_radius = 0;                       // m: of a circle that it holds, about the largest
     glm::dvec2 inner_centre{0};
 
     glm::dvec2 at(const Vertex& v) const {
@@ -43,16 +43,17 @@ ChartShape planar_shape(const SurfaceMesh& mesh, const glm::dvec3& normal, std::
 struct TexelRectangle {
     glm::ivec2 size{1};
     glm::dvec2 shift{0};
-    bool has_centre = true;  // a texel's centre lies inside one of the triangles, by texel_margin at least
+    bool has_centre = true;  // each shape holds the centre of a texel, by texel_margin at least
 };
 inline constexpr double texel_margin = 1.0 / 128;  // the rasterizer's coordinates are whole 256ths of a texel
 inline constexpr double texel_slack = 1.0 / 1024;  // what a chart may reach beyond its rectangle, in texels
 
-// The figure lies in the middle of its rectangle. Where no centre of a texel is then inside a triangle, the centre of the
-// largest inner circle is put onto one; where that circle is smaller than texel_margin, has_centre is false.
+// The figure lies in the middle of its rectangle. Where no triangle then holds the centre of a texel by texel_margin, the
+// centre of the inner circle is put onto one; where that circle is smaller than the margin, has_centre is false.
 TexelRectangle texel_rectangle(const SurfaceMesh& mesh, const ChartShape* shapes, std::size_t count, double scale);
 
-// Whether a texel's centre lies inside a triangle of the shape, drawn with that scale and shift.
-bool covers_centre(const SurfaceMesh& mesh, const ChartShape& shape, double scale, const glm::dvec2& shift);
+// Finds inner_radius and inner_centre: of a circle inside one triangle, or, where that is small beside the figure, of one
+// inside its cells on a grid of 32 x 32.
+void find_inner_circle(const SurfaceMesh& mesh, ChartShape& shape);
 
 }  // namespace plumb::probes
