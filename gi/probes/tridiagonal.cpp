@@ -12,7 +12,7 @@ namespace plumb::probes {
 namespace {
 
 constexpr double epsilon = 0x1p-53;
-constexpr double rounding = 0x1p-46;  // of a trace: what is less was lost in the sums of G
+constexpr double rounding = 0x1p-50;  // of a trace: eight times what the sums of G leave of nothing
 
 double trace_of(Triangle g, int rows) {
     double sum = 0;

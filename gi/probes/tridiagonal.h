@@ -22,7 +22,7 @@ struct Tridiagonal {
 };
 
 // Reduces G (lower triangle, blocks of the diagonal whole, padded with zeros; size x stride) in place by Householder's
-// reflections. Stops where `rest` is at most 2^-46 of the trace, the size of rounding, and where enough(T), asked after
+// reflections. Stops where `rest` is at most 2^-50 of the trace, the size of rounding, and where enough(T), asked after
 // 64, 96, 128, 192 ... rows, says so.
 Tridiagonal tridiagonalise(Triangle g, int size, Isa isa, const std::function<bool(const Tridiagonal&)>& enough = {});
 
