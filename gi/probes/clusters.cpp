@@ -17,7 +17,7 @@ namespace plumb::probes {
 namespace {
 
 constexpr float largest_alpha = 1e36f;  // the root of 4095 squares of it is still a float
-constexpr int most_halvings = 192;  // 64 an axis: more than a double tells apart
+constexpr int most_halvings = 192;      // 64 an axis: more than a double tells apart
 
 // ---- What comes in --------------------------------------------------------------------------------------------------
 
@@ -117,9 +117,8 @@ void split_at_median(const TransportRows& rows, const Cell& cell, Cell (&half)[2
     const auto [low, high] = box_of(rows, cell.receivers);
     const int axis = longest_axis(high - low);
     std::vector<std::int32_t> order = cell.receivers;
-    std::stable_sort(order.begin(), order.end(), [&](std::int32_t a, std::int32_t b) {
-        return rows.position[a][axis] < rows.position[b][axis];
-    });
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::int32_t a, std::int32_t b) { return rows.position[a][axis] < rows.position[b][axis]; });
     const auto middle = order.begin() + std::ptrdiff_t(order.size() / 2);
     for (int side = 0; side < 2; ++side) {
         auto& receivers = half[side].receivers;
@@ -144,15 +143,13 @@ BlockMatrix matrix_of(const TransportRows& rows, const std::vector<std::int32_t>
     BlockMatrix a;
     a.blocks = int(probes.size());
     a.width = rows.coefficients;
-    std::vector<std::pair<int, int>> entries;  // block, slot
     for (std::int32_t r : receivers) {
-        entries.clear();
-        for (int s = 0; s < rows.overlaps; ++s)
-            if (const std::int32_t p = rows.support[std::size_t(r) * rows.overlaps + s]; p >= 0)
-                entries.emplace_back(std::lower_bound(probes.begin(), probes.end(), p) - probes.begin(), s);
-        std::sort(entries.begin(), entries.end());
-        for (auto [block, slot] : entries)
-            a.add_entry(block, rows.alpha + (std::size_t(r) * rows.overlaps + slot) * rows.coefficients);
+        for (int s = 0; s < rows.overlaps; ++s) {
+            const std::size_t slot = std::size_t(r) * rows.overlaps + s;
+            if (rows.support[slot] < 0) continue;
+            const auto column = std::lower_bound(probes.begin(), probes.end(), rows.support[slot]);
+            a.add_entry(int(column - probes.begin()), rows.alpha + slot * rows.coefficients);
+        }
         a.end_row();
     }
     return a;
@@ -184,8 +181,7 @@ void decompose(const TransportRows& rows, const ClusterParams& params, Isa isa, 
     c.cell_low = cell.low, c.cell_high = cell.high;
     for (int i = 0; i < count; ++i)
         for (int k = 0; k < svd.rank; ++k)
-            u[std::size_t(cell.receivers[i]) * params.singular_values + k] =
-                float(svd.u[std::size_t(k) * count + i]);
+            u[std::size_t(cell.receivers[i]) * params.singular_values + k] = float(svd.u[std::size_t(k) * count + i]);
     cell.cluster = std::move(c);
 }
 
@@ -233,9 +229,9 @@ ClusterReport report_on(const std::vector<Cell>& cells, const Clusters& clusters
 
 Clusters make_clusters(const TransportRows& rows, const ClusterParams& params, const RunOptions& options,
                        ClusterReport* report) {
+    const auto start = std::chrono::steady_clock::now();
     validate(params);
     validate(rows);
-    const auto start = std::chrono::steady_clock::now();
     Clusters out;
     out.singular_values = params.singular_values;
     out.cluster_of.assign(std::size_t(rows.receivers), -1);
@@ -245,8 +241,10 @@ Clusters make_clusters(const TransportRows& rows, const ClusterParams& params, c
     for (int i = 0; i < rows.receivers; ++i)
         if (has_probe(rows, i)) cells[0].receivers.push_back(i);
     const int all = int(cells[0].receivers.size());
-    if (all > 0) std::tie(cells[0].low, cells[0].high) = box_of(rows, cells[0].receivers);
-    else cells.clear();
+    if (all > 0)
+        std::tie(cells[0].low, cells[0].high) = box_of(rows, cells[0].receivers);
+    else
+        cells.clear();
 
     // Generation by generation: within one, cells are independent.
     std::atomic<int> accepted{0};

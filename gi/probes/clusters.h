@@ -16,11 +16,11 @@
 namespace plumb::probes {
 
 struct ClusterParams {
-    int singular_values = 32;     // kept at most; 4..64
-    double threshold = 0.005;     // accepted below: 1 - sqrt(sum_32 s / sum s), as printed (IPR 3.2.4.2)
-    int most_receivers = 1024;    // a cluster has fewer than this; 2..4096
-    int always_accepted = 32;     // receivers or fewer; 1 or more
-    bool by_size_only = false;    // figure 3.18: no threshold-based splitting
+    int singular_values = 32;   // kept at most; 4..64
+    double threshold = 0.005;   // accepted below: 1 - sqrt(sum_32 s / sum s), as printed (IPR 3.2.4.2)
+    int most_receivers = 1024;  // a cluster has fewer than this; 2..4096
+    int always_accepted = 32;   // receivers or fewer; 1 or more
+    bool by_size_only = false;  // figure 3.18: no threshold-based splitting
 };
 
 // What is clustered: the un-truncated transport, row by row sparse.
@@ -32,16 +32,16 @@ struct TransportRows {
 };
 
 struct Cluster {
-    std::vector<std::int32_t> receivers;  // ascending
-    std::vector<std::int32_t> probes;     // ascending; columns of A are probes x coefficients in this order
-    int rank = 0;                         // singular values kept
-    std::vector<float> sigma_vt;          // [rank][probes * coefficients]
-    std::vector<double> singular_values;  // those kept, descending
-    std::vector<double> spectrum;         // all of them, descending: min(receivers, columns)
-    double sum_of_all = 0;                // of the spectrum
-    double error_published = 0;           // 1 - sqrt(sum of kept / sum of all), as printed
-    double error_frobenius = 0;           // sqrt(sum_{>k} s^2 / sum s^2)
-    glm::vec3 low{0}, high{0};            // box of the cluster's receivers, m
+    std::vector<std::int32_t> receivers;   // ascending
+    std::vector<std::int32_t> probes;      // ascending; columns of A are probes x coefficients in this order
+    int rank = 0;                          // singular values kept
+    std::vector<float> sigma_vt;           // [rank][probes * coefficients]
+    std::vector<double> singular_values;   // those kept, descending
+    std::vector<double> spectrum;          // all of them, descending: min(receivers, columns)
+    double sum_of_all = 0;                 // of the spectrum
+    double error_published = 0;            // 1 - sqrt(sum of kept / sum of all), as printed
+    double error_frobenius = 0;            // sqrt(sum_{>k} s^2 / sum s^2)
+    glm::vec3 low{0}, high{0};             // box of the cluster's receivers, m
     glm::dvec3 cell_low{0}, cell_high{0};  // the tree's box they were found in, m
 };
 
@@ -49,18 +49,18 @@ struct Clusters {
     std::vector<Cluster> clusters;         // depth first, low side first
     std::vector<std::int32_t> cluster_of;  // [receivers]; -1 without probe
     int singular_values = 0;
-    Buffer<float> u;                       // [receivers][singular_values], 0 beyond the cluster's rank
+    Buffer<float> u;  // [receivers][singular_values], 0 beyond the cluster's rank
 };
 
 // What was done. Counts are the same on every machine, seconds are those of all threads together.
 struct ClusterReport {
-    int decompositions = 0;      // begun
-    int rejected = 0;            // of these
-    int rejected_early = 0;      // of the rejected: by a bound, before all singular values were known
-    int without_probe = 0;       // receivers
-    int coincident = 0;          // clusters above the threshold whose receivers lie in one point
-    int split_at_median = 0;     // cells whose spatial middle never came between two receivers
-    std::vector<int> of_rank;    // [singular_values + 1]: clusters of each rank
+    int decompositions = 0;    // begun
+    int rejected = 0;          // of these
+    int rejected_early = 0;    // of the rejected: by a bound, before all singular values were known
+    int without_probe = 0;     // receivers
+    int coincident = 0;        // clusters above the threshold whose receivers lie in one point
+    int split_at_median = 0;   // cells whose spatial middle never came between two receivers
+    std::vector<int> of_rank;  // [singular_values + 1]: clusters of each rank
     SvdSeconds seconds;
     double wall_seconds = 0;
 };

@@ -41,16 +41,6 @@ struct Columns {
     }
 };
 
-// The power of two that brings the largest magnitude into [1/2, 1), and 1 for a zero matrix.
-double scale_of(const BlockMatrix& a) {
-    float largest = 0;
-    for (const float* v : a.values)
-        for (int c = 0; c < a.width; ++c) largest = std::max(largest, std::fabs(v[c]));
-    int exponent = 0;
-    if (largest > 0) std::frexp(largest, &exponent);
-    return std::ldexp(1.0, -exponent);
-}
-
 std::vector<std::int32_t> rows_of(const std::vector<Columns::Entry>& entries) {
     std::vector<std::int32_t> rows;
     for (const Columns::Entry& e : entries) rows.push_back(e.row);
@@ -58,11 +48,11 @@ std::vector<std::int32_t> rows_of(const std::vector<Columns::Entry>& entries) {
 }
 
 // Columns first .. first + count of one block: [count][padded(entries)].
-Buffer<double> transposed(const std::vector<Columns::Entry>& entries, int first, int count, double scale) {
+Buffer<double> transposed(const std::vector<Columns::Entry>& entries, int first, int count) {
     const int stride = padded(int(entries.size()));
     Buffer<double> b(std::size_t(count) * stride);
     for (std::size_t i = 0; i < entries.size(); ++i)
-        for (int c = 0; c < count; ++c) b[std::size_t(c) * stride + i] = scale * entries[i].values[first + c];
+        for (int c = 0; c < count; ++c) b[std::size_t(c) * stride + i] = entries[i].values[first + c];
     return b;
 }
 
@@ -82,19 +72,19 @@ struct Gram {
 };
 
 template <Isa isa>
-void add_rows_gram(const BlockMatrix& a, const Columns& columns, double scale, Gram& g) {
+void add_rows_gram(const BlockMatrix& a, const Columns& columns, Gram& g) {
     for (const auto& entries : columns.blocks) {
         const std::vector<std::int32_t> place = rows_of(entries);
         for (int c = 0; c < a.width; c += band) {
             const int count = std::min(band, a.width - c);
-            const Buffer<double> b = transposed(entries, c, count, scale);
+            const Buffer<double> b = transposed(entries, c, count);
             MatrixLoops<isa>::add_gram(b.data(), count, int(place.size()), place.data(), g.triangle());
         }
     }
 }
 
 template <Isa isa>
-void add_columns_gram(const BlockMatrix& a, double scale, Gram& g) {
+void add_columns_gram(const BlockMatrix& a, Gram& g) {
     for (int first = 0; first < a.rows; first += band) {
         // Only the blocks that these rows have.
         const int last = std::min(a.rows, first + band);
@@ -111,16 +101,18 @@ void add_columns_gram(const BlockMatrix& a, double scale, Gram& g) {
         for (int i = first; i < last; ++i)
             for (int e = a.first[i]; e < a.first[i + 1]; ++e)
                 for (int c = 0; c < a.width; ++c)
-                    piece[std::size_t(i - first) * stride + start[a.block[e]] + c] = scale * a.values[e][c];
+                    piece[std::size_t(i - first) * stride + start[a.block[e]] + c] = a.values[e][c];
         MatrixLoops<isa>::add_gram(piece.data(), last - first, int(place.size()), place.data(), g.triangle());
     }
 }
 
-Gram gram_of(const BlockMatrix& a, const Columns& columns, double scale, Isa isa) {
+Gram gram_of(const BlockMatrix& a, const Columns& columns, Isa isa) {
     Gram g(a);
     dispatch(isa, [&](auto set) {
-        if (g.of_rows) add_rows_gram<decltype(set)::value>(a, columns, scale, g);
-        else add_columns_gram<decltype(set)::value>(a, scale, g);
+        if (g.of_rows)
+            add_rows_gram<decltype(set)::value>(a, columns, g);
+        else
+            add_columns_gram<decltype(set)::value>(a, g);
     });
     // Sums fill the lower triangle; the diagonal's blocks have to be whole.
     for (int i = 0; i < g.size; ++i)
@@ -151,14 +143,14 @@ Vectors turned(const Buffer<double>& z, int count, int size) {
 
 // A V, of V as eigenvectors() gives it.
 template <Isa isa>
-Vectors times_right(const BlockMatrix& a, const Columns& columns, double scale, const Buffer<double>& v, int count) {
+Vectors times_right(const BlockMatrix& a, const Columns& columns, const Buffer<double>& v, int count) {
     const int k = padded(count);
     Buffer<double> product(std::size_t(a.rows) * k);
     for (int p = 0; p < a.blocks; ++p) {
         const std::vector<std::int32_t> place = rows_of(columns.blocks[p]);
         for (int c = 0; c < a.width; c += band) {
             const int n = std::min(band, a.width - c);
-            const Buffer<double> x = transposed(columns.blocks[p], c, n, scale);
+            const Buffer<double> x = transposed(columns.blocks[p], c, n);
             const double* y = v.data() + (std::size_t(p) * a.width + c) * k;
             MatrixLoops<isa>::add_product(x.data(), int(place.size()), y, k, n, place.data(), product.data(), k);
         }
@@ -168,7 +160,7 @@ Vectors times_right(const BlockMatrix& a, const Columns& columns, double scale, 
 
 // U^T A.
 template <Isa isa>
-Vectors times_left(const BlockMatrix& a, const Columns& columns, double scale, const Vectors& u) {
+Vectors times_left(const BlockMatrix& a, const Columns& columns, const Vectors& u) {
     const int k = padded(u.count), width = padded(a.width);
     Vectors w(u.count, a.columns());
     for (int p = 0; p < a.blocks; ++p) {
@@ -176,9 +168,10 @@ Vectors times_left(const BlockMatrix& a, const Columns& columns, double scale, c
         Buffer<double> x(entries.size() * k), y(entries.size() * width), c(std::size_t(u.count) * width);
         for (std::size_t e = 0; e < entries.size(); ++e) {
             for (int j = 0; j < u.count; ++j) x[e * k + j] = u[j][entries[e].row];
-            for (int i = 0; i < a.width; ++i) y[e * width + i] = scale * entries[e].values[i];
+            for (int i = 0; i < a.width; ++i) y[e * width + i] = entries[e].values[i];
         }
-        MatrixLoops<isa>::add_product(x.data(), u.count, y.data(), width, int(entries.size()), nullptr, c.data(), width);
+        MatrixLoops<isa>::add_product(x.data(), u.count, y.data(), width, int(entries.size()), nullptr, c.data(),
+                                      width);
         for (int j = 0; j < u.count; ++j)
             std::copy_n(c.data() + std::size_t(j) * width, a.width, w[j] + std::size_t(p) * a.width);
     }
@@ -204,8 +197,8 @@ void orthonormalise(Vectors& v, double least) {
     v.values.resize(std::size_t(kept) * v.width);
 }
 
-// Turns pairs of the rows of W = U^T A, and of U with them, until they are orthogonal (one-sided Jacobi): what the squares
-// of the Gram matrix lost among the kept is found again.
+// Turns pairs of the rows of W = U^T A, and of U with them, until they are orthogonal (one-sided Jacobi): what the
+// squares of the Gram matrix lost among the kept is found again.
 template <Isa isa>
 void make_orthogonal(Vectors& w, Vectors& u) {
     using Loops = MatrixLoops<isa>;
@@ -242,11 +235,11 @@ std::vector<double> roots(std::vector<double> values) {
     return values;
 }
 
-// What the squares of the Gram matrix can do to the published error, generously.
-constexpr double slack = 0x1p-17;
+// More than what the squares of the Gram matrix can do to the published error (README.md).
+constexpr double slack = 0x1p-16;
 
-// Whether the published error is above most_error whatever the rest holds. Of T's singular values s, A's are no smaller,
-// and the sum of A's first `kept` is larger by sqrt(kept rest) at most.
+// Whether the published error is above most_error whatever the rest holds. Of T's singular values s, A's are no
+// smaller, and the sum of A's first `kept` is larger by sqrt(kept rest) at most.
 bool surely_rejected(const Tridiagonal& t, int kept, double most_error) {
     const std::vector<double> s = roots(eigenvalues(t));
     if (int(s.size()) <= kept) return false;
@@ -256,8 +249,8 @@ bool surely_rejected(const Tridiagonal& t, int kept, double most_error) {
 
 // Puts out what is kept, largest first, each with its sign. `spectrum` is the Gram matrix' view of all singular values.
 // `wanted` vectors were looked for.
-void keep(const Vectors& w, const Vectors& u, int wanted, std::vector<double> spectrum, double scale,
-          const BlockMatrix& a, Svd& out) {
+void keep(const Vectors& w, const Vectors& u, int wanted, std::vector<double> spectrum, const BlockMatrix& a,
+          Svd& out) {
     std::vector<double> length(std::size_t(w.count));
     for (int j = 0; j < w.count; ++j) {
         double squares = 0;
@@ -271,35 +264,35 @@ void keep(const Vectors& w, const Vectors& u, int wanted, std::vector<double> sp
     out.singular_values.clear();
     for (int j : order) {
         if (!(length[j] > 0x1p-40 * length[order[0]])) break;
-        out.singular_values.push_back(length[j] / scale);
+        out.singular_values.push_back(length[j]);
         const double* vector = u[j];
         int largest = 0;
         for (int i = 1; i < a.rows; ++i)
             if (std::fabs(vector[i]) > std::fabs(vector[largest])) largest = i;
         const double sign = vector[largest] < 0 ? -1 : 1;
         for (int i = 0; i < a.rows; ++i) out.u.push_back(sign * vector[i]);
-        for (int i = 0; i < w.size; ++i) out.sigma_vt.push_back(sign * w[j][i] / scale);
+        for (int i = 0; i < w.size; ++i) out.sigma_vt.push_back(sign * w[j][i]);
     }
     out.rank = int(out.singular_values.size());
     // What was left out is no larger than what was kept, and nothing where all was kept.
     const double most = out.rank == wanted ? out.singular_values.back() : 0;
     spectrum.resize(std::size_t(std::min(a.rows, a.columns())));
     for (std::size_t i = std::size_t(out.rank); i < spectrum.size(); ++i)
-        out.singular_values.push_back(std::min(spectrum[i] / scale, most));
+        out.singular_values.push_back(std::min(spectrum[i], most));
 }
 
 template <Isa isa>
-void find_vectors(const BlockMatrix& a, const Columns& columns, double scale, int kept, const Tridiagonal& t,
+void find_vectors(const BlockMatrix& a, const Columns& columns, int kept, const Tridiagonal& t,
                   const std::vector<double>& values, Gram& g, Svd& out, SvdSeconds* seconds, Watch& watch) {
     const int count = std::min(kept, int(values.size()));
     const Buffer<double> z = eigenvectors(t, values, count, g.triangle(), isa);
-    Vectors u = g.of_rows ? turned(z, count, a.rows) : times_right<isa>(a, columns, scale, z, count);
+    Vectors u = g.of_rows ? turned(z, count, a.rows) : times_right<isa>(a, columns, z, count);
     if (!g.of_rows) orthonormalise<isa>(u, 0x1p-40 * std::sqrt(values[0]));
     watch.add_to(seconds ? &seconds->vectors : nullptr);
 
-    Vectors w = times_left<isa>(a, columns, scale, u);
+    Vectors w = times_left<isa>(a, columns, u);
     make_orthogonal<isa>(w, u);
-    keep(w, u, count, roots(values), scale, a, out);
+    keep(w, u, count, roots(values), a, out);
     watch.add_to(seconds ? &seconds->products : nullptr);
 }
 
@@ -326,11 +319,10 @@ Verdict truncated_svd(const BlockMatrix& a, int kept, double most_error, Isa isa
     out = {};
     Watch watch;
     const Columns columns(a);
-    const double scale = scale_of(a);
     for (const float* v : a.values)
         for (int c = 0; c < a.width; ++c) out.sum_of_squares += double(v[c]) * v[c];
 
-    Gram g = gram_of(a, columns, scale, isa);
+    Gram g = gram_of(a, columns, isa);
     watch.add_to(seconds ? &seconds->gram : nullptr);
 
     bool early = false;
@@ -345,7 +337,7 @@ Verdict truncated_svd(const BlockMatrix& a, int kept, double most_error, Isa isa
 
     if (!values.empty() && values[0] > 0)
         dispatch(isa, [&](auto set) {
-            find_vectors<decltype(set)::value>(a, columns, scale, kept, t, values, g, out, seconds, watch);
+            find_vectors<decltype(set)::value>(a, columns, kept, t, values, g, out, seconds, watch);
         });
     else
         out.singular_values.assign(std::size_t(g.size), 0.0);

@@ -1,9 +1,9 @@
 // Singular values and leading singular vectors of a transport matrix, in double, with the same bits everywhere.
 //
-// The matrix' rows are sparse in blocks of columns: a receiver is supported by few of a cluster's probes. Eigenvalues of
-// the Gram matrix of the smaller side give all singular values, its eigenvectors the leading ones (IPR 3.2.4.2). Squares
-// lose what is small: a singular value below 2^-23 of the largest is known to that absolute error only. README.md bounds
-// what this does to the error below.
+// The matrix' rows are sparse in blocks of columns: a receiver is supported by few of a cluster's probes. Eigenvalues
+// of the Gram matrix of the smaller side give all singular values, its eigenvectors the leading ones (IPR 3.2.4.2).
+// Squares lose what is small: a singular value below 2^-23 of the largest is known to that absolute error only.
+// README.md bounds what this does to the error below.
 #pragma once
 
 #include <cstdint>
@@ -15,8 +15,8 @@
 
 namespace plumb::probes {
 
-// rows x (blocks * width). Row i has the entries first[i] .. first[i + 1] - 1; block[] ascends within a row, and
-// values[] points at `width` finite floats. A matrix without holes is one block.
+// rows x (blocks * width). Row i has the entries first[i] .. first[i + 1] - 1, each of another block; values[] points
+// at `width` finite floats, no larger than 1e36. A matrix without holes is one block.
 struct BlockMatrix {
     int rows = 0, blocks = 0, width = 0;
     std::vector<std::int32_t> first = {0}, block;

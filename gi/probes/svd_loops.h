@@ -23,8 +23,8 @@ struct Triangle {
 
 template <Isa isa>
 struct MatrixLoops {
-    // g[place[i]][place[j]] += sum of k b[k][i] b[k][j], for j <= i < columns; place ascends. b: rows x padded(columns),
-    // 0 beyond columns.
+    // g[place[i]][place[j]] += sum of k b[k][i] b[k][j], for j <= i < columns; place ascends. b: rows x
+    // padded(columns), 0 beyond columns.
     static void add_gram(const double* b, int rows, int columns, const std::int32_t* place, Triangle g);
 
     // c[place[i]][j] += sum of k x[k][i] y[k][j]. x: rows x padded(m), y: rows x padded n; place null: c[i].
@@ -40,7 +40,7 @@ struct MatrixLoops {
 
     // n is padded, and so are the arrays.
     static double dot(const double* a, const double* b, int n);
-    static void add_scaled(double* a, double factor, const double* b, int n);  // a += factor b
+    static void add_scaled(double* a, double factor, const double* b, int n);     // a += factor b
     static void rotate(double* a, double* b, double cosine, double sine, int n);  // (a, b) = (c a - s b, s a + c b)
 };
 

@@ -1,8 +1,7 @@
-#include "gi/probes/svd_loops.h"
-
 #include <cstddef>
 
 #include "core/number.h"
+#include "gi/probes/svd_loops.h"
 
 namespace plumb::probes {
 
@@ -61,7 +60,7 @@ constexpr int tile_rows = 4;
 
 // tile[i] = sum of k x[k][i] y[k][0..7], ascending.
 PLUMB_INLINE void multiply_tile(const double* x, int x_stride, const double* y, int y_stride, int rows,
-                          Lanes (&tile)[tile_rows]) {
+                                Lanes (&tile)[tile_rows]) {
     Lanes a{}, b{}, c{}, d{};
     for (int k = 0; k < rows; ++k, x += x_stride, y += y_stride) {
         const Lanes right = load(y);
@@ -81,7 +80,7 @@ PLUMB_INLINE void scatter(Lanes tile, const std::int32_t* place, int count, doub
 
 // Four rows, below the diagonal's blocks: takes the update, multiplies by v from both sides.
 PLUMB_INLINE void update_four(double* g, int stride, int columns, int row, const double* u, const double* w,
-                        const double* v, double* y) {
+                              const double* v, double* y) {
     const double u0 = u[row], u1 = u[row + 1], u2 = u[row + 2], u3 = u[row + 3];
     const double w0 = w[row], w1 = w[row + 1], w2 = w[row + 2], w3 = w[row + 3];
     const double v0 = v[row], v1 = v[row + 1], v2 = v[row + 2], v3 = v[row + 3];

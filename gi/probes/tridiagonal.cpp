@@ -75,8 +75,10 @@ void reduce(Triangle g, Tridiagonal& t, const std::function<bool(const Tridiagon
         std::fill(w.begin() + i, w.end(), 0.0);
         std::swap(u, v);
     }
-    if (t.first == 0) t.rest = 0;
-    else t.off[t.first - 1] = 0;
+    if (t.first == 0)
+        t.rest = 0;
+    else
+        t.off[t.first - 1] = 0;
 }
 
 // One sweep of QL without square roots over rows first..last; squares[i] is the square of off[i].
@@ -171,8 +173,7 @@ Buffer<double> inverse_iteration(const Tridiagonal& t, const std::vector<double>
     for (int j = 0; j < count; ++j) {
         double* x = vectors.data() + std::size_t(j) * width;
         const Factors factors(t, values[j], scale);
-        for (int i = 0; i < n; ++i)
-            x[i] = double(pixel_hash<std::int32_t>(i, j, 0, 1).x & 0xffff) - 32767.5;
+        for (int i = 0; i < n; ++i) x[i] = double(pixel_hash<std::int32_t>(i, j, 0, 1).x & 0xffff) - 32767.5;
         for (int round = 0; round < 6; ++round) {
             factors.solve(x);
             double largest = 0;
@@ -197,8 +198,7 @@ Buffer<double> transformed_back(const Tridiagonal& t, const Buffer<double>& vect
     const int n = t.size - t.first, width = padded(n), columns = padded(count);
     Buffer<double> z(std::size_t(t.size) * columns);
     for (int j = 0; j < count; ++j)
-        for (int i = 0; i < n; ++i)
-            z[std::size_t(t.first + i) * columns + j] = vectors[std::size_t(j) * width + i];
+        for (int i = 0; i < n; ++i) z[std::size_t(t.first + i) * columns + j] = vectors[std::size_t(j) * width + i];
     for (int i = std::max(t.first, 1); i < t.size; ++i)
         if (t.beta[i] != 0)
             MatrixLoops<isa>::reflect(g.values + std::ptrdiff_t(i) * g.stride, i, t.beta[i], z.data(), columns);

@@ -30,8 +30,8 @@ Tridiagonal tridiagonalise(Triangle g, int size, Isa isa, const std::function<bo
 // Absolute error: a few units in the last place of the largest.
 std::vector<double> eigenvalues(const Tridiagonal& t);
 
-// Orthonormal eigenvectors of G for the first `count` of T's eigenvalues, by inverse iteration, each orthogonal to those
-// before: [size][padded(count)], contiguous, columns beyond count 0. g as tridiagonalise() left it.
+// Orthonormal eigenvectors of G for the first `count` of T's eigenvalues, by inverse iteration, each orthogonal to
+// those before: [size][padded(count)], contiguous, columns beyond count 0. g as tridiagonalise() left it.
 Buffer<double> eigenvectors(const Tridiagonal& t, const std::vector<double>& values, int count, Triangle g, Isa isa);
 
 }  // namespace plumb::probes

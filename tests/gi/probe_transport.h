@@ -29,8 +29,9 @@ struct Transport {
 };
 
 // Receivers of a floor (two thirds of them) and a wall, 6 m x 4 m and 4 m x 3 m, and probes in the air above. Each is
-// supported by its nearest probes, weighted by 2 t^3 - 3 t^2 + 1 of the distance; alpha is the weight times the spherical
-// harmonics in the direction of the receiver's mirror image, times a cosine: smooth. Noise is added to each coefficient.
+// supported by its nearest probes, weighted by 2 t^3 - 3 t^2 + 1 of the distance; alpha is the weight times the
+// spherical harmonics in the direction of the receiver's mirror image, times a cosine: smooth. Noise is added to each
+// coefficient.
 inline Transport smooth_transport(int receivers, int probes, int coefficients, double noise = 0, int overlaps = 10) {
     const int degree = int(std::lround(std::sqrt(coefficients))) - 1;
     Transport t{receivers, overlaps, coefficients, {}, {}, {}};

@@ -1,8 +1,8 @@
 // Clusters of receivers: the tree's properties, Eigen's decompositions as the truth, extremes, bits.
-#include <Eigen/SVD>
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <Eigen/SVD>
 #include <numeric>
 
 #include "core/content_hasher.h"
@@ -223,7 +223,8 @@ TEST_CASE("clusters: a lower threshold splits further", "[probes][IPR figure 3.1
 }
 
 TEST_CASE("clusters: a grid is halved at its middles, low side first", "[probes][IPR figure 3.18][analytic]") {
-    // 64 x 32 places 1 m apart: 63 m x 31 m. Fewer than 600: x is halved, x again (31.5 > 31), that is 4 of 16 x 32 = 512.
+    // 64 x 32 places 1 m apart: 63 m x 31 m. Fewer than 600: x is halved, x again (31.5 > 31), that is 4 of 16 x 32 =
+    // 512.
     std::vector<glm::vec3> x;
     for (int j = 0; j < 32; ++j)
         for (int i = 0; i < 64; ++i) x.emplace_back(i, 7, j);
@@ -247,6 +248,11 @@ TEST_CASE("clusters: a grid is halved at its middles, low side first", "[probes]
     }
     CHECK(eight.report.of_rank[1] == 8);
     CHECK(eight.report.split_at_median == 0);
+    // What lies on the middle belongs to the high side; of axes that are equally long, the first is halved.
+    CHECK(Clustered(places({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}), params(0.005, 3)).clusters.cluster_of ==
+          std::vector<std::int32_t>{0, 1, 1});
+    CHECK(Clustered(places({{0, 0, 0}, {0, 1, 0}, {1, 0, 0}, {1, 1, 0}}), params(0.005, 3)).clusters.cluster_of ==
+          std::vector<std::int32_t>{0, 0, 1, 1});
 }
 
 TEST_CASE("clusters: 32 receivers or fewer are always accepted and exact", "[probes][IPR 3.2.4.2]") {
@@ -285,8 +291,7 @@ TEST_CASE("clusters: where no middle comes between receivers, their median does"
     CHECK(c.report.split_at_median > 0);
     CHECK(c.clusters.clusters.size() >= 6);
     // Of receivers in a row, clusters are a partition into intervals.
-    for (std::size_t r = 3; r < x.size(); ++r)
-        CHECK(c.clusters.cluster_of[r] - c.clusters.cluster_of[r - 1] <= 1);
+    for (std::size_t r = 3; r < x.size(); ++r) CHECK(c.clusters.cluster_of[r] - c.clusters.cluster_of[r - 1] <= 1);
     for (std::size_t r = 3; r < x.size(); ++r) CHECK(c.clusters.cluster_of[r] >= c.clusters.cluster_of[r - 1]);
 
     // The smallest floats are told apart, too.
@@ -366,10 +371,10 @@ TEST_CASE("clusters: progress is a share of the receivers", "[probes]") {
     double last = 0;
     bool within = true;
     RunOptions options{best_isa(), 1, [&](double share) {
-        within = within && share > last && share <= 1;
-        last = share;
-        ++calls;
-    }};
+                           within = within && share > last && share <= 1;
+                           last = share;
+                           ++calls;
+                       }};
     const Clusters c = make_clusters(t.rows(), params(0.005, 300), options);
     CHECK(within);
     CHECK(last == 1);
@@ -411,7 +416,8 @@ TEST_CASE("clusters: what is refused, in one line", "[probes]") {
     };
     CHECK(with([](Transport& t) { t.slot(7, 2)[3] = NAN; }) ==
           "clusters: receiver 7: coefficient 3 of probe " + std::to_string(good.support[72]) + " is not finite");
-    CHECK(with([](Transport& t) { t.slot(39, 0)[0] = -INFINITY; }).find("receiver 39: coefficient 0") != std::string::npos);
+    CHECK(with([](Transport& t) { t.slot(39, 0)[0] = -INFINITY; }).find("receiver 39: coefficient 0") !=
+          std::string::npos);
     CHECK(with([](Transport& t) { t.slot(3, 0)[1] = 2e36f; }).find("is larger than 1e36") != std::string::npos);
     CHECK(with([](Transport& t) { t.position[5].y = NAN; }) == "clusters: receiver 5: its position is not finite");
     CHECK(with([](Transport& t) { t.position[5].w = NAN; }) == "accepted");
@@ -428,9 +434,12 @@ TEST_CASE("clusters: what is refused, in one line", "[probes]") {
         change(p);
         return message_of(good, p);
     };
-    CHECK(setting([](ClusterParams& p) { p.singular_values = 3; }) == "clusters: singular_values is 3; it may be 4 to 64");
+    CHECK(setting([](ClusterParams& p) { p.singular_values = 3; }) ==
+          "clusters: singular_values is 3; it may be 4 to 64");
     CHECK(setting([](ClusterParams& p) { p.singular_values = 65; }).find("65") != std::string::npos);
     CHECK(setting([](ClusterParams& p) { p.threshold = NAN; }) == "clusters: threshold is not between 0 and 1");
-    CHECK(setting([](ClusterParams& p) { p.most_receivers = 1; }) == "clusters: most_receivers is 1; it may be 2 to 4096");
-    CHECK(setting([](ClusterParams& p) { p.always_accepted = 0; }) == "clusters: always_accepted is 0; it may be 1 to 4096");
+    CHECK(setting([](ClusterParams& p) { p.most_receivers = 1; }) ==
+          "clusters: most_receivers is 1; it may be 2 to 4096");
+    CHECK(setting([](ClusterParams& p) { p.always_accepted = 0; }) ==
+          "clusters: always_accepted is 0; it may be 1 to 4096");
 }

@@ -1,9 +1,9 @@
 // Singular value decompositions of transport matrices: closed forms, Eckart and Young, Eigen's as the truth.
-#include <Eigen/QR>
-#include <Eigen/SVD>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstring>
+#include <Eigen/QR>
+#include <Eigen/SVD>
 
 #include "core/content_hasher.h"
 #include "core/host_math.h"
@@ -89,8 +89,9 @@ Svd decompose(const Blocks& a, int kept, Isa isa = best_isa()) {
 
 double tail_of(const VectorXd& s, int kept) { return kept < s.size() ? s.tail(s.size() - kept).norm() : 0; }
 
-// What holds for every decomposition. U and V are orthonormal; signs are as promised; what is kept is as near as any matrix
-// of that rank can be (Eckart and Young 1936), to rounding; all values are Eigen's, those below 2^-23 of the first to 2^-23.
+// What holds for every decomposition. U and V are orthonormal; signs are as promised; what is kept is as near as any
+// matrix of that rank can be (Eckart and Young 1936), to rounding; all values are Eigen's, those below 2^-23 of the
+// first to 2^-23.
 void require_decomposition(const Blocks& a, int kept, const VectorXd& truth) {
     const Svd s = decompose(a, kept);
     const int rows = a.matrix.rows, columns = a.matrix.columns();
@@ -102,6 +103,8 @@ void require_decomposition(const Blocks& a, int kept, const VectorXd& truth) {
     CHECK((u * u.transpose() - MatrixXd::Identity(s.rank, s.rank)).norm() <= 1e-12);
     const VectorXd sigma = Eigen::Map<const VectorXd>(s.singular_values.data(), s.rank);
     CHECK((w * w.transpose() - MatrixXd(sigma.cwiseAbs2().asDiagonal())).norm() <= 1e-11 * first * first);
+    const MatrixXd v = sigma.cwiseInverse().asDiagonal() * w;
+    CHECK((v * v.transpose() - MatrixXd::Identity(s.rank, s.rank)).norm() <= 1e-10);
     for (int i = 0; i < s.rank; ++i) {
         Eigen::Index largest;
         u.row(i).cwiseAbs().maxCoeff(&largest);
@@ -125,6 +128,10 @@ void require_decomposition(const Blocks& a, int kept, const VectorXd& truth) {
 }
 
 VectorXd eigen_values(const MatrixXd& m) { return Eigen::BDCSVD<MatrixXd>(m).singularValues(); }
+std::vector<double> eigen_spectrum(const MatrixXd& m) {
+    const VectorXd s = eigen_values(m);
+    return {s.begin(), s.end()};
+}
 void require_decomposition(const Blocks& a, int kept) { require_decomposition(a, kept, eigen_values(a.dense)); }
 
 }  // namespace
@@ -144,7 +151,8 @@ TEST_CASE("tridiagonal: 2 and -1 have the eigenvalues 2 - 2 cos(k pi / (n + 1))"
     }
 }
 
-TEST_CASE("published error: singular values q^i have 1 - sqrt((1 - q^32) / (1 - q^n))", "[probes][IPR 3.2.4.2][analytic]") {
+TEST_CASE("published error: singular values q^i have 1 - sqrt((1 - q^32) / (1 - q^n))",
+          "[probes][IPR 3.2.4.2][analytic]") {
     for (double q : {0.5, 0.85, 0.88, 0.99}) {
         CAPTURE(q);
         const double q_32 = host::pow(q, 32), q_300 = host::pow(q, 300);
@@ -164,7 +172,8 @@ TEST_CASE("published error: singular values q^i have 1 - sqrt((1 - q^32) / (1 - 
     CHECK(frobenius_error({4e-200, 3e-200}, 1) == Approx(0.6));
 }
 
-TEST_CASE("svd: a matrix of singular values q^i is accepted for q = 0.85 and rejected for 0.88", "[probes][IPR 3.2.4.2][analytic]") {
+TEST_CASE("svd: a matrix of singular values q^i is accepted for q = 0.85 and rejected for 0.88",
+          "[probes][IPR 3.2.4.2][analytic]") {
     for (bool tall : {false, true}) {
         const int rows = tall ? 300 : 200, columns = tall ? 200 : 300;
         CAPTURE(rows, columns);
@@ -191,7 +200,8 @@ TEST_CASE("svd: at full rank the matrix itself, from JacobiSVD's values", "[prob
     }
 }
 
-TEST_CASE("svd: what is cut off is the tail of the singular values, of noise and of decaying values", "[probes][analytic]") {
+TEST_CASE("svd: what is cut off is the tail of the singular values, of noise and of decaying values",
+          "[probes][analytic]") {
     for (int kept : {4, 32, 64}) {
         CAPTURE(kept);
         require_decomposition(Blocks(random(150, 400, 5)), kept);
@@ -212,7 +222,8 @@ TEST_CASE("svd: transport, sparse in its probes", "[probes][IPR figure 3.21]") {
             const Blocks whole(a.dense);
             const Svd s = decompose(a, 32), w = decompose(whole, 32);
             CHECK((left(s, 333).transpose() * right(s, a.matrix.columns()) -
-                   left(w, 333).transpose() * right(w, a.matrix.columns())).norm() <= 1e-9 * a.dense.norm());
+                   left(w, 333).transpose() * right(w, a.matrix.columns()))
+                      .norm() <= 1e-9 * a.dense.norm());
         }
     }
 }
@@ -274,6 +285,13 @@ TEST_CASE("svd: zeros", "[probes][extreme]") {
     REQUIRE(s.rank == 1);
     CHECK(s.u[57] == 1);  // the sign
     CHECK(s.sigma_vt[133] == -3);
+
+    // Of components that are equal the first is positive: sqrt(2) * (1, -1) / sqrt(2).
+    const Svd equal = decompose(Blocks((MatrixXd(2, 1) << -1, 1).finished()), 32);
+    REQUIRE(equal.rank == 1);
+    CHECK(equal.u[0] > 0);
+    CHECK(equal.u[0] == -equal.u[1]);
+    CHECK(equal.sigma_vt[0] == Approx(-std::sqrt(2.0)).epsilon(1e-15));
 }
 
 TEST_CASE("svd: powers of two scale the values and leave U as it is, from 1e-30 to 1e+30", "[probes][extreme]") {
@@ -312,6 +330,16 @@ TEST_CASE("svd: rejection is what the error of the whole decomposition says, ear
         }
     }
     CHECK(early >= 4);
+
+    // Two islands: the reduction begins in the second, of noise, where 32 values are not enough; all weight is in the
+    // first.
+    MatrixXd islands = MatrixXd::Zero(230, 400);
+    islands.block(0, 0, 30, 200) = 100 * random(30, 200, 43);
+    islands.block(30, 200, 200, 200) = 0.01 * random(200, 200, 44);
+    const Blocks a(islands, 200);
+    CHECK(published_error(eigen_spectrum(a.dense), 32) < 0.01);
+    Svd s;
+    CHECK(truncated_svd(a.matrix, 32, 0.01, best_isa(), s) == Verdict::accepted);
 }
 
 TEST_CASE("svd: the same bits on every instruction set", "[probes][bits]") {
