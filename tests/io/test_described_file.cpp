@@ -329,6 +329,9 @@ TEST_CASE("described file: headers that lie under right checksums are named with
         CAPTURE(text);
         require_message(s.refuse(bundle_bytes(text, payload)), {"a.bake: ", message});
     }
+    // The zeros behind an array have to be there, too.
+    require_message(s.refuse(bundle_bytes(header(entry("[70]", "[\"i\"]", sum)), std::string(100, 'x'))),
+                    {"a.bake: array \"a\": 70 bytes go beyond the end of the file"});
     // Sizes that cannot be, before anything is read or memory taken for it.
     for (const auto& [at, value, message] : {std::tuple{12, 0, "byte 12: a header of 0 bytes cannot be"},
                                              {12, 65, "byte 12: a header of 65 bytes cannot be"},
