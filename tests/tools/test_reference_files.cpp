@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <filesystem>
+#include <fstream>
 #include <functional>
 #include <limits>
 #include <optional>
@@ -13,6 +14,7 @@
 #include "core/content_hash.h"
 #include "gi/reference/ray_query.h"
 #include "io/file.h"
+#include "tests/io/bundle_bytes.h"
 #include "tools/shared/reference_files.h"
 #include "tools/shared/truth.h"
 
@@ -241,7 +243,12 @@ TEST_CASE("kept references: where memory runs out they are not there", "[tools][
     ReferenceFiles files(folder);
     const glm::ivec2 size(4096, 4096);
     files.keep(1, kept_of({3, 2}, 1));
-    fs::resize_file(fs::directory_iterator(folder)->path(), std::uintmax_t(1) << 29);
+    // A sparse file of one array, for which there is no room.
+    const fs::path path = fs::directory_iterator(folder)->path();
+    const std::string head = io::bundle_head(
+        R"({"arrays":[{"name":"x","type":"u8","shape":[536870912],"offset":0,"checksum":"0000000000000000"}]})", 1 << 29);
+    std::ofstream(path, std::ios::binary) << head;
+    fs::resize_file(path, head.size() + (std::uintmax_t(1) << 29));
     REQUIRE(files.find(1, {3, 2}) == std::nullopt);
     rlimit before{};
     REQUIRE(getrlimit(RLIMIT_DATA, &before) == 0);
