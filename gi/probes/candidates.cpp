@@ -43,6 +43,12 @@ std::vector<unsigned char> sides(const Voxels& v) {
     return seen;
 }
 
+bool in_ring(const Voxels& v, const glm::ivec3& at, glm::bvec3 beyond) {
+    for (int c = 0; c < 3; ++c)
+        if (!beyond[c] && (at[c] == 0 || at[c] == v.size[c] - 1)) return true;
+    return false;
+}
+
 // Of 64 rays: those that hit a front face, and those that hit a back face.
 struct Faces {
     int front = 0, back = 0;
@@ -75,7 +81,7 @@ Faces look_around(const glm::dvec3& from, const RayQuery& rays) {
 
 }  // namespace
 
-Candidates beside_surfaces(const Voxels& v, bool both_sides) {
+Candidates beside_surfaces(const Voxels& v, bool both_sides, glm::bvec3 beyond) {
     Candidates c;
     const std::vector<unsigned char> seen = sides(v);
     glm::ivec3 at;
@@ -87,6 +93,8 @@ Candidates beside_surfaces(const Voxels& v, bool both_sides) {
                     ++c.in_surface;
                 else if (!(s & beside))
                     continue;
+                else if (in_ring(v, at, beyond))
+                    ++c.beyond;
                 else if (!both_sides && (s & of_no_normal))
                     ++c.without_normal;
                 else if (!(s & (in_front | of_no_normal)))

@@ -10,12 +10,13 @@ namespace plumb::probes {
 
 struct Candidates {
     std::vector<glm::ivec3> cells;  // ascending by z, y, x
-    std::int64_t in_surface = 0, behind = 0, without_normal = 0, inside = 0;  // as in Placement
+    std::int64_t in_surface = 0, beyond = 0, behind = 0, without_normal = 0, inside = 0;  // as in Placement
 };
 
 // Empty voxels beside a voxel with a surface (of its 26 neighbours), in front of it where it has a normal. Where it has
-// none: on any side with `both_sides`, and nowhere beside it without (as printed).
-Candidates beside_surfaces(const Voxels& voxels, bool both_sides);
+// none: on any side with `both_sides`, and nowhere beside it without (as printed). The ring of cells around the bounds
+// counts along the axes of `beyond`.
+Candidates beside_surfaces(const Voxels& voxels, bool both_sides, glm::bvec3 beyond);
 
 // Takes away those inside of objects: of 64 rays from the voxel's centre, of those that hit something, at least 60 % hit
 // back faces.

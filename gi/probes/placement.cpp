@@ -17,6 +17,8 @@ namespace plumb::probes {
 namespace {
 
 constexpr const char* place = "probes";
+constexpr int most_halvings = 12;
+constexpr int patience = 3;  // halvings until a scene without any place is given up
 
 // The edge of the cubes of which n cover the bounds, where a flat axis takes one: n rho^3 = product of max(size, rho).
 double edge_of(const glm::dvec3& size, int n) {
@@ -33,17 +35,19 @@ struct Grid {
     int halvings = 0;
 };
 
-// Cells of rho/2, halved until there are enough candidates, or too many cells.
+// Cells of rho/2, halved until there are enough candidates, or `most_halvings` or too many cells are reached.
 Grid find_candidates(const Geometry& geometry, const RayQuery& rays, const glm::dvec3& low, const glm::dvec3& high,
-                     double rho, std::size_t enough, const PlacementParams& params, const RunOptions& options) {
+                     double rho, glm::bvec3 beyond, const PlacementParams& params, std::size_t enough,
+                     const RunOptions& options) {
     Grid g;
     for (double cell = rho / 2;; cell /= 2, ++g.halvings) {
         g.voxels = voxelise(geometry, low, high, cell, options);
-        g.candidates = beside_surfaces(g.voxels, params.both_sides);
-        const bool last = cell_count(low, high, cell / 2) > most_cells;
-        if (g.candidates.cells.size() < enough && !last) continue;
+        g.candidates = beside_surfaces(g.voxels, params.both_sides, beyond);
+        const bool last = g.halvings == most_halvings || cell_count(low, high, cell / 2) > most_cells;
+        const bool hopeless = g.halvings >= patience && g.candidates.cells.empty() && !glm::all(beyond);
+        if (g.candidates.cells.size() < enough && !last && !hopeless) continue;
         remove_inside(g.candidates, g.voxels, rays, options);
-        if (g.candidates.cells.size() >= enough || last) return g;
+        if (g.candidates.cells.size() >= enough || last || hopeless) return g;
     }
 }
 
@@ -83,6 +87,9 @@ std::vector<Field> fields(PlacementParams& p) {
          "probes on both sides of surfaces without a normal, such as thin sheets; off: nowhere beside them (IPR 3.2.2.1 "
          "has both)",
          0, 1, {}, false},
+        {"beyond_bounds", &p.beyond_bounds, "",
+         "probes around the scene's bounds, too; they are anyway where a scene is thin or has no place within; ours", 0, 1,
+         {}, false},
         {"candidates_per_probe", &p.candidates_per_probe, "",
          "voxels are halved until there are so many candidates for each probe; ours", 1, 64, {}, false},
         {"overlaps", &p.overlaps, "", "N_OVERLAPS: probes that support a receiver (IPR 3.2.2.2)", 1, most_overlaps, {}, false},
@@ -119,10 +126,15 @@ Placement place_probes(const Geometry& geometry, const RayQuery& rays, const Pla
     if (!(p.rho_m > 0 && std::isfinite(p.rho_m))) throw InputError(fmt::format("{}: the scene has no size", place));
 
     const std::size_t enough = std::size_t(p.wanted) * std::size_t(params.candidates_per_probe);
-    const Grid g = find_candidates(geometry, rays, low, high, p.rho_m, enough, params, options);
+    // A scene thinner than a cell has all its places beyond its bounds, and so has a solid that stands alone.
+    glm::bvec3 beyond(params.beyond_bounds);
+    for (int c = 0; c < 3; ++c) beyond[c] = beyond[c] || size[c] < p.rho_m / 2;
+    Grid g = find_candidates(geometry, rays, low, high, p.rho_m, beyond, params, enough, options);
+    if (g.candidates.cells.empty())
+        g = find_candidates(geometry, rays, low, high, p.rho_m, glm::bvec3(true), params, enough, options);
     const Candidates& c = g.candidates;
     p.cell_m = g.voxels.cell_m, p.halvings = g.halvings;
-    p.in_surface = c.in_surface, p.behind = c.behind, p.without_normal = c.without_normal, p.inside = c.inside;
+    p.in_surface = c.in_surface, p.beyond = c.beyond, p.behind = c.behind, p.without_normal = c.without_normal, p.inside = c.inside;
     if (c.cells.empty())
         throw InputError(fmt::format("{}: no place beside a surface: {} voxels lie behind, {} inside; do normals point to "
                                      "where light is?",

@@ -19,6 +19,7 @@ struct PlacementParams {
     int count = 0;
     int least = 8;
     bool both_sides = true;
+    bool beyond_bounds = false;
     int candidates_per_probe = 8;
     int overlaps = 10;
     int sample_receivers = 4096;
@@ -38,6 +39,7 @@ struct Placement {
     int halvings = 0;              // of the cell, from rho_m / 2, until there were enough candidates
     // Voxels that hold no candidate, and why:
     std::int64_t in_surface = 0;     // a surface is in it (rule 1)
+    std::int64_t beyond = 0;         // beside the scene's bounds, not within
     std::int64_t behind = 0;         // beside surfaces, behind all of them (figure 3.13)
     std::int64_t without_normal = 0; // beside a surface without normal; 0 with both_sides
     std::int64_t inside = 0;         // of the rays from it that hit something, 60 % or more hit back faces (rule 3)

@@ -17,6 +17,10 @@ int length_of(const char* stage, const char* what, const Buffer<glm::vec4>* list
     if (!list || list->empty()) throw InputError(fmt::format("{}: no {}", stage, what));
     if (list->size() > std::size_t(most))
         throw InputError(fmt::format("{}: {} {}: expected at most {}", stage, list->size(), what, most));
+    for (std::size_t i = 0; i < list->size(); ++i)
+        for (int c = 0; c < 3; ++c)
+            if (!std::isfinite((*list)[i][c]))
+                throw InputError(fmt::format("{}: {}: number {} is not finite", stage, what, i));
     return int(list->size());
 }
 

@@ -108,6 +108,9 @@ Lines outputs_of_twin(const std::string& text, bool raster) {
     Lines found;
     const std::regex image(R"(\(binding = (\d+), (\w+)\) uniform writeonly image2D (\w+)_image;)");
     const std::regex target(R"(\(location = (\d+)\) out (\w+) (\w+);)");
+    const std::regex list(R"(\(std430, binding = (\d+)\) writeonly buffer \w+ \{ (\w+) (\w+)\[\]; \})");
+    for (std::sregex_iterator i(text.begin(), text.end(), list), none; i != none; ++i)
+        found.insert(line_of((*i)[1], (*i)[3], "storage_buffer " + element_of((*i)[2])));
     for (std::sregex_iterator i(text.begin(), text.end(), raster ? target : image), none; i != none; ++i) {
         const std::string format = (*i)[2], name = (*i)[3];
         if (name == "barycentrics") continue;  // of the vertex stage

@@ -72,6 +72,8 @@ const TappedTwin tapped_twins[] = {
     {"gi/isr/blur_kernel.h", {"gi/isr/blur.comp"}},
     {"gi/isr/upsample_kernel.h", {"gi/isr/upsample.comp"}},
     {"gi/isr/compose_kernel.h", {"gi/isr/compose.comp"}},
+    {"gi/probes/density_kernel.h", {"gi/probes/density.comp"}},
+    {"gi/probes/supports_kernel.h", {"gi/probes/supports.comp"}},
     {"gi/compose/compose_kernel.h", {"gi/compose/compose.comp"}},
     {"gi/compose/tonemap_kernel.h", {"gi/compose/tonemap.comp"}},
 };

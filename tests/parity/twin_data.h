@@ -10,7 +10,10 @@
 #include "gi/direct/log_blur.h"
 #include "gi/filter/filter.h"
 #include "gi/isr/isr.h"
+#include "gi/lend.h"
 #include "gi/parity/stages.h"
+#include "gi/probes/density.h"
+#include "gi/probes/supports.h"
 #include "gi/rsm/gather.h"
 #include "raster/light_view.h"
 #include "raster/rsm.h"
@@ -431,6 +434,26 @@ inline std::vector<StageData> isr_cases(glm::ivec2 size) {
     };
 }
 
+// ---- Probes ----------------------------------------------------------------------------------------------------------
+
+inline Buffer<glm::vec4> scattered(int n, std::uint32_t seed) {
+    Buffer<glm::vec4> list;
+    for (int i = 0; i < n; ++i) list.push_back({noise(i, 0, 0, seed), noise(i, 1, 0, seed), noise(i, 2, 0, seed), 0});
+    return list;
+}
+// The last items of the domain are none.
+inline StageData density_case(glm::ivec2 size, float radius, const std::string& id) {
+    const int n = size.x * size.y - 5;
+    const Buffer<glm::vec4> positions = scattered(n, 81);
+    StageData d = begin_data<probes::DensityKernel>(size, probes::DensityUniforms{size.x, size.y, n, 1 / radius});
+    lend(d.inputs, "positions", {n, 4}, &positions[0].x);
+    return named(owned_data(d), id);
+}
+inline StageData supports_case(glm::ivec2 size, float radius, const std::string& id) {
+    const Buffer<glm::vec4> receivers = scattered(size.y, 82), all = scattered(40, 83);
+    return named(owned_data(probes::data_of({&receivers, &all, radius, std::min(size.x, 16)}, 0, size.y)), id);
+}
+
 // Every compute stage, in every variant of it that is a branch of its own.
 inline std::vector<StageData> compute_cases(glm::ivec2 size) {
     using namespace direct;
@@ -479,6 +502,9 @@ inline std::vector<StageData> compute_cases(glm::ivec2 size) {
         tonemap_case(size, compose::Operator::reinhard, "tonemap.reinhard"),
         tonemap_case(size, compose::Operator::filmic, "tonemap.filmic"),
     };
+    cases.push_back(density_case(size, 0.3f, "probes.density"));
+    cases.push_back(supports_case(size, 0.4f, "probes.supports"));   // most receivers have fewer
+    cases.push_back(supports_case(size, 2, "probes.supports.all"));  // every probe is in reach
     for (StageData& data : isr_cases(size)) cases.push_back(std::move(data));
     return cases;
 }
