@@ -49,34 +49,40 @@ bool in_ring(const Voxels& v, const glm::ivec3& at, glm::bvec3 beyond) {
     return false;
 }
 
-// Of 64 rays: those that hit a front face, and those that hit a back face.
+// Of the test rays, those that hit a front face, and those that hit a back face.
 struct Faces {
     int front = 0, back = 0;
 };
 
-Faces look_around(const glm::dvec3& from, const RayQuery& rays) {
+// Rays [first, first + 16): each such run of Sobol's sequence is as even as all of them.
+void look_around(const glm::dvec3& from, const RayQuery& rays, int first, Faces& faces) {
     constexpr int lanes = 16;
     std::int32_t active[lanes];
     std::fill(active, active + lanes, -1);
-    Faces faces;
-    for (int first = 0; first < test_rays; first += lanes) {
-        RayPacket<lanes> packet{};
-        for (int k = 0; k < lanes; ++k) {
-            const glm::dvec3 d = sample_sphere(hammersley(std::uint64_t(first + k), test_rays));
-            packet.origin_x[k] = float(from.x), packet.origin_y[k] = float(from.y), packet.origin_z[k] = float(from.z);
-            packet.direction_x[k] = float(d.x), packet.direction_y[k] = float(d.y), packet.direction_z[k] = float(d.z);
-            packet.t_far[k] = std::numeric_limits<float>::infinity();
-        }
-        rays.nearest(active, packet);
-        for (int k = 0; k < lanes; ++k) {
-            if (packet.triangle[k] == no_hit) continue;
-            const double along = double(packet.normal_x[k]) * packet.direction_x[k] +
-                                 double(packet.normal_y[k]) * packet.direction_y[k] +
-                                 double(packet.normal_z[k]) * packet.direction_z[k];
-            ++(along < 0 ? faces.front : faces.back);
-        }
+    RayPacket<lanes> packet{};
+    for (int k = 0; k < lanes; ++k) {
+        const glm::dvec3 d = sample_sphere(sobol(std::uint32_t(first + k)) + 0.5 / test_rays);
+        packet.origin_x[k] = float(from.x), packet.origin_y[k] = float(from.y), packet.origin_z[k] = float(from.z);
+        packet.direction_x[k] = float(d.x), packet.direction_y[k] = float(d.y), packet.direction_z[k] = float(d.z);
+        packet.t_far[k] = std::numeric_limits<float>::infinity();
     }
-    return faces;
+    rays.nearest(active, packet);
+    for (int k = 0; k < lanes; ++k) {
+        if (packet.triangle[k] == no_hit) continue;
+        const double along = double(packet.normal_x[k]) * packet.direction_x[k] +
+                             double(packet.normal_y[k]) * packet.direction_y[k] +
+                             double(packet.normal_z[k]) * packet.direction_z[k];
+        ++(along < 0 ? faces.front : faces.back);
+    }
+}
+
+bool is_inside(const glm::dvec3& from, const RayQuery& rays) {
+    Faces f;
+    look_around(from, rays, 0, f);
+    const bool agree = (f.front == 0) != (f.back == 0);
+    if (agree) return f.back > 0;
+    for (int first = 16; first < test_rays; first += 16) look_around(from, rays, first, f);
+    return f.back > 0 && f.back >= back_share * (f.front + f.back);
 }
 
 }  // namespace
@@ -108,10 +114,8 @@ Candidates beside_surfaces(const Voxels& v, bool both_sides, glm::bvec3 beyond) 
 void remove_inside(Candidates& c, const Voxels& v, const RayQuery& rays, const RunOptions& options) {
     std::vector<char> inside(c.cells.size(), 0);
     parallel_bands(int(c.cells.size()), 64, options, [&](int first, int last) {
-        for (int i = first; i < last; ++i) {
-            const Faces f = look_around(v.centre_m(c.cells[std::size_t(i)]), rays);
-            inside[std::size_t(i)] = f.back > 0 && f.back >= back_share * (f.front + f.back);
-        }
+        for (int i = first; i < last; ++i)
+            inside[std::size_t(i)] = is_inside(v.centre_m(c.cells[std::size_t(i)]), rays);
     });
     std::vector<glm::ivec3> kept;
     for (std::size_t i = 0; i < inside.size(); ++i)

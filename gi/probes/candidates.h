@@ -19,7 +19,7 @@ struct Candidates {
 Candidates beside_surfaces(const Voxels& voxels, bool both_sides, glm::bvec3 beyond);
 
 // Takes away those inside of objects: of 64 rays from the voxel's centre, of those that hit something, at least 60 % hit
-// back faces.
+// back faces. Where the first 16, spread as evenly, hit one kind of faces alone, that decides.
 //
 // differs: IPR 5.1.4 asks that no ray leaves the scene, 4.1 does not and asks for 80 %. Outside of a closed room half of
 // the rays leave, and those that hit see the backs of its walls alone: such a probe has nothing to say. Beside a sheet

@@ -120,6 +120,8 @@ Placement place_probes(const Geometry& geometry, const RayQuery& rays, const Pla
     glm::vec3 from, to;
     if (!bounds(geometry, from, to)) throw InputError(fmt::format("{}: the scene has no surfaces", place));
     const glm::dvec3 low(from), high(to), size = high - low;
+    for (int c = 0; c < 3; ++c)
+        if (!std::isfinite(size[c])) throw InputError(fmt::format("{}: the scene's bounds are not finite", place));
     Placement p;
     p.wanted = wanted_probes(size, params);
     p.rho_m = edge_of(size, p.wanted);
