@@ -441,17 +441,24 @@ inline Buffer<glm::vec4> scattered(int n, std::uint32_t seed) {
     for (int i = 0; i < n; ++i) list.push_back({noise(i, 0, 0, seed), noise(i, 1, 0, seed), noise(i, 2, 0, seed), 0});
     return list;
 }
-// The last items of the domain are none.
+// The last items of the domain are none, and one more lies behind the list.
 inline StageData density_case(glm::ivec2 size, float radius, const std::string& id) {
     const int n = size.x * size.y - 5;
-    const Buffer<glm::vec4> positions = scattered(n, 81);
+    const Buffer<glm::vec4> positions = scattered(n + 1, 81);
     StageData d = begin_data<probes::DensityKernel>(size, probes::DensityUniforms{size.x, size.y, n, 1 / radius});
-    lend(d.inputs, "positions", {n, 4}, &positions[0].x);
+    lend(d.inputs, "positions", {n + 1, 4}, &positions[0].x);
     return named(owned_data(d), id);
 }
-inline StageData supports_case(glm::ivec2 size, float radius, const std::string& id) {
-    const Buffer<glm::vec4> receivers = scattered(size.y, 82), all = scattered(40, 83);
-    return named(owned_data(probes::data_of({&receivers, &all, radius, std::min(size.x, 16)}, 0, size.y)), id);
+// The last probe lies behind the list; every third receiver is a little farther than the radius from one.
+inline StageData supports_case(glm::ivec2 size, float radius, int overlaps, const std::string& id) {
+    const int n = 40;
+    Buffer<glm::vec4> receivers = scattered(size.y, 82), all = scattered(n + 1, 83);
+    for (std::size_t i = 0; i < receivers.size(); i += 3)
+        receivers[i] = all[i % n] + glm::vec4(1.002f * radius, 0, 0, 0);
+    StageData d = owned_data(probes::data_of({&receivers, &all, radius, std::min(size.x, overlaps)}, 0, size.y));
+    const double probes = n;
+    set_uniform(parity::find_binding(d.stage, "test"), d, "probes", {&probes, 1}, "test");
+    return named(d, id);
 }
 
 // Every compute stage, in every variant of it that is a branch of its own.
@@ -503,8 +510,8 @@ inline std::vector<StageData> compute_cases(glm::ivec2 size) {
         tonemap_case(size, compose::Operator::filmic, "tonemap.filmic"),
     };
     cases.push_back(density_case(size, 0.3f, "probes.density"));
-    cases.push_back(supports_case(size, 0.4f, "probes.supports"));   // most receivers have fewer
-    cases.push_back(supports_case(size, 2, "probes.supports.all"));  // every probe is in reach
+    cases.push_back(supports_case(size, 0.4f, 15, "probes.supports"));  // most receivers have fewer
+    cases.push_back(supports_case(size, 2, 16, "probes.supports.all"));  // every probe is in reach
     for (StageData& data : isr_cases(size)) cases.push_back(std::move(data));
     return cases;
 }
