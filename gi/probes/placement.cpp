@@ -17,7 +17,7 @@ namespace plumb::probes {
 namespace {
 
 constexpr const char* place = "probes";
-constexpr int most_halvings = 12;
+constexpr int most_halvings = 7;  // to rho / 256
 constexpr int patience = 3;  // halvings until a scene without any place is given up
 
 // The edge of the cubes of which n cover the bounds, where a flat axis takes one: n rho^3 = product of max(size, rho).
@@ -136,11 +136,11 @@ Placement place_probes(const Geometry& geometry, const RayQuery& rays, const Pla
         g = find_candidates(geometry, rays, low, high, p.rho_m, glm::bvec3(true), params, enough, options);
     const Candidates& c = g.candidates;
     p.cell_m = g.voxels.cell_m, p.halvings = g.halvings;
-    p.in_surface = c.in_surface, p.beyond = c.beyond, p.behind = c.behind, p.without_normal = c.without_normal, p.inside = c.inside;
+    p.in_surface = c.in_surface, p.beyond = c.beyond, p.behind = c.behind;
+    p.without_normal = c.without_normal, p.inside = c.inside;
     if (c.cells.empty())
         throw InputError(fmt::format("{}: no place beside a surface: {} voxels lie behind, {} inside; do normals point to "
-                                     "where light is?",
-                                     place, c.behind + c.without_normal, c.inside));
+                                     "where light is?", place, c.behind + c.without_normal, c.inside));
     const int found = int(c.cells.size());
     if (params.count > found)
         throw InputError(fmt::format("{}: count = {}: there are places for {}", place, params.count, found));

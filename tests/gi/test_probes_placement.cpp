@@ -88,11 +88,12 @@ TEST_CASE("probes: numbers that mean nothing are refused", "[probes]") {
     Geometry point = traced.geometry;
     for (Vertex& v : point.vertices) v.position = glm::vec3(1);
     CHECK_THROWS_WITH(place_probes(point, *traced.rays, {}, {}), "probes: the scene has no size");
-    // A room whose normals point outwards has no place within.
-    const Traced inside_out(QuadScene().box({0, 0, 0}, glm::vec3(room_side), false).box({-9, -9, -9}, glm::vec3(19), false).scene);
-    PlacementParams some;
-    some.count = 20;
-    CHECK(place_probes(inside_out.geometry, *inside_out.rays, some, {}).probes.size() == 20);  // between them, and around
+    // A sheet with both faces in one plane has no voxel with a normal, however fine they are.
+    const QuadScene sheet = QuadScene().quad({0, 0, 0}, {0, 0, 9}, {9, 0, 0}).quad({0, 0, 0}, {9, 0, 0}, {0, 0, 9});
+    const Traced two_faces(sheet.scene);
+    p = {}, p.both_sides = false;
+    CHECK_THROWS_WITH(place_probes(two_faces.geometry, *two_faces.rays, p, {}),
+                      Catch::StartsWith("probes: no place beside a surface"));
 }
 
 // Expected: a cell holds a triangle where cutting the triangle by the cell leaves something, which is another test than

@@ -71,8 +71,8 @@ Indices plainly_thinned(const Points& points, float radius, int wanted) {
         const std::int32_t gone = *densest;
         left.erase(densest);
         for (const std::int32_t i : left) {
-            const float t = std::sqrt(distance2<float>(glm::vec3(points[std::size_t(i)]), glm::vec3(points[std::size_t(gone)]))) *
-                            (1 / radius);
+            const glm::vec3 p(points[std::size_t(i)]), q(points[std::size_t(gone)]);
+            const float t = std::sqrt(distance2<float>(p, q)) * (1 / radius);
             if (t < 1) density[std::size_t(i)] -= fixed(spatial_weight<float>(t));
         }
     }
@@ -154,9 +154,10 @@ TEST_CASE("probes: thinning is the plain form's, and every step takes the denses
             for (const std::int32_t i : before) {
                 double k = 0;
                 for (const std::int32_t j : before)
-                    if (i != j)
-                        k += printed_weight(glm::length(glm::dvec3(points[std::size_t(i)]) - glm::dvec3(points[std::size_t(j)])) /
-                                            radius);
+                    if (i != j) {
+                        const glm::dvec3 p(points[std::size_t(i)]), q(points[std::size_t(j)]);
+                        k += printed_weight(glm::length(p - q) / radius);
+                    }
                 most = std::max(most, k);
                 if (!std::binary_search(after.begin(), after.end(), i)) gone = k;
             }
