@@ -37,6 +37,11 @@ struct Recurrence {
     }
 };
 
+const Recurrence& table() {
+    static const Recurrence table;
+    return table;
+}
+
 // Nodes and weights of Gauss and Legendre: the roots of P_n, by Newton's method.
 struct GaussNode {
     double z, weight;
@@ -62,7 +67,7 @@ std::vector<GaussNode> gauss_legendre(int n) {
 }  // namespace
 
 Values basis(const glm::dvec3& d, int degree, Phase phase) {
-    static const Recurrence table;
+    const Recurrence& table = sh::table();
     require_degree(degree);
     Values y{};
     double cosine = 1, sine = 0;  // the parts of (d.x + i d.y)^m
@@ -87,6 +92,22 @@ std::array<float, max_count> basis(const glm::vec3& direction, int degree, Phase
     const Values y = basis(glm::dvec3(direction), degree, phase);
     std::array<float, max_count> rounded;
     for (int i = 0; i < max_count; ++i) rounded[i] = float(y[i]);
+    return rounded;
+}
+
+const std::array<float, 2 * max_count>& recurrence() {
+    static const auto rounded = [] {
+        constexpr int side = max_degree + 1;
+        std::array<float, 2 * max_count> r{};
+        for (int l = 0; l < side; ++l) {
+            r[std::size_t(side * l + l)] = float(table().diagonal[l]);
+            for (int m = 0; m < l; ++m) {
+                r[std::size_t(side * l + m)] = float(table().rise[l][m]);
+                r[std::size_t(max_count + side * l + m)] = float(table().fall[l][m]);
+            }
+        }
+        return r;
+    }();
     return rounded;
 }
 

@@ -26,6 +26,10 @@ using Values = std::array<double, max_count>;
 Values basis(const glm::dvec3& direction, int degree = max_degree, Phase phase = Phase::none);
 std::array<float, max_count> basis(const glm::vec3& direction, int degree = max_degree, Phase phase = Phase::none);
 
+// What kernels compute the functions from (core/sh_kernel.h), each number rounded once: rise[l][m] at 8 l + m, rise[m][m]
+// the factor of (x + i y)^m, then fall[l][m].
+const std::array<float, 2 * max_count>& recurrence();
+
 // Coefficients of a function with values of type T: double, or glm::dvec3 for three channels.
 template <class T>
 using Coefficients = std::array<T, max_count>;
