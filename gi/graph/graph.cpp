@@ -258,14 +258,19 @@ Node repeat(NodePlan plan, Node start, std::vector<Node> nodes, Until until) {
 
 namespace {
 
-std::vector<NodeRun> run_all(const std::vector<const Node*>& nodes, const RunWith& with) {
+std::vector<NodeRun> run_all(std::vector<const Node*> nodes, const RunWith& with) {
     Run run(with);
     std::vector<NodeRun> runs;
     std::size_t last_ran = 0;               // index into runs, plus 1
     const Node* last = nullptr;             // that node
     std::map<std::string, std::vector<std::string>> joins;  // what those that are not listed read, by label
-    for (const Node* node : nodes) {
+    for (std::size_t at = 0; at < nodes.size(); ++at) {
+        const Node* node = nodes[at];
         NodeRun made = run.node(*node);
+        if (node->then) {
+            const std::vector<const Node*> more = node->then();
+            nodes.insert(nodes.begin() + std::ptrdiff_t(at) + 1, more.begin(), more.end());
+        }
         std::set<std::string> reads;
         for (const std::string& read : made.reads) {
             const auto joined = joins.find(read);

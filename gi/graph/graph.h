@@ -159,6 +159,10 @@ struct Node {
     // one that does not fit.
     std::function<void(const Bundle&)> load = {};
 
+    // Nodes that run at once after it and that only it could tell, as how many blocks there are; the caller holds them. May be
+    // missing.
+    std::function<std::vector<const Node*>()> then = {};
+
     // What a device would be given, of what lies in memory now, lent; missing where nothing has a twin.
     std::function<std::vector<StageData>()> dispatches = {};
     // Every named value of one item; missing where there is nothing to name.
