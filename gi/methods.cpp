@@ -5,7 +5,9 @@
 #include "gi/direct/log_blur.h"
 #include "gi/filter/filter.h"
 #include "gi/isr/isr.h"
+#include "gi/probes/coefficients.h"
 #include "gi/probes/density.h"
+#include "gi/probes/share.h"
 #include "gi/probes/supports.h"
 #include "gi/reference/reference.h"
 #include "gi/rsm/all_rays.h"
@@ -54,6 +56,8 @@ const std::vector<ListedStage>& stages() {
         listed(stage<compose::TonemapKernel>()),
         listed(stage<probes::DensityKernel>(), false),
         listed(stage<probes::SupportsKernel>(), false),
+        listed(stage<probes::ShareKernel>(), false),
+        listed(stage<probes::CoefficientsKernel>(), false),
         unbound(raster::info_hemicube(), false),
         unbound(raster::info_texture_space(), false),
     };

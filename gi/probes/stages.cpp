@@ -1,7 +1,11 @@
 #include "core/kernel_stage.h"
+#include "gi/probes/coefficients.h"
 #include "gi/probes/density.h"
+#include "gi/probes/share.h"
 #include "gi/probes/supports.h"
+#include "twins/gi.probes.coefficients.comp.h"
 #include "twins/gi.probes.density.comp.h"
+#include "twins/gi.probes.share.comp.h"
 #include "twins/gi.probes.supports.comp.h"
 
 namespace plumb {
@@ -12,5 +16,9 @@ template <>
 const StageBinding& stage<DensityKernel>() { return made<DensityKernel, twins::gi_probes_density_comp>(); }
 template <>
 const StageBinding& stage<SupportsKernel>() { return made<SupportsKernel, twins::gi_probes_supports_comp>(); }
+template <>
+const StageBinding& stage<ShareKernel>() { return made<ShareKernel, twins::gi_probes_share_comp>(); }
+template <>
+const StageBinding& stage<CoefficientsKernel>() { return made<CoefficientsKernel, twins::gi_probes_coefficients_comp>(); }
 
 }  // namespace plumb

@@ -1,5 +1,7 @@
 #include "core/shade_rows.h"
+#include "gi/probes/coefficients_kernel.h"
 #include "gi/probes/density_kernel.h"
+#include "gi/probes/share_kernel.h"
 #include "gi/probes/supports_kernel.h"
 
 namespace plumb::probes {
@@ -36,6 +38,39 @@ bool far_apart(const Bounds& a, const float* block, float radius) {
     return d2 > radius * radius * 1.001f;
 }
 
+// How many rows from `row` on, before `last`, are all harmonics of one slot up to some degree, in their order.
+int whole_degrees(const std::int32_t* rows, int row, int last, int& degree) {
+    const std::int32_t* r = rows + 4 * std::ptrdiff_t(row);
+    degree = -1;
+    for (int l = 0; l < sh::kernel_degrees && row + (l + 1) * (l + 1) <= last; ++l) {
+        for (int m = -l; m <= l; ++m) {
+            const std::int32_t* at = r + 4 * (l * (l + 1) + m);
+            if (at[0] != r[0] || at[1] != l || at[2] != (m < 0 ? -m : m) || at[3] != (m < 0 ? 1 : 0))
+                return (degree + 1) * (degree + 1);
+        }
+        degree = l;
+    }
+    return (degree + 1) * (degree + 1);
+}
+
+// All harmonics of one slot at once: what a ray met is fetched once, and not at all where no lane's probe sees it.
+PLUMB_INLINE void coefficients_of_slot(const CoefficientsView& in, int row, int slot, int degree, int x, mask_t<F> active) {
+    const int width = in.u.width, count = (degree + 1) * (degree + 1);
+    const I receiver = min(N::iota(x), I(width - 1));
+    const vec4<F> probe = N::fetch4(in.supporting, I(slot * width) + receiver);
+    F sums[sh::kernel_degrees * sh::kernel_degrees];
+    for (int j = 0; j < count; ++j) sums[j] = F(0.0f);
+    NoTap tap;
+    for (int k = 0; k < in.u.rays; ++k) {
+        const I at = I(k * width) + receiver;
+        const mask_t<F> sees = (shift_right(N::fetch(in.visible, at), slot) & I(1)) == I(1);
+        if (!any(sees)) continue;
+        const F weight = select(sees, N::fetch(in.shares, at) * probe.w, F(0.0f));
+        sh::add_harmonics<F>(in.recurrence, degree, direction_to<F>(N::fetch4(in.seen, at), probe, tap), weight, sums);
+    }
+    for (int j = 0; j < count; ++j) N::store(in.alpha, I((row + j) * width) + receiver, sums[j], active);
+}
+
 }  // namespace
 
 }  // namespace plumb::probes
@@ -70,6 +105,26 @@ void Rows<SupportsKernel, Isa::PLUMB_ISA>::run(const SupportsView& in, int first
         const Nearest<F> n = nearest_probes<F>(in, xyz<F>(N::fetch4(in.receivers, receiver)));
         for (int k = 0; k < width; ++k)
             SupportsKernel::store<F>(in, receiver * I(width) + I(k), support_of<F>(in, n, k), N::iota(r) < I(last));
+    }
+}
+
+template struct Rows<ShareKernel, Isa::PLUMB_ISA>;
+
+template <>
+void Rows<CoefficientsKernel, Isa::PLUMB_ISA>::run(const CoefficientsView& in, int first, int last, const Tiles& tiles,
+                                                   float*) {
+    for (int row = first; row < last;) {
+        int degree = -1;
+        const int slot = in.rows[4 * std::ptrdiff_t(row)], whole = whole_degrees(in.rows, row, last, degree);
+        if (whole > 0 && slot >= 0 && slot < in.u.slots) {
+            for (int x = 0; x < in.u.width; x += N::width)
+                coefficients_of_slot(in, row, slot, degree, x, N::iota(x) < I(in.u.width));
+            row += whole;
+            continue;
+        }
+        shade_packets<F>(in.u.width, row, row + 1, tiles, in.alpha,
+                         [&](int, I px, int y, NoTap& tap) { return coefficient<F>(in, px, I(y), tap); });
+        ++row;
     }
 }
 

@@ -1,0 +1,202 @@
+// What receivers see, and which probes see the same (IPR 3.2.3.2, figure 3.17); and whether receivers lie inside of things
+// (IPR 5.1.4). A packet's lanes are receivers, so that on a flat surface its rays are parallel.
+//
+// Rays start off the surface by a distance that covers the rounding of positions, on its front side. A probe sees what a ray
+// met where it lies in front of that surface and nothing is between.
+//
+// differs: IPR asks for the same surface without saying of which side. Without the side a probe behind a thin wall would
+// see what lies on it: light would leak through every wall.
+#pragma once
+
+#include "core/number.h"
+#include "gi/reference/warp_kernel.h"
+#include "gi/trace_rays.h"
+#include "raster/surface_kernel.h"
+
+namespace plumb::probes {
+
+// What a ray that meets nothing brings a receiver: the four solutions of IPR 5.1.3.1.
+enum class Escape : int {
+    nothing,         // the first: no contribution
+    same_direction,  // the second: from probes whose ray in the same direction meets nothing, either
+    visible_probes,  // the third: from probes that the receiver sees
+    all_probes,      // the fourth: from all that support it
+};
+
+inline constexpr float escaped_length = 1e15f;  // m: stands for the length of a ray that met nothing
+
+struct ReceiverRaysView {
+    raster::SurfaceArgs surfaces;
+    std::int32_t width;           // receivers
+    std::int32_t slots;
+    std::int32_t escape;          // Escape
+    float offset;                 // m, off surfaces
+    const float* position;        // [width][4]: m, world
+    const float* normal;          // [width][4]: unit
+    const float* directions;      // [rays][4]: unit, z along the normal
+    const float* supporting;      // [slots][width][4]: xyz the probe, m; w its weight, 0: none
+    float* seen;                  // out: [rays][width][4]: xyz what the ray met, m, w 1; or its direction, w 0
+    std::int32_t* visible;        // out: [rays][width]: bit i: probe i sees it, too
+    float* lengths;               // out: [rays][width], m
+};
+
+// How often rays ended in what no probe can tell.
+struct RayCounts {
+    std::uint64_t traced = 0;     // all rays, those between probes and what was met included
+    std::uint64_t escaped = 0;    // receivers' rays that met nothing
+    std::uint64_t back = 0;       // that met the back of a surface: nothing is known to leave it
+    std::uint64_t unseen = 0;     // that met what no probe sees
+};
+
+// What a ray met: the point, the unit normal of its triangle, and on which side.
+template <class F>
+struct Met {
+    vec3<F> point, normal;
+    mask_t<F> front;
+};
+
+template <class F>
+PLUMB_INLINE Met<F> met_by(const raster::SurfaceArgs& surfaces, const RayHit<F>& hit, const vec3<F>& direction) {
+    const raster::Corners<F> c = raster::fetch_corners<F>(surfaces, hit.triangle);
+    const vec3<F> a = xyz<F>(c.a.p), e1 = raster::minus3(xyz<F>(c.b.p), a), e2 = raster::minus3(xyz<F>(c.c.p), a);
+    const vec3<F> n = raster::cross3(e1, e2);
+    // Scaled before it is squared: triangles may be smaller or larger than what a float's square holds.
+    const F most = raster::largest3(n);
+    const vec3<F> m = n * (F(1.0f) / select(most > F(0.0f), most, F(1.0f)));
+    const F length = max(sqrt(dot3(m, m)), F(1e-18f));
+    Met<F> met;
+    met.point = {raster::interpolate(a.x, e1.x, e2.x, hit.barycentrics),
+                 raster::interpolate(a.y, e1.y, e2.y, hit.barycentrics),
+                 raster::interpolate(a.z, e1.z, e2.z, hit.barycentrics)};
+    met.normal = m * (F(1.0f) / length);
+    met.front = dot3(met.normal, direction) < F(0.0f);
+    return met;
+}
+
+// Writes the first n lanes.
+template <class F>
+PLUMB_INLINE void store_lanes(std::int32_t* to, const index_t<F>& value, int n) {
+    alignas(64) std::int32_t each[number<F>::width];
+    std::memcpy(each, &value, sizeof each);
+    for (int k = 0; k < n && k < number<F>::width; ++k) to[k] = each[k];
+}
+
+template <class F>
+PLUMB_INLINE std::uint64_t lanes_of(const mask_t<F>& mask) {
+    std::int32_t each[number<F>::width];
+    store_lanes<F>(each, select(mask, index_t<F>(1), index_t<F>(0)), number<F>::width);
+    std::uint64_t n = 0;
+    for (const std::int32_t one : each) n += std::uint64_t(one);
+    return n;
+}
+
+// Which supporting probes see what ray `direction` met, a bit each.
+template <class F>
+PLUMB_INLINE index_t<F> probes_that_see(const ReceiverRaysView& in, index_t<F> receiver, const vec3<F>& origin,
+                                        const vec3<F>& direction, const RayHit<F>& hit, const Met<F>& met,
+                                        RayTracer<F>& tracer, const mask_t<F>& active) {
+    using N = number<F>;
+    using I = index_t<F>;
+    const vec3<F> start = met.point + met.normal * F(in.offset);
+    const mask_t<F> on_front = active & hit.found & met.front, free = active & !hit.found;
+    I bits(0);
+    for (int slot = 0; slot < in.slots; ++slot) {
+        const vec4<F> probe = N::fetch4(in.supporting, I(slot * in.width) + receiver);
+        const mask_t<F> supports = probe.w > F(0.0f);
+        const vec3<F> to_probe = raster::minus3(xyz<F>(probe), start);
+        mask_t<F> sees = on_front & supports & (dot3(met.normal, to_probe) > F(0.0f));
+        if (any(sees)) sees = tracer.visible(start, to_probe, F(0.0f), F(1.0f), sees);
+        mask_t<F> escapes = free & supports;
+        if (in.escape == int(Escape::nothing) || !any(escapes)) {
+            escapes = escapes & (F(1.0f) < F(0.0f));
+        } else if (in.escape == int(Escape::same_direction)) {
+            escapes = tracer.visible(xyz<F>(probe), direction, F(0.0f), F(__builtin_inff()), escapes);
+        } else if (in.escape == int(Escape::visible_probes)) {
+            escapes = tracer.visible(origin, raster::minus3(xyz<F>(probe), origin), F(0.0f), F(1.0f), escapes);
+        }
+        bits = bits | select(sees | escapes, I(1 << slot), I(0));
+    }
+    return bits;
+}
+
+// Traces the rays [first, last) of all receivers.
+template <class F>
+RayCounts receiver_rays(const ReceiverRaysView& in, const RayQuery& query, int first, int last) {
+    using N = number<F>;
+    using I = index_t<F>;
+    RayTracer<F> tracer(query);
+    RayCounts counts;
+    for (int x = 0; x < in.width; x += N::width) {
+        const I receiver = min(N::iota(x), I(in.width - 1));
+        const mask_t<F> active = N::iota(x) < I(in.width);
+        const vec3<F> position = xyz<F>(N::fetch4(in.position, receiver)), normal = xyz<F>(N::fetch4(in.normal, receiver));
+        const reference::Basis<F> frame = reference::basis_of<F>(normal);
+        const vec3<F> origin = position + normal * F(in.offset);
+        for (int ray = first; ray < last; ++ray) {
+            const float* local = in.directions + 4 * std::ptrdiff_t(ray);
+            const vec3<F> direction =
+                reference::to_world<F>(frame, vec3<F>{F(local[0]), F(local[1]), F(local[2])});
+            const RayHit<F> hit = tracer.nearest(origin, direction, active);
+            const Met<F> met = met_by<F>(in.surfaces, hit, direction);
+            const I bits = probes_that_see<F>(in, receiver, origin, direction, hit, met, tracer, active);
+            const I at = I(ray * in.width) + receiver;
+            N::store4(in.seen, at,
+                      vec4<F>(select3<F>(hit.found, met.point, direction), select(hit.found, F(1.0f), F(0.0f))), active);
+            N::store(in.lengths, at, select(hit.found, hit.t, F(escaped_length)), active);
+            store_lanes<F>(in.visible + std::ptrdiff_t(ray) * in.width + x, bits, in.width - x);
+            const mask_t<F> escaped = active & !hit.found, back = active & hit.found & !met.front;
+            counts.escaped += lanes_of<F>(escaped);
+            counts.back += lanes_of<F>(back);
+            counts.unseen += lanes_of<F>(active & hit.found & met.front & (bits == I(0)));
+        }
+    }
+    counts.traced = tracer.traced();
+    return counts;
+}
+
+// ---- Inside of things ------------------------------------------------------------------------------------------------
+
+struct TestRaysView {
+    raster::SurfaceArgs surfaces;
+    float offset;
+    std::int32_t rays;
+    const float* position;        // [receivers][4]
+    const float* normal;
+    const float* directions;      // [rays][4]: unit, z along the normal
+    float* shortest;              // out: [receivers][4]: xyz direction of the shortest ray that met a back, w its length, m;
+                                  // 0 where none did
+    std::int32_t* backs;          // out: [receivers]: rays that met a back; -1: a ray met nothing
+};
+
+// Asks of receivers [first, last).
+template <class F>
+std::uint64_t test_rays(const TestRaysView& in, const RayQuery& query, int first, int last) {
+    using N = number<F>;
+    using I = index_t<F>;
+    RayTracer<F> tracer(query);
+    for (int x = first; x < last; x += N::width) {
+        const I receiver = min(N::iota(x), I(last - 1));
+        const mask_t<F> active = N::iota(x) < I(last);
+        const vec3<F> position = xyz<F>(N::fetch4(in.position, receiver)), normal = xyz<F>(N::fetch4(in.normal, receiver));
+        const reference::Basis<F> frame = reference::basis_of<F>(normal);
+        const vec3<F> origin = position + normal * F(in.offset);
+        vec4<F> shortest{F(0.0f), F(0.0f), F(0.0f), F(0.0f)};
+        I backs(0), escapes(0);
+        for (int ray = 0; ray < in.rays; ++ray) {
+            const float* local = in.directions + 4 * std::ptrdiff_t(ray);
+            const vec3<F> direction =
+                reference::to_world<F>(frame, vec3<F>{F(local[0]), F(local[1]), F(local[2])});
+            const RayHit<F> hit = tracer.nearest(origin, direction, active);
+            const mask_t<F> back = hit.found & !met_by<F>(in.surfaces, hit, direction).front;
+            const mask_t<F> shorter = back & ((backs == I(0)) | (hit.t < shortest.w));
+            shortest = vec4<F>(select3<F>(shorter, direction, xyz<F>(shortest)), select(shorter, hit.t, shortest.w));
+            backs = backs + select(back, I(1), I(0));
+            escapes = escapes + select(hit.found, I(0), I(1));
+        }
+        N::store4(in.shortest, receiver, shortest, active);
+        store_lanes<F>(in.backs + x, select(escapes == I(0), backs, I(-1)), last - x);
+    }
+    return tracer.traced();
+}
+
+}  // namespace plumb::probes

@@ -1,0 +1,48 @@
+#include "gi/probes/relight.h"
+
+#include "core/parallel.h"
+#include "gi/probes/receiver_rays_kernel.h"
+
+namespace plumb::probes {
+
+namespace {
+
+// The hits of one probe. A probe's rays are few beside the receivers': one lane at a time.
+void trace_probe(const Atlas& atlas, const raster::SurfaceArgs& surfaces, const RayQuery& query, const glm::vec3& probe,
+                 const Buffer<glm::vec4>& directions, std::size_t first, RelightHits& hits) {
+    RayTracer<float> tracer(query);
+    for (std::size_t k = 0; k < directions.size(); ++k) {
+        const glm::vec3 direction(directions[k]);
+        const RayHit<float> hit = tracer.nearest(probe, direction, true);
+        const std::size_t at = first + k;
+        if (!hit.found) {
+            hits.position[at] = glm::vec4(direction, 0);
+            continue;
+        }
+        const Met<float> met = met_by<float>(surfaces, hit, direction);
+        const glm::uvec3 corner = atlas.geometry.triangles[std::size_t(hit.triangle)];
+        const glm::dvec2 a(atlas.uv[corner.x]), b(atlas.uv[corner.y]), c(atlas.uv[corner.z]), l(hit.barycentrics);
+        hits.triangle[at] = hit.triangle;
+        hits.material[at] = met.front ? atlas.geometry.material[std::size_t(hit.triangle)] : met_back;
+        hits.uv[at] = glm::vec2(a + l.x * (b - a) + l.y * (c - a));
+        hits.position[at] = glm::vec4(met.point, 1);
+    }
+}
+
+}  // namespace
+
+RelightHits relight_rays(const Atlas& atlas, const raster::SurfaceArgs& surfaces, const RayQuery& query,
+                         const Buffer<glm::vec4>& probes, const Buffer<glm::vec4>& directions, const RunOptions& options) {
+    RelightHits hits;
+    hits.probes = int(probes.size()), hits.rays = int(directions.size());
+    const std::size_t n = probes.size() * directions.size();
+    hits.material.assign(n, met_nothing), hits.triangle.assign(n, -1);
+    hits.uv.assign(n, glm::vec2(0)), hits.position.assign(n, glm::vec4(0));
+    parallel_bands(hits.probes, 1, options, [&](int first, int last) {
+        for (int p = first; p < last; ++p)
+            trace_probe(atlas, surfaces, query, glm::vec3(probes[p]), directions, std::size_t(p) * directions.size(), hits);
+    });
+    return hits;
+}
+
+}  // namespace plumb::probes
