@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "gi/probes/svd_loops.h"
+#include "gi/probes/gram.h"
 #include "gi/probes/tridiagonal.h"
 
 namespace plumb::probes {
@@ -24,102 +24,6 @@ class Watch {
   private:
     std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
-
-// ---- The matrix in pieces that the loops take -----------------------------------------------------------------------
-
-// The rows with an entry in each block, ascending.
-struct Columns {
-    struct Entry {
-        std::int32_t row;
-        const float* values;
-    };
-    std::vector<std::vector<Entry>> blocks;
-
-    explicit Columns(const BlockMatrix& a) : blocks(std::size_t(a.blocks)) {
-        for (int i = 0; i < a.rows; ++i)
-            for (int e = a.first[i]; e < a.first[i + 1]; ++e) blocks[a.block[e]].push_back({i, a.values[e]});
-    }
-};
-
-std::vector<std::int32_t> rows_of(const std::vector<Columns::Entry>& entries) {
-    std::vector<std::int32_t> rows;
-    for (const Columns::Entry& e : entries) rows.push_back(e.row);
-    return rows;
-}
-
-// Columns first .. first + count of one block: [count][padded(entries)].
-Buffer<double> transposed(const std::vector<Columns::Entry>& entries, int first, int count) {
-    const int stride = padded(int(entries.size()));
-    Buffer<double> b(std::size_t(count) * stride);
-    for (std::size_t i = 0; i < entries.size(); ++i)
-        for (int c = 0; c < count; ++c) b[std::size_t(c) * stride + i] = entries[i].values[first + c];
-    return b;
-}
-
-constexpr int band = 64;  // of what is summed over: what a piece takes at once
-
-struct Gram {
-    int size, stride;
-    bool of_rows;  // A A^T, else A^T A
-    Buffer<double> values;
-
-    Gram(const BlockMatrix& a)
-        : size(std::min(a.rows, a.columns())),
-          stride(padded(size) + lanes),
-          of_rows(a.rows <= a.columns()),
-          values(std::size_t(padded(size)) * stride) {}
-    Triangle triangle() { return {values.data(), stride}; }
-};
-
-template <Isa isa>
-void add_rows_gram(const BlockMatrix& a, const Columns& columns, Gram& g) {
-    for (const auto& entries : columns.blocks) {
-        const std::vector<std::int32_t> place = rows_of(entries);
-        for (int c = 0; c < a.width; c += band) {
-            const int count = std::min(band, a.width - c);
-            const Buffer<double> b = transposed(entries, c, count);
-            MatrixLoops<isa>::add_gram(b.data(), count, int(place.size()), place.data(), g.triangle());
-        }
-    }
-}
-
-template <Isa isa>
-void add_columns_gram(const BlockMatrix& a, Gram& g) {
-    for (int first = 0; first < a.rows; first += band) {
-        // Only the blocks that these rows have.
-        const int last = std::min(a.rows, first + band);
-        std::vector<std::int32_t> blocks(a.block.begin() + a.first[first], a.block.begin() + a.first[last]);
-        std::sort(blocks.begin(), blocks.end());
-        blocks.erase(std::unique(blocks.begin(), blocks.end()), blocks.end());
-        std::vector<std::int32_t> place, start(std::size_t(a.blocks));
-        for (std::int32_t b : blocks) {
-            start[b] = std::int32_t(place.size());
-            for (int c = 0; c < a.width; ++c) place.push_back(b * a.width + c);
-        }
-        const int stride = padded(int(place.size()));
-        Buffer<double> piece(std::size_t(last - first) * stride);
-        for (int i = first; i < last; ++i)
-            for (int e = a.first[i]; e < a.first[i + 1]; ++e)
-                for (int c = 0; c < a.width; ++c)
-                    piece[std::size_t(i - first) * stride + start[a.block[e]] + c] = a.values[e][c];
-        MatrixLoops<isa>::add_gram(piece.data(), last - first, int(place.size()), place.data(), g.triangle());
-    }
-}
-
-Gram gram_of(const BlockMatrix& a, const Columns& columns, Isa isa) {
-    Gram g(a);
-    dispatch(isa, [&](auto set) {
-        if (g.of_rows)
-            add_rows_gram<decltype(set)::value>(a, columns, g);
-        else
-            add_columns_gram<decltype(set)::value>(a, g);
-    });
-    // Sums fill the lower triangle; the diagonal's blocks have to be whole.
-    for (int i = 0; i < g.size; ++i)
-        for (int j = i / lanes * lanes; j < i; ++j)
-            g.values[std::size_t(j) * g.stride + i] = g.values[std::size_t(i) * g.stride + j];
-    return g;
-}
 
 // ---- Vectors of both sides ------------------------------------------------------------------------------------------
 
@@ -322,7 +226,7 @@ Verdict truncated_svd(const BlockMatrix& a, int kept, double most_error, Isa isa
     for (const float* v : a.values)
         for (int c = 0; c < a.width; ++c) out.sum_of_squares += double(v[c]) * v[c];
 
-    Gram g = gram_of(a, columns, isa);
+    Gram g(a, columns, isa);
     watch.add_to(seconds ? &seconds->gram : nullptr);
 
     bool early = false;

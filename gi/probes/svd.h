@@ -2,15 +2,13 @@
 //
 // The matrix' rows are sparse in blocks of columns: a receiver is supported by few of a cluster's probes. Eigenvalues
 // of the Gram matrix of the smaller side give all singular values, its eigenvectors the leading ones (IPR 3.2.4.2).
-// Squares lose what is small: a singular value below 2^-23 of the largest is known to that absolute error only.
+// Squares lose what is small: a singular value below 2^-25 of the norm is known to that absolute error only.
 // README.md bounds what this does to the error below.
 #pragma once
 
 #include <cstdint>
-#include <limits>
 #include <vector>
 
-#include "core/image.h"
 #include "core/isa.h"
 
 namespace plumb::probes {
@@ -29,7 +27,7 @@ struct BlockMatrix {
 
 // A is approximately U (Sigma V^T): U's columns are orthonormal, and so are V's rows.
 struct Svd {
-    int rank = 0;                         // of what is kept
+    int rank = 0;                         // singular values kept
     std::vector<double> u;                // [rank][rows]: each vector's largest component (of equals the first) is > 0
     std::vector<double> sigma_vt;         // [rank][columns]
     std::vector<double> singular_values;  // all min(rows, columns), descending
