@@ -21,8 +21,8 @@ void check(const AtlasParams& p) {
     require(p.max_size >= 1 && p.max_size <= 16384, "max_size", std::to_string(p.max_size), "1 to 16384");
     require(p.size >= 0 && p.size <= p.max_size, "size", std::to_string(p.size), fmt::format("0 to {}", p.max_size));
     require(p.gap >= 0 && p.gap <= 64, "gap", std::to_string(p.gap), "0 to 64");
-    require(p.receivers_per_m2 > 0 && p.receivers_per_m2 < 1e30, "receivers_per_m2", fmt::format("{}", p.receivers_per_m2),
-            "a number above 0");
+    require(p.receivers_per_m2 > 0 && p.receivers_per_m2 < 1e30, "receivers_per_m2",
+            fmt::format("{}", p.receivers_per_m2), "a number above 0");
     require(p.chart_angle_deg >= 1 && p.chart_angle_deg <= 80, "chart_angle_deg", fmt::format("{}", p.chart_angle_deg),
             "1 to 80");
 }
@@ -59,9 +59,10 @@ Layout layout_of_density(const std::vector<MeshCharts>& meshes, double area, con
     Layout l;
     if (area * p.receivers_per_m2 <= most) l = lay_out(meshes, std::sqrt(p.receivers_per_m2), p);
     if (!l.fits())
-        throw InputError(fmt::format("atlas: {:.4g} m2 of surfaces with {:.4g} receivers a m2: expected what fits {} x {} "
-                                     "texels; a lower receivers_per_m2, or a size, does", area, p.receivers_per_m2,
-                                     p.max_size, p.max_size));
+        throw InputError(
+            fmt::format("atlas: {:.4g} m2 of surfaces with {:.4g} receivers a m2: expected what fits {} x {} "
+                        "texels; a lower receivers_per_m2, or a size, does",
+                        area, p.receivers_per_m2, p.max_size, p.max_size));
     return l;
 }
 
@@ -90,7 +91,10 @@ Layout layout_of_size(const std::vector<MeshCharts>& meshes, double area, const 
 class Writer {
   public:
     Writer(const std::vector<MeshCharts>& meshes, const Layout& layout, Atlas& atlas)
-        : meshes_(meshes), layout_(layout), atlas_(atlas), owner_(atlas.geometry.vertices.size(), -1),
+        : meshes_(meshes),
+          layout_(layout),
+          atlas_(atlas),
+          owner_(atlas.geometry.vertices.size(), -1),
           place_(atlas.geometry.vertices.size(), 0) {}
 
     void write() {
@@ -114,7 +118,8 @@ class Writer {
             for (std::uint32_t t : m.shapes[i].triangles) {
                 atlas_.chart[m.mesh.first + t] = chart;
                 glm::uvec3& corners = atlas_.geometry.triangles[m.mesh.first + t];
-                for (int k = 0; k < 3; ++k) corners[k] = vertex(corners[k], chart, m.shapes[i], piece.rectangle, placed);
+                for (int k = 0; k < 3; ++k)
+                    corners[k] = vertex(corners[k], chart, m.shapes[i], piece.rectangle, placed);
             }
     }
 
@@ -189,7 +194,8 @@ Atlas make_atlas(const Scene& scene, const Geometry& geometry, const AtlasParams
     if (!(area > 0))
         throw InputError(fmt::format("atlas: {}: no surfaces: expected a triangle that has an area",
                                      scene.name.empty() ? "scene" : scene.name));
-    const Layout layout = params.size > 0 ? layout_of_size(meshes, area, params) : layout_of_density(meshes, area, params);
+    const Layout layout =
+        params.size > 0 ? layout_of_size(meshes, area, params) : layout_of_density(meshes, area, params);
     Atlas atlas;
     atlas.geometry = geometry;
     atlas.size = glm::ivec2(layout.packing.side);

@@ -115,8 +115,8 @@ TexelHole largest_hole(const Texels& texels) {
 
 }  // namespace
 
-bool apart(const SurfaceMesh& mesh, const std::vector<ChartShape>& islands, const TexelRectangle& rectangle, double scale,
-           int gap) {
+bool apart(const SurfaceMesh& mesh, const std::vector<ChartShape>& islands, const TexelRectangle& rectangle,
+           double scale, int gap) {
     double area = 0;
     for (const ChartShape& island : islands) {
         const glm::dvec2 size = (island.high - island.low) * scale;
@@ -124,7 +124,8 @@ bool apart(const SurfaceMesh& mesh, const std::vector<ChartShape>& islands, cons
     }
     if (!(4 * area >= double(rectangle.size.x) * double(rectangle.size.y))) return false;
     Texels texels(rectangle.size.x, rectangle.size.y);
-    return mark_all(texels, mesh, islands.data(), islands.size(), scale, rectangle.shift) && windows_agree(texels, gap + 1);
+    return mark_all(texels, mesh, islands.data(), islands.size(), scale, rectangle.shift) &&
+           windows_agree(texels, gap + 1);
 }
 
 std::vector<TexelHole> holes(const SurfaceMesh& mesh, const ChartShape* shapes, std::size_t count,

@@ -64,7 +64,8 @@ void measure(const SurfaceMesh& mesh, ChartShape& shape) {
     shape.low = glm::dvec2(HUGE_VAL), shape.high = glm::dvec2(-HUGE_VAL);
     for (std::uint32_t t : shape.triangles) {
         const PlaneTriangle p = shape.triangle(mesh, t);
-        for (const glm::dvec2& corner : p) shape.low = glm::min(shape.low, corner), shape.high = glm::max(shape.high, corner);
+        for (const glm::dvec2& corner : p)
+            shape.low = glm::min(shape.low, corner), shape.high = glm::max(shape.high, corner);
         shape.area += mesh.area[t];
     }
     find_inner_circle(mesh, shape);
@@ -99,9 +100,8 @@ PlaneTriangle in_texels(PlaneTriangle t, double scale, const glm::dvec2& shift) 
 bool covers_centre(const SurfaceMesh& mesh, const ChartShape& shape, double scale, const glm::dvec2& shift) {
     // Wherever it lies, a circle of that size holds one.
     if (shape.inner_radius * scale > 0.75) return true;
-    return std::any_of(shape.triangles.begin(), shape.triangles.end(), [&](std::uint32_t t) {
-        return holds_centre(in_texels(shape.triangle(mesh, t), scale, shift));
-    });
+    return std::any_of(shape.triangles.begin(), shape.triangles.end(),
+                       [&](std::uint32_t t) { return holds_centre(in_texels(shape.triangle(mesh, t), scale, shift)); });
 }
 
 constexpr double too_many = 1 << 20;  // texels a side: no atlas has room for them

@@ -25,7 +25,8 @@ void mark(std::vector<int>& cells, const PlaneTriangle& t) {
     const double top = std::min({t[0].y, t[1].y, t[2].y}), bottom = std::max({t[0].y, t[1].y, t[2].y});
     const double leftmost = std::min({t[0].x, t[1].x, t[2].x}), rightmost = std::max({t[0].x, t[1].x, t[2].x});
     const int y0 = std::max(0, int(std::ceil(top - 0.5))), y1 = std::min(side - 1, int(std::floor(bottom - 0.5)));
-    const int x0 = std::max(0, int(std::ceil(leftmost - 0.5))), x1 = std::min(side - 1, int(std::floor(rightmost - 0.5)));
+    const int x0 = std::max(0, int(std::ceil(leftmost - 0.5))),
+              x1 = std::min(side - 1, int(std::floor(rightmost - 0.5)));
     for (int y = y0; y <= y1; ++y)
         for (int x = x0; x <= x1; ++x) {
             bool inside = true;

@@ -10,7 +10,7 @@
 namespace plumb::probes {
 
 struct MeshCharts {
-    SurfaceMesh mesh;                // without its edges
+    SurfaceMesh mesh;  // without its edges
     OwnUv verdict = OwnUv::kept;
     int mirrored_islands = 0, overlaps_cut = 0;
     std::vector<ChartShape> shapes;  // kept: islands; otherwise planar charts
@@ -27,8 +27,8 @@ struct ChartPiece {
 };
 
 // The islands of a kept mesh stay as they were laid out where they are `gap` texels apart, each holds the centre of a
-// texel, and they fill a quarter of their rectangle. differs: elsewhere each becomes a chart of its own, where IPR takes
-// the mesh as one.
+// texel, and they fill a quarter of their rectangle. differs: elsewhere each becomes a chart of its own, where IPR
+// takes the mesh as one.
 std::vector<ChartPiece> chart_pieces(const std::vector<MeshCharts>& meshes, double texels_per_m, int gap);
 
 }  // namespace plumb::probes

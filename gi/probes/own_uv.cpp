@@ -62,7 +62,8 @@ double mean_edge_ratio(const SurfaceMesh& m) {
             const auto j = ends(m, h);
             bool known = false;
             const std::uint32_t from = std::max(m.edge_begin[e], i >= 8 ? i - 8 : 0);
-            for (std::uint32_t before = from; before < i && !known; ++before) known = ends(m, m.half_edges[before]) == j;
+            for (std::uint32_t before = from; before < i && !known; ++before)
+                known = ends(m, m.half_edges[before]) == j;
             if (known) continue;
             sum += length(glm::dvec3(m.corner(n).position) - glm::dvec3(m.corner(h).position)) / length(j[1] - j[0]);
             ++edges;
@@ -132,7 +133,8 @@ UvIslands judge_own_uv(const SurfaceMesh& mesh) {
     UvIslands islands;
     const double largest = largest_coordinate(mesh), tolerance = largest * 0x1p-22;
     islands.verdict = OwnUv::degenerate;
-    if (mesh.half_edges.empty() || largest == 0 || largest == HUGE_VAL || !all_have_height(mesh, tolerance)) return islands;
+    if (mesh.half_edges.empty() || largest == 0 || largest == HUGE_VAL || !all_have_height(mesh, tolerance))
+        return islands;
     islands.metres = mean_edge_ratio(mesh);
     islands.verdict = OwnUv::stretched;
     if (stretched(mesh, islands.metres)) return islands;

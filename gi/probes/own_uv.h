@@ -10,8 +10,9 @@ namespace plumb::probes {
 
 enum class OwnUv : int {
     kept,
-    degenerate,   // absent, not finite, or a triangle with area in space has none in the plane
-    stretched,    // a texel would cover more than largest_stretch of the mean edge, or the mesh that many squared its area
+    degenerate,  // absent, not finite, or a triangle with area in space has none in the plane
+    stretched,   // a texel would cover more than largest_stretch of the mean edge, or the mesh that many squared its
+                 // area
     overlapping,
 };
 
@@ -22,9 +23,9 @@ inline constexpr double largest_stretch = 4, largest_area_ratio = 4;
 // Parts of a mesh that hang together by edges with equal positions and equal coordinates on both sides.
 struct UvIslands {
     OwnUv verdict = OwnUv::kept;
-    double metres = 0;                   // a unit of the coordinates in metres: sum |e|/|j| / |E| (IPR 3.2.1.1)
-    std::vector<std::int32_t> of;        // [triangle]: island; -1: no area. Empty unless kept
-    int count = 0, mirrored = 0;         // islands; those that show the surface's back
+    double metres = 0;             // a unit of the coordinates in metres: sum |e|/|j| / |E| (IPR 3.2.1.1)
+    std::vector<std::int32_t> of;  // [triangle]: island; -1: no area. Empty unless kept
+    int count = 0, mirrored = 0;   // islands; those that show the surface's back
 };
 
 // Exact but for a tolerance of 2^-22 of the mesh's largest coordinate, four of its roundings.

@@ -13,11 +13,12 @@ struct FreeRectangle {
     glm::ivec2 origin, size;
 };
 
-// Free rectangles by one of their sides: finds the one whose side `key` is the least that is enough, and whose other side
-// is the least that is enough among those, in logarithmic time.
+// Free rectangles by one of their sides: finds the one whose side `key` is the least that is enough, and whose other
+// side is the least that is enough among those, in logarithmic time.
 class FreeList {
   public:
-    FreeList(int key, int longest) : key_(key), leaves_(std::bit_ceil(unsigned(longest) + 1)), lists_(leaves_), most_(2 * leaves_, 0) {}
+    FreeList(int key, int longest)
+        : key_(key), leaves_(std::bit_ceil(unsigned(longest) + 1)), lists_(leaves_), most_(2 * leaves_, 0) {}
 
     void add(const FreeRectangle& r) {
         const unsigned at = unsigned(r.size[key_]);

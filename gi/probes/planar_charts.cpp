@@ -6,7 +6,7 @@
 #include <numeric>
 
 #include "core/host_math.h"
-#include "gi/probes/overlap.h"
+#include "gi/probes/plane_cover.h"
 
 namespace plumb::probes {
 namespace {
@@ -18,7 +18,8 @@ glm::dvec3 unit(const glm::dvec3& v) { return v / std::sqrt(glm::dot(v, v)); }
 // The triangles projected onto the plane across n, with the seed's first corner as origin.
 class Projection {
   public:
-    Projection(const SurfaceMesh& mesh, std::uint32_t seed, const glm::dvec3& n) : mesh_(mesh), origin_(mesh.position(seed, 0)) {
+    Projection(const SurfaceMesh& mesh, std::uint32_t seed, const glm::dvec3& n)
+        : mesh_(mesh), origin_(mesh.position(seed, 0)) {
         plane_axes(n, first_, second_);
     }
     PlaneTriangle operator()(std::uint32_t t) const {
@@ -87,7 +88,11 @@ struct GrownChart {
 class Grower {
   public:
     Grower(const SurfaceMesh& mesh, double angle_deg, double tolerance)
-        : mesh_(mesh), least_cosine_(cosine(angle_deg)), tolerance_(tolerance), mark_(mesh.count, 0), taken_(mesh.count, 0) {}
+        : mesh_(mesh),
+          least_cosine_(cosine(angle_deg)),
+          tolerance_(tolerance),
+          mark_(mesh.count, 0),
+          taken_(mesh.count, 0) {}
 
     std::vector<GrownChart> grow_all() {
         List seeds;
@@ -168,7 +173,11 @@ class Grower {
 class Joiner {
   public:
     Joiner(const SurfaceMesh& mesh, std::vector<GrownChart>& charts, double angle_deg, double tolerance)
-        : mesh_(mesh), charts_(charts), least_cosine_(cosine(angle_deg)), tolerance_(tolerance), of_(mesh.count, 0),
+        : mesh_(mesh),
+          charts_(charts),
+          least_cosine_(cosine(angle_deg)),
+          tolerance_(tolerance),
+          of_(mesh.count, 0),
           covers_(charts.size()) {
         for (std::uint32_t c = 0; c < charts.size(); ++c) {
             for (std::uint32_t t : charts[c].triangles) of_[t] = c;
@@ -193,10 +202,12 @@ class Joiner {
         for (std::uint32_t t : charts_[c].triangles)
             for_neighbours(mesh_, t, [&](std::uint32_t u, std::uint32_t h) {
                 if (of_[u] == c || !(area_[of_[u]] >= 4 * area_[c])) return;
-                const glm::dvec3 edge = glm::dvec3(mesh_.corner(next_half_edge(h)).position) - glm::dvec3(mesh_.corner(h).position);
+                const glm::dvec3 edge =
+                    glm::dvec3(mesh_.corner(next_half_edge(h)).position) - glm::dvec3(mesh_.corner(h).position);
                 borders.push_back({of_[u], std::sqrt(glm::dot(edge, edge))});
             });
-        std::stable_sort(borders.begin(), borders.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+        std::stable_sort(borders.begin(), borders.end(),
+                         [](const auto& a, const auto& b) { return a.first < b.first; });
         std::size_t count = 0;
         for (std::size_t i = 0; i < borders.size(); ++i)
             if (count > 0 && borders[count - 1].first == borders[i].first)
@@ -204,7 +215,8 @@ class Joiner {
             else
                 borders[count++] = borders[i];
         borders.resize(count);
-        std::stable_sort(borders.begin(), borders.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
+        std::stable_sort(borders.begin(), borders.end(),
+                         [](const auto& a, const auto& b) { return a.second > b.second; });
         List charts;
         for (const auto& border : borders) charts.push_back(border.first);
         return charts;
@@ -217,7 +229,7 @@ class Joiner {
         const Projection project(mesh_, large.triangles[0], large.normal);
         if (!covers_[other]) {
             covers_[other] = std::make_unique<PlaneCover>(cover_of(project, large.triangles, tolerance_));
-            covers_[other]->add(projected(project, large.triangles));
+            for (std::uint32_t t : large.triangles) covers_[other]->add_untested(project(t));
         }
         if (!covers_[other]->add(projected(project, small.triangles))) return false;
         for (std::uint32_t t : small.triangles) of_[t] = other;

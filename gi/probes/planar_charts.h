@@ -11,17 +11,17 @@
 namespace plumb::probes {
 
 struct PlanarCharts {
-    std::vector<std::int32_t> of;     // [triangle]: chart; -1: no area
-    std::vector<glm::dvec3> normal;   // [chart] unit, of its plane
-    int split = 0;                    // charts that were cut off where the surface would have covered itself
+    std::vector<std::int32_t> of;    // [triangle]: chart; -1: no area
+    std::vector<glm::dvec3> normal;  // [chart] unit, of its plane
+    int split = 0;                   // charts that were cut off where the surface would have covered itself
 };
 
 // From the largest triangle that is left, a chart grows over shared edges while normals stay within five sixths of
-// `angle_deg` of its own, which is the area-weighted mean of what it holds after at most four rounds. Then, the smallest
-// first, a chart joins the neighbour with which it shares the longest border, if that has four times its area, all
-// normals stay within `angle_deg` and nothing overlaps. Edges that more than 8 triangles share, and edges along which two
-// triangles run the same way (a fold, a duplicate), end a chart. Ties are decided by indices: the charts are the same
-// everywhere.
+// `angle_deg` of its own, which is the area-weighted mean of what it holds after at most four rounds. Then, the
+// smallest first, a chart joins the neighbour with which it shares the longest border, if that has four times its area,
+// all normals stay within `angle_deg` and nothing overlaps. Edges that more than 8 triangles share, and edges along
+// which two triangles run the same way (a fold, a duplicate), end a chart. Ties are decided by indices: the charts are
+// the same everywhere.
 PlanarCharts cut_into_charts(const SurfaceMesh& mesh, double angle_deg);
 
 // Unit vectors that span the plane across unit n: cross(first, second) = n.

@@ -15,12 +15,13 @@ struct SurfaceMesh {
     int object = 0;
     std::size_t first = 0, count = 0;  // of Geometry::triangles
 
-    // m2. 0 where a triangle has no area to speak of: its height is within four roundings of its largest coordinate (2^-22
-    // of it), so that its corners may as well lie on a line.
+    // m2. 0 where a triangle has no area to speak of: its height is within four roundings of its largest coordinate
+    // (2^-22 of it), so that its corners may as well lie on a line.
     std::vector<double> area;
     std::vector<glm::dvec3> normal;  // unit, by the order of the corners; 0 where there is no area
 
-    // Half edges of triangles with area, edge by edge; corners are the same point where their positions are equal floats.
+    // Half edges of triangles with area, edge by edge; corners are the same point where their positions are equal
+    // floats.
     std::vector<std::uint32_t> half_edges;
     std::vector<std::uint32_t> edge_begin;  // [edge + 1]: index into half_edges
     std::vector<std::uint32_t> edge_of;     // [half edge]; no_edge for triangles without area
@@ -31,7 +32,9 @@ struct SurfaceMesh {
     const Vertex& corner(std::uint32_t half_edge) const {
         return geometry->vertices[corners(half_edge / 3)[int(half_edge % 3)]];
     }
-    glm::dvec3 position(std::size_t t, int k) const { return glm::dvec3(corner(std::uint32_t(3 * t) + std::uint32_t(k)).position); }
+    glm::dvec3 position(std::size_t t, int k) const {
+        return glm::dvec3(corner(std::uint32_t(3 * t) + std::uint32_t(k)).position);
+    }
 };
 
 // Half edge of the next corner of the same triangle.

@@ -1,5 +1,5 @@
-// The lightmap atlas (IPR 3.2.1.1): what it may not do to the scene, how many texels a surface gets, and that charts keep
-// apart; drawn by the rasterizer that receivers come from, and by points thrown at the triangles.
+// The lightmap atlas (IPR 3.2.1.1): what it may not do to the scene, how many texels a surface gets, and that charts
+// keep apart; drawn by the rasterizer that receivers come from, and by points thrown at the triangles.
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstring>
@@ -74,8 +74,8 @@ double area(const Geometry& g, std::size_t t) {
     return std::sqrt(glm::dot(n, n)) / 2;
 }
 
-// What charts touch, found by throwing points at every triangle, 4 a texel each way and the corners; 2^-9 of a texel away
-// from the sides, since a chart may reach 2^-10 beyond its rectangle.
+// What charts touch, found by throwing points at every triangle, 4 a texel each way and the corners; 2^-9 of a texel
+// away from the sides, since a chart may reach 2^-10 beyond its rectangle.
 Image<std::int32_t> touched(const Atlas& a, int& twice) {
     Image<std::int32_t> chart(a.size.x, a.size.y, -1);
     for (std::size_t t = 0; t < a.chart.size(); ++t) {
@@ -88,8 +88,7 @@ Image<std::int32_t> touched(const Atlas& a, int& twice) {
         for (int i = 0; i <= n; ++i)
             for (int j = 0; j <= n - i; ++j) {
                 glm::dvec2 q = (p[0] * double(i) + p[1] * double(j) + p[2] * double(n - i - j)) / double(n);
-                for (int c = 0; c < 2; ++c)
-                    q[c] += std::clamp(middle[c] - q[c], -0x1p-9, 0x1p-9);
+                for (int c = 0; c < 2; ++c) q[c] += std::clamp(middle[c] - q[c], -0x1p-9, 0x1p-9);
                 std::int32_t& at = chart(std::clamp(int(q.x), 0, a.size.x - 1), std::clamp(int(q.y), 0, a.size.y - 1));
                 twice += at >= 0 && at != a.chart[t];
                 at = a.chart[t];
@@ -197,10 +196,11 @@ TEST_CASE("atlas: a square metre has as many texels as its density says", "[prob
     CHECK(covered(drawn(atlas_of(scene, density(100)), scene)) == 25 * 4);
 }
 
-TEST_CASE("atlas: a flat chart keeps its lengths, and the charts' area is that of the surface", "[probes][IPR 3.2.1.1][analytic]") {
+TEST_CASE("atlas: a flat chart keeps its lengths, and the charts' area is that of the surface",
+          "[probes][IPR 3.2.1.1][analytic]") {
     Mesh mesh = without_uv(box({1, 2, 3}));
-    mesh.transform = glm::dmat4(glm::dvec4(0.36, 0.48, -0.8, 0), glm::dvec4(-0.8, 0.6, 0, 0), glm::dvec4(0.48, 0.64, 0.6, 0),
-                                glm::dvec4(1, -2, 3, 1));  // turned and moved
+    mesh.transform = glm::dmat4(glm::dvec4(0.36, 0.48, -0.8, 0), glm::dvec4(-0.8, 0.6, 0, 0),
+                                glm::dvec4(0.48, 0.64, 0.6, 0), glm::dvec4(1, -2, 3, 1));  // turned and moved
     const Atlas a = atlas_of(mesh, density(400));
     CHECK(a.charts.size() == 6);
     double sum = 0;
@@ -241,7 +241,8 @@ TEST_CASE("atlas: curved charts have the density of flat ones on average", "[pro
     CHECK(longest > 1);
 }
 
-TEST_CASE("atlas: own coordinates are scaled by the mean edge ratio, and stay as they are", "[probes][IPR 3.2.1.1][analytic]") {
+TEST_CASE("atlas: own coordinates are scaled by the mean edge ratio, and stay as they are",
+          "[probes][IPR 3.2.1.1][analytic]") {
     Mesh mesh = quad(2, 1);
     const float uv[4][2] = {{0.25f, 0.75f}, {0.75f, 0.75f}, {0.75f, 0.25f}, {0.25f, 0.25f}};
     for (std::size_t k = 0; k < 4; ++k) mesh.vertices[k].u = uv[k][0], mesh.vertices[k].v = uv[k][1];
@@ -257,7 +258,8 @@ TEST_CASE("atlas: own coordinates are scaled by the mean edge ratio, and stay as
     }
 }
 
-TEST_CASE("atlas: islands stay together where they are the gap apart, and are split where not", "[probes][IPR 3.2.1.1]") {
+TEST_CASE("atlas: islands stay together where they are the gap apart, and are split where not",
+          "[probes][IPR 3.2.1.1]") {
     // Two squares of a metre, whose coordinates are metres, `apart` metres from each other.
     auto pair_of = [](float apart) {
         Mesh mesh;
@@ -287,7 +289,8 @@ TEST_CASE("atlas: small and thin charts hold the centre of a texel", "[probes][I
         // Triangles from a hundredth of a texel to some texels; a texel is 0.1 m.
         Mesh mesh;
         for (int i = 0; i < 60; ++i) {
-            const float size = 0.001f * float(host::pow(600, double(dice.unit()))), thin = dice.one_in(2) ? 1 : dice.between(0.02f, 0.2f);
+            const float size = 0.001f * float(host::pow(600, double(dice.unit()))),
+                        thin = dice.one_in(2) ? 1 : dice.between(0.02f, 0.2f);
             const glm::vec3 at = dice.in_box(glm::vec3(-1), glm::vec3(1)), d = dice.direction(), e = dice.direction();
             const unsigned first = unsigned(mesh.vertices.size());
             for (const glm::vec3& p : {at, at + d * size, at + d * (size * dice.unit()) + e * (size * thin)})
@@ -302,7 +305,8 @@ TEST_CASE("atlas: small and thin charts hold the centre of a texel", "[probes][I
         for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
             double around = 0;
             for (int k = 0; k < 3; ++k)
-                around += glm::length(position(a.geometry, a.geometry.triangles[t][(k + 1) % 3]) - position(a.geometry, a.geometry.triangles[t][k]));
+                around += glm::length(position(a.geometry, a.geometry.triangles[t][(k + 1) % 3]) -
+                                      position(a.geometry, a.geometry.triangles[t][k]));
             tiny += 2 * area(a.geometry, t) / around * 10 < 1.001 / 128;
         }
         CHECK(a.summary.charts_without_texel <= tiny);
@@ -383,11 +387,11 @@ TEST_CASE("atlas: triangles without area have no texels and change nothing for o
     const Scene plain = scene_of({box({1, 1, 1})});
     Scene with = plain;
     Mesh& mesh = with.meshes[0];
-    mesh.triangles.insert(mesh.triangles.begin() + 3, {0, 0, 1});            // a line
-    mesh.triangles.insert(mesh.triangles.begin(), {4, 4, 4});                // a point
-    mesh.triangles.push_back({1, 1, 6});                                     // a line
+    mesh.triangles.insert(mesh.triangles.begin() + 3, {0, 0, 1});  // a line
+    mesh.triangles.insert(mesh.triangles.begin(), {4, 4, 4});      // a point
+    mesh.triangles.push_back({1, 1, 6});                           // a line
     mesh.material.assign(mesh.triangles.size(), 0);
-    with.meshes.emplace_back();                                              // nothing but a point
+    with.meshes.emplace_back();  // nothing but a point
     with.meshes[1].vertices.assign(3, with.meshes[0].vertices[0]);
     with.meshes[1].triangles = {{0, 1, 2}}, with.meshes[1].material = {0};
     const Atlas a = atlas_of(with, density(80)), b = atlas_of(plain, density(80));
@@ -410,17 +414,20 @@ TEST_CASE("atlas: refuses what it cannot do, in one line that says why", "[probe
     line.vertices.assign(3, {{1, 2, 3}, 0, {0, 1, 0}, 0});
     line.triangles = {{0, 1, 2}}, line.material = {0};
     CHECK(refusal(scene_of({line}), {}) == "atlas: scene: no surfaces: expected a triangle that has an area");
-    CHECK_THAT(refusal(scene_of({quad(2e6f, 2e6f)}), {}), Catch::Contains("4e+12 m2 of surfaces with 80 receivers a m2: expected what fits"));
+    CHECK_THAT(refusal(scene_of({quad(2e6f, 2e6f)}), {}),
+               Catch::Contains("4e+12 m2 of surfaces with 80 receivers a m2: expected what fits"));
     AtlasParams low;
     low.max_size = 8;
     CHECK_THAT(refusal(one, low), Catch::Contains("8 x 8 texels"));
     low.max_size = 9;
     CHECK(refusal(one, low).empty());
     // Six charts of one texel and the gaps between them take 9 x 5 texels at least.
-    CHECK(refusal(scene_of({box({1, 1, 1})}), side(8)) == "atlas: size = 8: expected room for 6 charts and 3 texels between any two");
+    CHECK(refusal(scene_of({box({1, 1, 1})}), side(8)) ==
+          "atlas: size = 8: expected room for 6 charts and 3 texels between any two");
     CHECK(refusal(scene_of({box({1, 1, 1})}), side(9)).empty());
 
-    for (double bad : {0.0, -1.0, HUGE_VAL, double(std::nanf(""))}) CHECK_THAT(refusal(one, density(bad)), Catch::Contains("receivers_per_m2 = "));
+    for (double bad : {0.0, -1.0, HUGE_VAL, double(std::nanf(""))})
+        CHECK_THAT(refusal(one, density(bad)), Catch::Contains("receivers_per_m2 = "));
     AtlasParams p;
     p.gap = -1;
     CHECK_THAT(refusal(one, p), Catch::Contains("gap = -1: expected 0 to 64"));

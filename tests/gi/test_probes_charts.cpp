@@ -7,6 +7,7 @@
 #include "gi/probes/own_uv.h"
 #include "gi/probes/pack.h"
 #include "gi/probes/planar_charts.h"
+#include "gi/probes/plane_cover.h"
 #include "tests/gi/random_scene.h"
 
 using namespace plumb;
@@ -57,7 +58,8 @@ Geometry geometry_of(const Mesh& mesh) {
 struct Surface {
     Geometry geometry;
     SurfaceMesh mesh;
-    explicit Surface(const Mesh& m) : geometry(geometry_of(m)), mesh(surface_mesh(geometry, 0, 0, geometry.triangles.size())) {}
+    explicit Surface(const Mesh& m)
+        : geometry(geometry_of(m)), mesh(surface_mesh(geometry, 0, 0, geometry.triangles.size())) {}
 };
 
 // A grid of quads over [0, 1]^2 with shared vertices; `at` places it.
@@ -86,7 +88,9 @@ void add_triangle(Mesh& mesh, glm::vec3 a, glm::vec3 b, glm::vec3 c) {
     mesh.material.push_back(0);
 }
 
-void set_uv(Mesh& mesh, std::size_t vertex, float u, float v) { mesh.vertices[vertex].u = u, mesh.vertices[vertex].v = v; }
+void set_uv(Mesh& mesh, std::size_t vertex, float u, float v) {
+    mesh.vertices[vertex].u = u, mesh.vertices[vertex].v = v;
+}
 
 // No two triangles of a chart share area on its plane, and all face it within the angle.
 void check_charts(const SurfaceMesh& mesh, const PlanarCharts& charts, double angle_deg) {
@@ -100,7 +104,8 @@ void check_charts(const SurfaceMesh& mesh, const PlanarCharts& charts, double an
         glm::dvec3 x, y;
         plane_axes(n, x, y);
         PlaneTriangle p;
-        for (int k = 0; k < 3; ++k) p[std::size_t(k)] = {glm::dot(mesh.position(t, k), x), glm::dot(mesh.position(t, k), y)};
+        for (int k = 0; k < 3; ++k)
+            p[std::size_t(k)] = {glm::dot(mesh.position(t, k), x), glm::dot(mesh.position(t, k), y)};
         for (const PlaneTriangle& other : planes[charts.of[t]]) shared = std::max(shared, shared_area(p, other));
         planes[charts.of[t]].push_back(p);
     }
@@ -125,7 +130,8 @@ TEST_CASE("overlap: agrees with the area that triangles share", "[probes][overla
     CHECK(apart > 1000);
 }
 
-TEST_CASE("overlap: a shared side or corner is none, half a tolerance neither, twice the tolerance is one", "[probes][overlap]") {
+TEST_CASE("overlap: a shared side or corner is none, half a tolerance neither, twice the tolerance is one",
+          "[probes][overlap]") {
     const PlaneTriangle a{glm::dvec2(0, 0), {1, 0}, {0, 1}}, beside{glm::dvec2(1, 0), {1, 1}, {0, 1}};
     CHECK_FALSE(overlap(a, beside, 0));
     CHECK_FALSE(overlap(a, {glm::dvec2(0, 0), {-1, 0}, {0, -1}}, 0));
@@ -146,7 +152,8 @@ TEST_CASE("overlap: any_overlap finds one pair among many, and none in a grid", 
     const int n = 60;
     for (int y = 0; y < n; ++y)
         for (int x = 0; x < n; ++x) {
-            const glm::dvec2 a(x / 7.0, y / 3.0), b((x + 1) / 7.0, y / 3.0), c((x + 1) / 7.0, (y + 1) / 3.0), d(x / 7.0, (y + 1) / 3.0);
+            const glm::dvec2 a(x / 7.0, y / 3.0), b((x + 1) / 7.0, y / 3.0), c((x + 1) / 7.0, (y + 1) / 3.0),
+                d(x / 7.0, (y + 1) / 3.0);
             grid.push_back({a, b, c}), grid.push_back({a, c, d});
         }
     CHECK_FALSE(any_overlap(grid, 1e-9));
@@ -168,6 +175,32 @@ TEST_CASE("overlap: any_overlap finds one pair among many, and none in a grid", 
         for (std::size_t i = 0; i < some.size(); ++i)
             for (std::size_t k = 0; k < i; ++k) truth = truth || overlap(some[i], some[k], 1e-9);
         CHECK(any_overlap(some, 1e-9) == truth);
+    }
+}
+
+TEST_CASE("overlap: a fan of many needles is decided in no time, and one needle too many is found",
+          "[probes][overlap]") {
+    // The hub lies where boxes are cut, and where they are not.
+    const int n = 20000;
+    for (const glm::dvec2& hub : {glm::dvec2(0, 0), glm::dvec2(0.3, 0.17)}) {
+        auto rim = [&](double i) {
+            return hub + glm::dvec2(host::cos(2 * host::pi * i / n), host::sin(2 * host::pi * i / n));
+        };
+        std::vector<PlaneTriangle> fan;
+        std::vector<glm::dvec2> corners;
+        for (int i = 0; i < n; ++i) corners.push_back(rim(i));
+        for (int i = 0; i < n; ++i) fan.push_back({hub, corners[std::size_t(i)], corners[std::size_t((i + 1) % n)]});
+        CHECK_FALSE(any_overlap(fan, 1e-12));
+        // The sum of the areas tells nothing: the rim's square is larger by 4/pi.
+        for (const double at : {0.5, n / 2 - 0.4, 0.77 * n}) {
+            auto more = fan;
+            more.push_back({hub, rim(at), rim(at + 1)});
+            CHECK(any_overlap(more, 1e-12));
+            more.back() = {hub, rim(at), rim(at + 100)};
+            CHECK(any_overlap(more, 1e-12));
+            more.back() = {rim(at), rim(at + 1), 0.5 * (hub + rim(at + 3))};
+            CHECK(any_overlap(more, 1e-12));
+        }
     }
 }
 
@@ -194,7 +227,8 @@ TEST_CASE("overlap: a cover takes what overlaps nothing, whole groups or none", 
     CHECK(refused > 100);
 }
 
-TEST_CASE("charts: a box has 6, with shared vertices or without, seen from inside or outside", "[probes][IPR 3.2.1.1]") {
+TEST_CASE("charts: a box has 6, with shared vertices or without, seen from inside or outside",
+          "[probes][IPR 3.2.1.1]") {
     for (bool room : {false, true}) {
         Mesh mesh;
         test::add_box(mesh, {-1, 2, 3}, {1, 2.5f, 7}, 0, room);
@@ -206,7 +240,8 @@ TEST_CASE("charts: a box has 6, with shared vertices or without, seen from insid
             glm::uvec3 corners;
             for (int k = 0; k < 3; ++k) {
                 const Vertex& v = mesh.vertices[t[k]];
-                const auto at = known.insert({{v.position.x, v.position.y, v.position.z}, unsigned(shared.vertices.size())});
+                const auto at =
+                    known.insert({{v.position.x, v.position.y, v.position.z}, unsigned(shared.vertices.size())});
                 if (at.second) shared.vertices.push_back(v);
                 corners[k] = at.first->second;
             }
@@ -227,7 +262,8 @@ TEST_CASE("charts: a cylinder is cut into as many as its turn holds the angle", 
     // 48 faces of 7.5 degrees. The first growth reaches 5/6 of 60 degrees = 50 to both sides of the seed's normal: 13
     // faces. Four of 13 do not fit into 48, so a fifth is needed at most.
     const Surface s(sheet(48, 1, [](double u, double v) {
-        return glm::vec3(host::cos(2 * host::pi * std::fmod(u, 1.0)), 2 * v, -host::sin(2 * host::pi * std::fmod(u, 1.0)));
+        return glm::vec3(host::cos(2 * host::pi * std::fmod(u, 1.0)), 2 * v,
+                         -host::sin(2 * host::pi * std::fmod(u, 1.0)));
     }));
     const PlanarCharts charts = cut_into_charts(s.mesh, 60);
     check_charts(s.mesh, charts, 60);
@@ -242,8 +278,8 @@ TEST_CASE("charts: a ball's face their planes and cover nothing twice", "[probes
     for (double angle : {20.0, 45.0, 60.0, 80.0}) {
         const PlanarCharts charts = cut_into_charts(s.mesh, angle);
         check_charts(s.mesh, charts, angle);
-        // A cap within the angle holds (1 - cos angle) / 2 of the ball; the faces' normals differ from the ball's by less
-        // than 360 / 24 degrees.
+        // A cap within the angle holds (1 - cos angle) / 2 of the ball; the faces' normals differ from the ball's by
+        // less than 360 / 24 degrees.
         const double cap = (1 - host::cos((angle + 15) * host::pi / 180)) / 2;
         CHECK(double(charts.normal.size()) >= 1 / cap);
     }
@@ -263,7 +299,8 @@ TEST_CASE("charts: a ramp that winds around itself is split where it would cover
     check_charts(s.mesh, charts, 60);
 }
 
-TEST_CASE("charts: duplicates, sheets back to back and edges of many triangles never share a chart", "[probes][IPR 3.2.1.1]") {
+TEST_CASE("charts: duplicates, sheets back to back and edges of many triangles never share a chart",
+          "[probes][IPR 3.2.1.1]") {
     Mesh duplicate;
     test::add_quad(duplicate, {0, 0, 0}, {1, 0, 0}, {0, 0, -1}, 0);
     test::add_quad(duplicate, {0, 0, 0}, {1, 0, 0}, {0, 0, -1}, 0);
@@ -290,7 +327,7 @@ TEST_CASE("charts: duplicates, sheets back to back and edges of many triangles n
 
 TEST_CASE("surface: triangles lower than four roundings of their coordinates have no area", "[probes][degenerate]") {
     Mesh mesh;
-    add_triangle(mesh, {0, 0, 0}, {1, 0, 0}, {0.5f, 0, -0x1p-21f});   // height 2^-21 at coordinates of 1
+    add_triangle(mesh, {0, 0, 0}, {1, 0, 0}, {0.5f, 0, -0x1p-21f});  // height 2^-21 at coordinates of 1
     add_triangle(mesh, {0, 0, 0}, {1, 0, 0}, {0.5f, 0, -0x1p-23f});
     add_triangle(mesh, {0, 0, 0}, {1, 0, 0}, {1, 0, 0});
     add_triangle(mesh, {2, 2, 2}, {2, 2, 2}, {2, 2, 2});
@@ -328,7 +365,8 @@ TEST_CASE("own coordinates: a ball's map of longitude and latitude is kept", "[p
     CHECK(islands.metres < 2 * host::pi);
 }
 
-TEST_CASE("own coordinates: refused where absent, degenerate, not finite, stretched or overlapping", "[probes][IPR 3.2.1.1]") {
+TEST_CASE("own coordinates: refused where absent, degenerate, not finite, stretched or overlapping",
+          "[probes][IPR 3.2.1.1]") {
     Mesh mesh;
     test::add_quad(mesh, {0, 0, 0}, {1, 0, 0}, {0, 0, -1}, 0);
     test::add_quad(mesh, {1, 0, 0}, {2, 0, 0}, {1, 0, -1}, 0);
@@ -358,17 +396,22 @@ TEST_CASE("own coordinates: refused where absent, degenerate, not finite, stretc
         broken.vertices[2].v = bad;
         CHECK(verdict(broken) == OwnUv::degenerate);
     }
-    // Five times as long as its coordinates are, beside ones that fit: the mean edge is (4 + sqrt 2 + 2 5 + 2 + ...) / 10.
+    // Five times as long as its coordinates are, beside ones that fit: the mean edge is (4 + sqrt 2 + 2 5 + 2 + ...)
+    // / 10.
     Mesh stretched = mesh;
-    for (std::size_t k = 4; k < 8; ++k) set_uv(stretched, k, 2 + stretched.vertices[k].u / 64, stretched.vertices[k].v / 2);
+    for (std::size_t k = 4; k < 8; ++k)
+        set_uv(stretched, k, 2 + stretched.vertices[k].u / 64, stretched.vertices[k].v / 2);
     CHECK(verdict(stretched) == OwnUv::stretched);
 }
 
 TEST_CASE("packing: the rules of figures 3.7 and 3.8", "[probes][IPR 3.2.1.1]") {
-    auto squares = [](int n, int side) { return std::vector<RectangleToPack>(std::size_t(n), RectangleToPack{{side, side}, {}}); };
+    auto squares = [](int n, int side) {
+        return std::vector<RectangleToPack>(std::size_t(n), RectangleToPack{{side, side}, {}});
+    };
     const int gap = 3, s = 10, step = s + gap;
     CHECK(pack_rectangles(squares(1, s), gap, 0, 1000).side == s);
-    // The second goes to the bottom right corner, the third and fourth to the free space, the fifth to the corner again.
+    // The second goes to the bottom right corner, the third and fourth to the free space, the fifth to the corner
+    // again.
     const Packing five = pack_rectangles(squares(5, s), gap, 0, 1000);
     REQUIRE(five.placed.size() == 5);
     CHECK(five.side == 3 * s + 2 * gap);
@@ -411,9 +454,10 @@ TEST_CASE("packing: nothing is nearer than the gap, and little is left", "[probe
             for (int y = 0; y < r.size.y; ++y)
                 for (int x = 0; x < r.size.x; ++x) {
                     bool hole = false;
-                    for (const TexelHole& h : r.holes)  // widened by the gap: where others are at least that far from this
-                        hole = hole || (x >= h.origin.x - gap && x < h.origin.x + h.size.x + gap && y >= h.origin.y - gap &&
-                                        y < h.origin.y + h.size.y + gap);
+                    for (const TexelHole& h :
+                         r.holes)  // widened by the gap: where others are at least that far from this
+                        hole = hole || (x >= h.origin.x - gap && x < h.origin.x + h.size.x + gap &&
+                                        y >= h.origin.y - gap && y < h.origin.y + h.size.y + gap);
                     if (hole) continue;
                     const glm::ivec2 at = p.origin + (p.turned ? glm::ivec2(r.size.y - 1 - y, x) : glm::ivec2(x, y));
                     const bool inside = at.x >= 0 && at.y >= 0 && at.x < packing.side && at.y < packing.side;
