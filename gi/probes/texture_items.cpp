@@ -56,7 +56,7 @@ void check_probes(const BakeArrays& a) {
         if (!is_finite(a.probes[i])) fail("probe", i, "its position is not finite");
     for (std::size_t i = 0; i < a.relight.size(); ++i) {
         const BakedRay& r = a.relight[i];
-        if (r.material < -1 || r.material >= max_material)
+        if (r.material < -2 || r.material >= max_material)
             fail("relight ray", i, "material " + std::to_string(r.material));
         if (!std::isfinite(r.uv.x) || !std::isfinite(r.uv.y)) fail("relight ray", i, "its u or v is not finite");
         if (r.material >= 0 && !is_finite(r.position)) fail("relight ray", i, "its hit is not finite");

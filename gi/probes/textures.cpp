@@ -125,7 +125,7 @@ Array checked_texture(TextureId id, const BakeArrays& arrays, const TextureLayou
 const std::vector<TextureInfo>& textures() {
     static const std::vector<TextureInfo> all = {
         {"probe_rays", "IPR 3.2.5.1", rgba, DType::f32, 4, "",
-         "ray x of probe y: material of its hit (-1: none), u, v of the lightmap; w: 0"},
+         "ray x of probe y: material of its hit (-1: none; -2: the back of a surface), u, v of the lightmap; w: 0"},
         {"spherical_harmonics", "IPR 3.2.5.2", "R32_SFLOAT", DType::f32, 1, "", "Y_j in the direction of ray x, j = y"},
         {"cluster_matrix", "IPR 3.2.5.3", "R32_SFLOAT", DType::f32, 1, "",
          "a cluster: Sigma V^T upright, x: singular value, y: probe * coefficients + coefficient"},

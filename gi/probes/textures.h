@@ -21,7 +21,7 @@ struct BakedReceiver {
     int cluster = -1;     // -1: no probe supports it
 };
 struct BakedRay {
-    int material = -1;      // -1: nothing was hit
+    int material = -1;      // -1: nothing was hit; -2: the back of a surface
     glm::vec2 uv{0};        // of the lightmap; where nothing was hit, of the environment
     glm::vec3 position{0};  // m
 };

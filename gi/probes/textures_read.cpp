@@ -103,7 +103,7 @@ void read_probes(const TextureReader& in, BakeArrays& a) {
         a.probes.push_back(in.position(TextureId::probe_position, probe));
         for (std::size_t ray = 0; ray < std::size_t(n.rays); ++ray) {
             const float* hit = in.texel<float>(TextureId::probe_rays, probe, ray);
-            if (!(hit[0] >= -1 && hit[0] < 0x1p24f)) fail(TextureId::probe_rays, "a material is no index");
+            if (!(hit[0] >= -2 && hit[0] < 0x1p24f)) fail(TextureId::probe_rays, "a material is no index");
             a.relight.push_back({int(hit[0]), {hit[1], hit[2]}, in.position(TextureId::hit_position, probe, ray)});
         }
     }
