@@ -31,7 +31,7 @@ const std::vector<MethodInfo>& methods() {
 }
 
 std::vector<std::string> method_tables() {
-    return {"rsm", "isr", "indirect", "shadow", "direct", "compose", "tonemap", "reference", "layout"};
+    return {"rsm", "isr", "indirect", "shadow", "direct", "compose", "tonemap", "reference", "probes", "layout"};
  }
 
 std::vector<Field> table_fields(Settings& s, const std::string& table, const std::string& place) {
@@ -43,6 +43,7 @@ std::vector<Field> table_fields(Settings& s, const std::string& table, const std
     if (table == "compose") return compose::fields(s.compose);
     if (table == "tonemap") return compose::fields(s.tonemap);
     if (table == "reference") return reference::fields(s.reference);
+    if (table == "probes") return probes::fields(s.probes);
     if (table == "layout") return raster::fields(s.layout);
     throw InputError(fmt::format("{}: unknown table [{}]; the nearest known one is [{}]", place, table,
                                  nearest_name(table, method_tables())));

@@ -9,6 +9,7 @@
 #include "gi/direct/direct.h"
 #include "gi/filter/filter.h"
 #include "gi/isr/isr.h"
+#include "gi/probes/bake_params.h"
 #include "gi/reference/reference.h"
 #include "gi/rsm/gather.h"
 #include "raster/layout.h"
@@ -39,13 +40,14 @@ struct Settings {
     compose::ComposeParams compose;
     compose::TonemapParams tonemap;
     reference::PathParams reference;  // of the method reference and of the truth
+    probes::BakeParams probes;        // of `plumb bake`
     std::uint32_t seed = 1;
     bool truth = false;   // also trace what the method approximates
     bool pruning = true;  // false: every stage runs, needed or not; the picture is the same
 };
 
 // The tables of a scene file that hold parameters: "rsm", "isr", "indirect", "shadow", "direct", "compose", "tonemap", "reference",
-// "layout" (of a custom layout).
+// "probes", "layout" (of a custom layout).
 std::vector<std::string> method_tables();
 
 // The parameters of one table; throws InputError at `place` for a table that does not exist.

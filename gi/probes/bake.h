@@ -1,0 +1,104 @@
+// The bake of irradiance probes (IPR 3.2): what is known of a scene before there is light in it. Its steps are nodes of a
+// graph (gi/graph), in this order:
+//
+//     probes.atlas         where on the lightmap each surface lies
+//     probes.receivers     its texels, drawn, and moved out of what they lie in
+//     probes.placement     where probes stand, and how far they reach
+//     probes.supports      which of them support a receiver                                    a stage
+//     probes.relight       where each probe looks for radiance
+//     probes.coefficients  the transport, a block of receivers a node: probes.share and probes.coefficients are its stages
+//     probes.clusters      the transport, compressed
+//
+// Blocks and clusters are kept in the store, where there is one; the rest takes seconds. A part i of n computes every n-th
+// block: another run finds them in the store, and what it makes of them has the same bits.
+#pragma once
+
+#include <deque>
+#include <memory>
+
+#include "gi/graph/graph.h"
+#include "gi/probes/bake_params.h"
+#include "gi/probes/flat_clusters.h"
+#include "gi/probes/relight.h"
+#include "gi/probes/transport.h"
+
+namespace plumb::probes {
+
+inline constexpr int block_receivers = 1024;
+
+AtlasParams atlas_params(const BakeParams& p);
+ShiftParams shift_params(const BakeParams& p);
+ClusterParams cluster_params(const BakeParams& p);
+// sky: whether the environment sends anything. Under a sky that sends light the first solution loses it (a uniform sky then
+// gives less than pi L); where it sends none, the first leaks least (IPR 5.1.3.1).
+TransportParams transport_params(const BakeParams& p, bool sky);
+
+struct Bake {
+    BakeParams params;
+    TransportParams transport;             // as the scene's sky has it
+    std::uint64_t scene_hash = 0;          // scene_hash()
+    Atlas atlas;
+    Receivers receivers;
+    int shifted = 0;                       // receivers that were moved
+    Placement placement;
+    ProbeRadius radius;
+    Supports supports;
+    Buffer<glm::vec4> relight_directions;  // [relight_rays]
+    Buffer<float> harmonics;               // [relight_rays][(degree + 1)^2]: Y_j of each
+    RelightHits relight;
+    Buffer<float> alpha;                   // [receivers][overlaps][(degree + 1)^2], sr
+    std::vector<RayCounts> block_counts;   // of each block's rays
+    Clusters clusters;
+    FlatClusters flat;                     // the same, as it is kept
+    ClusterReport cluster_report;          // of clusters that were made here
+
+    int coefficients() const { return (params.degree + 1) * (params.degree + 1); }
+    RayCounts counts() const;
+    int blocks() const { return (receivers.count() + block_receivers - 1) / block_receivers; }
+};
+
+// Of all that a bake depends on but its parameters: the geometry, which material each triangle has, and where materials are
+// cut out by their masks. Light, reflectance and emission are the run time's.
+std::uint64_t scene_hash(const Scene& scene, const Geometry& geometry);
+
+struct Part {
+    int index = 0, count = 1;
+};
+
+// What a bake holds at once at its end, bytes, where receivers and probes are known.
+std::uint64_t bytes_needed(const Bake& bake);
+
+class BakeGraph {
+  public:
+    // The scene must outlive it. memory_limit: bytes; a bake that needs more is refused once that is known. Throws InputError
+    // for parameters out of range.
+    BakeGraph(const Scene& scene, const BakeParams& params, Part part = {}, std::uint64_t memory_limit = ~std::uint64_t(0));
+    ~BakeGraph();
+
+    const std::vector<const graph::Node*>& nodes() const { return first_; }
+    const Bake& bake() const { return bake_; }
+    // Of the block that holds the receiver: what its stages are given, traced anew.
+    TracedBlock traced(int receiver, const RunOptions& options) const;
+    const raster::Surfaces& surfaces() const;
+    // Seconds that went into rays, and what probes.share made of them, of the blocks that ran.
+    double seconds_of_rays() const { return seconds_of_rays_; }
+
+  private:
+    struct World;
+    void add_host_nodes();
+    std::vector<const graph::Node*> add_blocks();
+    graph::Node block_node(int block);
+    graph::Node clusters_node();
+    void read_rays(graph::Reads& reads) const;
+
+    const Scene& scene_;
+    Part part_;
+    std::uint64_t memory_limit_;
+    Bake bake_;
+    std::unique_ptr<World> world_;
+    std::deque<graph::Node> nodes_;
+    std::vector<const graph::Node*> first_;
+    double seconds_of_rays_ = 0;
+};
+
+}  // namespace plumb::probes

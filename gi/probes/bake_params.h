@@ -1,0 +1,43 @@
+// The parameters of a bake: the table [probes] of a scene file.
+#pragma once
+
+#include <vector>
+
+#include "core/fields.h"
+#include "core/ray_query.h"
+#include "gi/probes/directions.h"
+#include "gi/probes/placement.h"
+
+namespace plumb::probes {
+
+// What rays that meet nothing bring: as Escape has it, or what suits the scene.
+enum class Escapes : int { automatic, nothing, same_direction, visible_probes, all_probes };
+enum class Weighting : int { none, published };
+
+// fields() says what each means.
+struct BakeParams {
+    float receivers_per_m2 = 80;
+    int lightmap_size = 0;
+    int gap = 3;
+    float chart_angle = 45;
+    int test_rays = 64;
+    float back_share = 0.6f;
+    PlacementParams placement;
+    int relight_rays = 512;
+    int receiver_rays = 512;
+    int degree = 7;
+    Distribution distribution = Distribution::cosine;
+    Escapes escapes = Escapes::automatic;
+    Weighting weighting = Weighting::none;
+    int singular_values = 32;
+    float threshold = 0.005f;
+    int cluster_receivers = 1024;
+    bool by_size_only = false;
+    Rays rays = Rays::exact;
+};
+std::vector<Field> fields(BakeParams& params);
+
+// Throws InputError that names the parameter.
+void validate(const BakeParams& params);
+
+}  // namespace plumb::probes

@@ -1,0 +1,277 @@
+#include "gi/probes/debug_layers.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/hash.h"
+#include "core/host_math.h"
+#include "core/sh.h"
+#include "raster/gbuffer.h"
+
+namespace plumb::probes {
+
+namespace {
+
+const glm::vec4 nothing(0.06f, 0.06f, 0.08f, 1), grey(0.7f, 0.7f, 0.7f, 1);
+
+// A colour for each number, bright enough to be told from nothing.
+glm::vec4 colour_of(int i) {
+    const auto h = pixel_hash<std::int32_t>(i, 7, 1, 3);
+    return {0.25f + 0.75f * unit_float<float>(h.x), 0.25f + 0.75f * unit_float<float>(h.y), 0.25f + 0.75f * unit_float<float>(h.z),
+            1};
+}
+
+// From blue over white to red, 0 white.
+glm::vec4 signed_colour(double x) {
+    const float t = float(std::min(1.0, std::fabs(x)));
+    return x < 0 ? glm::vec4(1 - t, 1 - t, 1, 1) : glm::vec4(1, 1 - t, 1 - t, 1);
+}
+
+// ---- On the lightmap -------------------------------------------------------------------------------------------------
+
+template <class ColourOf>
+Image4 on_lightmap(const Receivers& r, ColourOf colour) {
+    Image4 picture(r.size.x, r.size.y, nothing);
+    for (int i = 0; i < r.count(); ++i) picture(r.texel[i].x, r.texel[i].y) = colour(i);
+    return picture;
+}
+
+// Each texel beside a receiver as the first of those: surfaces end between texel centres.
+Image4 beyond_charts(const Receivers& r, const Image4& lightmap) {
+    Image<std::uint8_t> is_receiver(r.size.x, r.size.y);
+    for (const glm::ivec2& t : r.texel) is_receiver(t.x, t.y) = 1;
+    Image4 out = lightmap;
+    for (const glm::ivec2& t : r.texel)
+        for (int y = std::max(0, t.y - 1); y <= std::min(r.size.y - 1, t.y + 1); ++y)
+            for (int x = std::max(0, t.x - 1); x <= std::min(r.size.x - 1, t.x + 1); ++x)
+                if (!is_receiver(x, y)) out(x, y) = lightmap(t.x, t.y);
+    return out;
+}
+
+Image4 border_picture(const Receivers& r) {
+    constexpr int steps[4][2] = {{-1, 0}, {1, 0}, {0, -1}, {0, 1}};
+    Image4 picture = on_lightmap(r, [&](int i) { return r.border[i] ? glm::vec4(1, 0.8f, 0.2f, 1) : grey; });
+    for (int i = 0; i < r.count(); ++i)
+        for (int k = 0; k < 4; ++k)
+            if (r.border[i] >> k & 1)
+                picture(r.texel[i].x + steps[k][0], r.texel[i].y + steps[k][1]) = glm::vec4(0.2f, 0.5f, 1, 1);
+    return picture;
+}
+
+// ---- In the scene ----------------------------------------------------------------------------------------------------
+
+class SceneView {
+  public:
+    SceneView(const Bake& bake, const raster::Surfaces& surfaces, const DebugView& view, const RunOptions& options)
+        : bake_(bake), view_(view) {
+        raster::GBufferWants wants;
+        wants.albedo = wants.emission = false;
+        raster::draw_gbuffer(bake.atlas.geometry, surfaces, view.view, view.size, raster::Layout::fp32, options, seen_, wants);
+    }
+
+    // Surfaces in the colours of a lightmap, shaded by how much they face the camera.
+    Image4 with(const Image4* lightmap) const {
+        Image4 picture(view_.size.x, view_.size.y, nothing);
+        for (int y = 0; y < view_.size.y; ++y)
+            for (int x = 0; x < view_.size.x; ++x) {
+                if (seen_.id(x, y).y < 0) continue;
+                const glm::dvec3 n(seen_.normal(x, y)), p(seen_.position(x, y));
+                const double facing = std::fabs(glm::dot(n, glm::normalize(view_.view.eye - p)));
+                const glm::vec4 base = lightmap ? texel_at(*lightmap, seen_.id(x, y).y, p) : grey;
+                picture(x, y) = glm::vec4(glm::vec3(base) * float(0.4 + 0.6 * facing), 1);
+            }
+        return picture;
+    }
+
+    // A ball, where nothing is in front of it.
+    void ball(Image4& picture, const glm::dvec3& centre, double radius, const glm::vec4& colour) const {
+        glm::ivec2 low, high;
+        if (!pixels_of(centre, radius, low, high)) return;
+        for (int y = low.y; y <= high.y; ++y)
+            for (int x = low.x; x <= high.x; ++x) {
+                const glm::dvec3 direction = ray(x, y), to = centre - view_.view.eye;
+                const double along = glm::dot(to, direction), d2 = glm::dot(to, to) - along * along;
+                if (d2 > radius * radius || along <= 0) continue;
+                const double depth = (along - std::sqrt(radius * radius - d2)) * glm::dot(direction, view_.view.forward);
+                const bool hidden = seen_.id(x, y).y >= 0 && double(seen_.position(x, y).w) < depth;
+                if (!hidden) picture(x, y) = colour * float(1 - 0.7 * d2 / (radius * radius));
+            }
+    }
+
+    // The outline of a sphere, through everything.
+    void outline(Image4& picture, const glm::dvec3& centre, double radius, const glm::vec4& colour) const {
+        for (int k = 0; k < 720; ++k) {
+            const double a = 2 * host::pi * k / 720;
+            const glm::dvec3 side = glm::dvec3(glm::transpose(view_.view.world_to_view) * glm::dvec4(host::cos(a), host::sin(a), 0, 0));
+            glm::dvec2 at;
+            if (pixel_of(centre + radius * side, at)) put(picture, at, colour);
+        }
+    }
+
+    void line(Image4& picture, const glm::dvec3& a, const glm::dvec3& b, const glm::vec4& colour) const {
+        const int steps = 2 * std::max(view_.size.x, view_.size.y);
+        for (int k = 0; k <= steps; ++k) {
+            const glm::dvec3 p = a + (b - a) * (double(k) / steps);
+            glm::dvec2 at;
+            if (!pixel_of(p, at)) continue;
+            const int x = int(at.x), y = int(at.y);
+            if (x < 0 || y < 0 || x >= view_.size.x || y >= view_.size.y) continue;
+            const double depth = glm::dot(p - view_.view.eye, view_.view.forward);
+            const bool hidden = seen_.id(x, y).y >= 0 && double(seen_.position(x, y).w) < depth * 0.999;
+            if (!hidden) put(picture, at, colour);
+        }
+    }
+
+  private:
+    glm::dvec3 ray(int x, int y) const {
+        const glm::dmat4 to_world = glm::inverse(view_.view.world_to_clip());
+        const glm::dvec4 far = to_world * glm::dvec4(2 * (x + 0.5) / view_.size.x - 1, 2 * (y + 0.5) / view_.size.y - 1, 0.5, 1);
+        return glm::normalize(glm::dvec3(far) / far.w - view_.view.eye);
+    }
+    bool pixel_of(const glm::dvec3& p, glm::dvec2& at) const {
+        const glm::dvec4 clip = view_.view.world_to_clip() * glm::dvec4(p, 1);
+        if (clip.w <= 0) return false;
+        at = {(clip.x / clip.w + 1) / 2 * view_.size.x, (clip.y / clip.w + 1) / 2 * view_.size.y};
+        return at.x > -1e6 && at.x < 1e6 && at.y > -1e6 && at.y < 1e6;
+    }
+    bool pixels_of(const glm::dvec3& centre, double radius, glm::ivec2& low, glm::ivec2& high) const {
+        glm::dvec2 at, beside;
+        const glm::dvec3 right(glm::transpose(view_.view.world_to_view) * glm::dvec4(1, 0, 0, 0));
+        if (!pixel_of(centre, at) || !pixel_of(centre + radius * right, beside)) return false;
+        const double reach = 1.5 * glm::length(beside - at) + 1;
+        low = {std::max(0, int(at.x - reach)), std::max(0, int(at.y - reach))};
+        high = {std::min(view_.size.x - 1, int(at.x + reach)), std::min(view_.size.y - 1, int(at.y + reach))};
+        return true;
+    }
+    void put(Image4& picture, const glm::dvec2& at, const glm::vec4& colour) const {
+        const int x = int(at.x), y = int(at.y);
+        if (at.x >= 0 && at.y >= 0 && x < view_.size.x && y < view_.size.y) picture(x, y) = colour;
+    }
+    glm::vec4 texel_at(const Image4& lightmap, int triangle, const glm::dvec3& p) const {
+        const Geometry& g = bake_.atlas.geometry;
+        const glm::uvec3 t = g.triangles[std::size_t(triangle)];
+        const glm::dvec3 a(g.vertices[t.x].position), e1 = glm::dvec3(g.vertices[t.y].position) - a,
+                         e2 = glm::dvec3(g.vertices[t.z].position) - a, n = glm::cross(e1, e2);
+        const double area2 = glm::dot(n, n);
+        if (area2 == 0) return nothing;
+        const double l1 = glm::dot(glm::cross(p - a, e2), n) / area2, l2 = glm::dot(glm::cross(e1, p - a), n) / area2;
+        const glm::dvec2 ua(bake_.atlas.uv[t.x]), ub(bake_.atlas.uv[t.y]), uc(bake_.atlas.uv[t.z]);
+        const glm::dvec2 uv = ua + l1 * (ub - ua) + l2 * (uc - ua);
+        const int x = std::clamp(int(uv.x * lightmap.width), 0, lightmap.width - 1),
+                  y = std::clamp(int(uv.y * lightmap.height), 0, lightmap.height - 1);
+        return lightmap(x, y);
+    }
+
+    const Bake& bake_;
+    const DebugView& view_;
+    raster::GBuffer seen_;
+};
+
+// ---- Functions on the sphere, and singular values --------------------------------------------------------------------
+
+// sum over the supporting probes of sum_j alpha_ij Y_j(d), by longitude and latitude, y up, over its largest value.
+Image4 alpha_picture(const Bake& b, int receiver) {
+    const int coefficients = b.coefficients(), slots = b.supports.overlaps;
+    Image4 picture(512, 256);
+    double largest = 0;
+    std::vector<double> values;
+    for (int y = 0; y < picture.height; ++y)
+        for (int x = 0; x < picture.width; ++x) {
+            const double theta = host::pi * (y + 0.5) / picture.height, phi = 2 * host::pi * ((x + 0.5) / picture.width - 0.5);
+            const glm::dvec3 d(host::sin(theta) * host::sin(phi), host::cos(theta), -host::sin(theta) * host::cos(phi));
+            const sh::Values basis = sh::basis(d, b.params.degree);
+            double sum = 0;
+            for (int s = 0; s < slots; ++s)
+                for (int j = 0; j < coefficients; ++j)
+                    sum += double(b.alpha[std::size_t((std::int64_t(receiver) * slots + s) * coefficients + j)]) * basis[std::size_t(j)];
+            values.push_back(sum);
+            largest = std::max(largest, std::fabs(sum));
+        }
+    for (std::size_t i = 0; i < values.size(); ++i) picture.texels[i] = signed_colour(largest > 0 ? values[i] / largest : 0);
+    return picture;
+}
+
+// A curve a cluster: log10 of the singular values over the largest, 0 to -6 downwards, the kept ones from left to right.
+Image4 singular_picture(const Clusters& clusters) {
+    Image4 picture(640, 360, glm::vec4(1));
+    std::size_t most = 2;
+    for (const Cluster& c : clusters.clusters) most = std::max(most, c.singular_values.size());
+    for (std::size_t k = 0; k < clusters.clusters.size(); ++k) {
+        const std::vector<double>& s = clusters.clusters[k].singular_values;
+        for (std::size_t i = 0; i + 1 < s.size() && s[0] > 0; ++i)
+            for (int step = 0; step <= 32; ++step) {
+                const double t = step / 32.0, a = host::log(std::max(s[i] / s[0], 1e-12)), b = host::log(std::max(s[i + 1] / s[0], 1e-12));
+                const int x = int((double(i) + t) / double(most - 1) * (picture.width - 1));
+                const int y = int(-(a + t * (b - a)) / host::log(10) / 6 * (picture.height - 1));
+                if (x < picture.width && y >= 0 && y < picture.height) picture(x, y) = 0.8f * colour_of(int(k));
+            }
+    }
+    return picture;
+}
+
+}  // namespace
+
+std::vector<DebugLayer> debug_layers(const Bake& b, const raster::Surfaces& surfaces, const DebugView& view,
+                                     const RunOptions& options) {
+    const Receivers& r = b.receivers;
+    std::vector<DebugLayer> layers;
+    const auto add = [&](const char* name, const char* node, const char* meaning, Image4 picture) {
+        layers.push_back({name, node, meaning, std::move(picture)});
+    };
+    const SceneView scene(b, surfaces, view, options);
+    const auto add_both = [&](const std::string& name, const char* node, const char* meaning, Image4 lightmap) {
+        const Image4 extended = beyond_charts(r, lightmap);
+        layers.push_back({name, node, meaning, std::move(lightmap)});
+        layers.push_back({name + ".scene", node, meaning, scene.with(&extended)});
+    };
+    add_both("charts", "probes.atlas", "a colour each chart",
+             on_lightmap(r, [&](int i) { return colour_of(b.atlas.chart[std::size_t(r.triangle[i])]); }));
+    add("normals", "probes.receivers", "n / 2 + 1 / 2", on_lightmap(r, [&](int i) { return 0.5f * r.normal[i] + 0.5f; }));
+    add("borders", "probes.receivers", "yellow: receivers that extend; blue: where", border_picture(r));
+    float farthest = 1e-30f;
+    for (const glm::vec4& s : r.shift) farthest = std::max(farthest, glm::length(glm::vec3(s)));
+    add_both("shifts", "probes.receivers", "red: receivers that were moved, by how much of the farthest",
+             on_lightmap(r, [&](int i) {
+                 return r.shift[i].w == 0 ? grey : glm::vec4(1, 0.7f * (1 - glm::length(glm::vec3(r.shift[i])) / farthest), 0.2f, 1);
+             }));
+    const double ball = 0.01 * double(glm::length(glm::vec3(extent_of(b.atlas.geometry))));
+    Image4 placed = scene.with(nullptr);
+    for (const glm::vec4& c : b.placement.candidates) scene.ball(placed, glm::dvec3(c), 0.3 * ball, {0.9f, 0.6f, 0.2f, 1});
+    add("candidates", "probes.placement", "all candidates", placed);
+    placed = scene.with(nullptr);
+    for (const glm::vec4& p : b.placement.probes) scene.ball(placed, glm::dvec3(p), ball, {0.2f, 0.5f, 1, 1});
+    scene.outline(placed, glm::dvec3(b.placement.probes[0]), b.radius.radius_m, {1, 1, 1, 1});
+    add("probes", "probes.placement", "probes; the outline is the reach of the first", placed);
+    add_both("supports", "probes.supports", "green: as many probes as there are slots; black: none",
+             on_lightmap(r, [&](int i) {
+                 const auto first = b.supports.probe.begin() + std::ptrdiff_t(i) * b.supports.overlaps;
+                 const auto n = std::count_if(first, first + b.supports.overlaps, [](std::int32_t p) { return p >= 0; });
+                 const float share = float(n) / float(b.supports.overlaps);
+                 return n == 0 ? glm::vec4(0, 0, 0, 1) : glm::vec4(1 - share, 0.3f + 0.6f * share, 0.2f, 1);
+             }));
+    Image4 rays = scene.with(nullptr);
+    for (int k = 0; k < std::min(64, b.relight.rays); ++k) {
+        const glm::dvec4 to(b.relight.position[std::size_t(k)]);
+        const glm::dvec3 from(b.placement.probes[0]);
+        const std::int32_t met = b.relight.material[std::size_t(k)];
+        const glm::vec4 colour = met == met_nothing ? glm::vec4(0.3f, 0.5f, 1, 1) : met == met_back ? glm::vec4(0.1f, 0.1f, 0.1f, 1)
+                                                                                                  : glm::vec4(1, 0.3f, 0.2f, 1);
+        scene.line(rays, from, to.w > 0 ? glm::dvec3(to) : from + 60 * ball * glm::dvec3(to), colour);
+    }
+    add("rays", "probes.relight", "64 rays of the first probe: red to surfaces, blue into the sky, black to backs", rays);
+    const int receiver = view.receiver >= 0 && view.receiver < r.count() ? view.receiver : r.count() / 2;
+    if (!b.alpha.empty())
+        add("alpha", "probes.coefficients", "alpha of a receiver by direction (longitude, latitude), all probes; blue: negative",
+            alpha_picture(b, receiver));
+    if (!b.clusters.clusters.empty()) {
+        add_both("clusters", "probes.clusters", "a colour each cluster; black: no probe",
+                 on_lightmap(r, [&](int i) { return b.clusters.cluster_of[i] < 0 ? glm::vec4(0, 0, 0, 1) : colour_of(b.clusters.cluster_of[i]); }));
+        add("singular_values", "probes.clusters", "a curve a cluster: over the largest, 1 to 1e-6, logarithmic",
+            singular_picture(b.clusters));
+    }
+    return layers;
+}
+
+}  // namespace plumb::probes
