@@ -32,9 +32,6 @@ using Catch::Matchers::StartsWith;
 TEST_CASE("usage: commands", "[program]") {
     CHECK_THAT(refused({}), Contains("--help"));
     CHECK_THAT(refused({"rendr"}), Equals("unknown command 'rendr'; the nearest known one is 'render'"));
-    for (const char* later : {"bake"})
-        CHECK_THAT(refused({later, "x"}),
-                   Equals(std::string("the command '") + later + "' comes with a later version"));
     CHECK_THAT(refused({"experiment", "closed-form"}),
                Equals("unknown experiment 'closed-form'; the nearest known one is 'closed-forms'"));
     CHECK_THAT(refused({"experiment", "closed-forms", "--thread", "2"}),

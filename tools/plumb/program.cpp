@@ -13,9 +13,6 @@ namespace {
 
 constexpr const char* version = PLUMB_VERSION;
 
-// Commands that scripts may already name.
-const std::vector<std::string> later_commands = {"bake"};
-
 // The name of an argument that looks like an option: "--threads=3" is "--threads".
 std::string option_name(const std::string& argument) { return argument.substr(0, argument.find('=')); }
 
@@ -30,14 +27,12 @@ std::vector<std::string> option_names(const CLI::App& command) {
     return names;
 }
 
-// The parser itself neither knows the nearest command nor the ones to come.
+// The parser itself does not know the nearest command.
 void check_command(const CLI::App& program, const std::string& name) {
     std::vector<std::string> known;
     for (const CLI::App* command : program.get_subcommands({})) known.push_back(command->get_name());
     if (std::find(known.begin(), known.end(), name) != known.end()) return;
     const std::string what = program.get_parent() ? program.get_name() : "command";
-    if (std::find(later_commands.begin(), later_commands.end(), name) != later_commands.end())
-        throw InputError(fmt::format("the command '{}' comes with a later version", name));
     throw InputError(
         fmt::format("unknown {} '{}'; the nearest known one is '{}'", what, name, nearest_name(name, known)));
 }
@@ -96,6 +91,7 @@ int run_program(int argc, char** argv) {
     add_render(program, action);
     add_plan(program, action);
     add_graph(program, action);
+    add_bake(program, action);
     add_compare(program, action);
     add_explain(program, action);
     add_validate(program, action);

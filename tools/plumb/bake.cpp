@@ -1,0 +1,311 @@
+// plumb bake: what irradiance probes know of a scene before there is light in it, in one file.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <fstream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "core/content_hash.h"
+#include "core/error.h"
+#include "gi/frame/settings.h"
+#include "gi/probes/debug_layers.h"
+#include "io/file.h"
+#include "io/npy.h"
+#include "tools/plumb/cli.h"
+#include "tools/plumb/graph_page.h"
+#include "tools/shared/bake_file.h"
+#include "tools/shared/bake_textures.h"
+#include "tools/shared/file_store.h"
+#include "tools/shared/outputs.h"
+#include "tools/shared/progress.h"
+#include "tools/shared/reports.h"
+#include "tools/shared/scene_command.h"
+#include "tools/shared/table.h"
+#include "io/image_file.h"
+
+namespace plumb::cli {
+
+namespace {
+
+struct BakeOptions {
+    SceneOptions scene;
+    Common common;
+    std::string file, part, verified, layers, textures, html, store;
+    bool join = false, resume = false, no_cache = false, with_alpha = false;
+    double memory_gb = 0;
+};
+
+int number_of(const std::string& text, const std::string& option) {
+    const bool digits = !text.empty() && text.size() < 8 && text.find_first_not_of("0123456789") == std::string::npos;
+    if (!digits) throw InputError(fmt::format("{}: expected I/N, 2/4 say, or 'launcher'", option));
+    return std::stoi(text);
+}
+
+// What a launcher of many processes tells each: its rank, from 0 (arrays of SLURM: from their own least), and how many there are.
+probes::Part part_of_launcher() {
+    static const char* const names[][2] = {{"OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE"},
+                                           {"PMI_RANK", "PMI_SIZE"},
+                                           {"SLURM_PROCID", "SLURM_NTASKS"},
+                                           {"SLURM_ARRAY_TASK_ID", "SLURM_ARRAY_TASK_COUNT"}};
+    for (const auto& [rank, size] : names) {
+        const char *r = std::getenv(rank), *n = std::getenv(size);
+        if (!r || !n) continue;
+        const char* least = std::string(rank) == "SLURM_ARRAY_TASK_ID" ? std::getenv("SLURM_ARRAY_TASK_MIN") : nullptr;
+        const int first = least ? number_of(least, "SLURM_ARRAY_TASK_MIN") : 0;
+        return {number_of(r, rank) - first, number_of(n, size)};
+    }
+    throw InputError("--part launcher: no launcher tells a rank (OMPI_COMM_WORLD_RANK, PMI_RANK, SLURM_PROCID, SLURM_ARRAY_TASK_ID)");
+}
+
+probes::Part part_of(const std::string& text) {
+    if (text.empty()) return {};
+    if (text == "launcher") return part_of_launcher();
+    const std::size_t slash = text.find('/');
+    if (slash == std::string::npos) throw InputError("--part " + io::printable(text) + ": expected I/N, 2/4 say, or 'launcher'");
+    return {number_of(text.substr(0, slash), "--part") - 1, number_of(text.substr(slash + 1), "--part")};
+}
+
+// Bytes that the system would give; all there are where it does not tell.
+std::uint64_t memory_there() {
+    std::ifstream file("/proc/meminfo");
+    std::string name, unit;
+    std::uint64_t kilobytes = 0;
+    while (file >> name >> kilobytes >> unit)
+        if (name == "MemAvailable:") return kilobytes * 1024;
+    return ~std::uint64_t(0);
+}
+
+// Says how far the blocks are: they take nearly all of the time.
+class BakeProgress {
+  public:
+    explicit BakeProgress(const probes::BakeGraph& graph) : graph_(graph), bar_({}) {}
+    graph::Progress callback() {
+        if (!bar_.callback()) return {};
+        return [this](const std::string& label, double done) { show(label, done); };
+    }
+
+  private:
+    void show(const std::string& label, double done) {
+        const std::lock_guard lock(mutex_);
+        const auto now = std::chrono::steady_clock::now();
+        if (label != label_ && label_.starts_with("probes.coefficients")) ++blocks_;
+        if (label != label_ && blocks_ == 0) start_ = now;
+        if (label == label_ && now - last_ < std::chrono::milliseconds(100)) return;
+        label_ = label, last_ = now;
+        const int blocks = graph_.bake().alpha.empty() ? 0 : graph_.bake().blocks();
+        const double share = blocks > 0 ? std::min(1.0, (blocks_ + done) / blocks) : 0;
+        const double passed = std::chrono::duration<double>(now - start_).count();
+        const double left = share > 0.01 ? passed * (1 - share) / share : -1;
+        std::fprintf(stderr, "\r\033[K%s", progress_line(label, share, left, 80).c_str());
+    }
+    const probes::BakeGraph& graph_;
+    ProgressBar bar_;  // wipes the line at the end
+    std::mutex mutex_;
+    std::string label_;
+    int blocks_ = 0;
+    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now(), last_{};
+};
+
+std::uint8_t byte_of(float x) { return std::uint8_t(255 * std::clamp(x, 0.0f, 1.0f) + 0.5f); }
+
+std::vector<probes::DebugLayer> layers_of(const probes::BakeGraph& graph, const Scene& scene, const RunOptions& options) {
+    probes::DebugView view;
+    view.size = scene.frame_size;
+    view.view = make_view(scene.camera, double(view.size.x) / view.size.y);
+    return probes::debug_layers(graph.bake(), graph.surfaces(), view, options);
+}
+
+void write_layers(const std::vector<probes::DebugLayer>& layers, Outputs& outputs) {
+    std::string legend;
+    for (const probes::DebugLayer& layer : layers) {
+        const Image4& p = layer.picture;
+        std::vector<std::uint8_t> rgb;
+        for (const glm::vec4& t : p.texels)
+            for (int c = 0; c < 3; ++c) rgb.push_back(byte_of(t[c]));
+        outputs.write(layer.name + ".png", [&](const std::string& path) { io::write_png(path, p.width, p.height, rgb.data()); });
+        legend += fmt::format("{}.png: {}: {}\n", layer.name, layer.node, layer.meaning);
+    }
+    outputs.write("README.txt", [&](const std::string& path) { io::write_text(path, legend); });
+}
+
+std::string page_of(const std::string& title, const std::vector<graph::NodeRun>& runs,
+                    const std::vector<probes::DebugLayer>& layers) {
+    std::vector<GraphNode> nodes;
+    for (const graph::NodeRun& run : runs) {
+        GraphNode n;
+        n.plan.name = n.plan.label = run.label;
+        n.run = run;
+        for (const probes::DebugLayer& layer : layers)
+            if (run.label == layer.node || (run.label.starts_with(layer.node + " (") && &run == &runs[runs.size() - 2]))
+                add(n.outputs, layer.name, layer.picture);
+        nodes.push_back(std::move(n));
+    }
+    for (const GraphNode& reader : nodes)
+        for (const std::string& read : reader.run.reads)
+            for (GraphNode& n : nodes)
+                if (n.run.label == read) n.read_until = reader.run.label;
+    return graph_page(title, nodes);
+}
+
+// Rows of a table: blocks are summed up.
+std::string report_text(const std::vector<graph::NodeRun>& runs) {
+    std::vector<std::vector<std::string>> rows;
+    double block_ms = 0;
+    std::size_t block_bytes = 0;
+    int blocks = 0, kept = 0;
+    const auto block_row = [&] {
+        if (blocks == 0) return;
+        rows.push_back({"probes.coefficients", milliseconds_text(block_ms), megabytes_text(block_bytes),
+                        fmt::format("{} blocks, {} of them kept", blocks, kept)});
+        blocks = 0;
+    };
+    for (const graph::NodeRun& r : runs) {
+        if (r.label.starts_with("probes.coefficients")) {
+            block_ms += r.ms, block_bytes += r.bytes, ++blocks, kept += r.kept ? 1 : 0;
+            continue;
+        }
+        block_row();
+        rows.push_back({r.label, milliseconds_text(r.ms), megabytes_text(r.bytes), r.reason});
+    }
+    block_row();
+    return format_table({{"step"}, {"ms", Align::right}, {"MB", Align::right}, {"what came of it"}}, rows);
+}
+
+Json report_json(const probes::BakeGraph& graph, const std::vector<graph::NodeRun>& runs) {
+    const probes::Bake& b = graph.bake();
+    const probes::RayCounts counts = b.counts();
+    Json json = {{"version", 1},
+                 {"receivers", b.receivers.count()},
+                 {"moved", b.shifted},
+                 {"receivers_without_probe", b.supports.unsupported},
+                 {"probes", b.placement.probes.size()},
+                 {"probe_radius_m", b.radius.radius_m},
+                 {"lightmap", {b.atlas.size.x, b.atlas.size.y}},
+                 {"clusters", b.clusters.clusters.size()},
+                 {"rays", {{"traced", counts.traced}, {"escaped", counts.escaped}, {"to_backs", counts.back}, {"unseen", counts.unseen}}},
+                 {"seconds_of_rays", graph.seconds_of_rays()},
+                 {"bytes_needed", bytes_needed(b)}};
+    json["steps"] = stage_runs_json(runs);
+    return json;
+}
+
+// Reads all of a file, and lists what it holds.
+int verify(const BakeOptions& given) {
+    const Scene scene = load(given.scene);
+    const io::DescribedFile file = io::read_described(given.verified, bake_kind);
+    io::require_scene(file, probes::scene_hash(scene, flatten(scene)), scene.name);
+    check_bake(file);
+    std::vector<std::vector<std::string>> rows;
+    Json arrays = Json::array();
+    for (std::size_t i = 0; i < file.arrays.arrays.size(); ++i) {
+        const Array& a = file.arrays.arrays[i];
+        const io::Description& d = file.descriptions[i];
+        rows.push_back({a.name, dtype_name(a.dtype), shape_text(a.shape), d.unit, d.meaning});
+        arrays.push_back({{"name", a.name}, {"type", dtype_name(a.dtype)}, {"shape", a.shape}, {"unit", d.unit}, {"meaning", d.meaning}});
+    }
+    if (given.common.json)
+        std::fputs(json_text({{"version", 1}, {"file_version", file.version}, {"arrays", arrays}}).c_str(), stdout);
+    else
+        std::fputs(format_table({{"array"}, {"type"}, {"shape"}, {"unit"}, {"meaning"}}, rows).c_str(), stdout);
+    return success;
+}
+
+int bake(const BakeOptions& given) {
+    if (!given.verified.empty()) return verify(given);
+    const RunOptions options = given.common.run_options();
+    const probes::Part part = part_of(given.part);
+    if (given.part.empty() == given.file.empty())
+        throw InputError(given.file.empty() ? "bake: expected -o FILE, or --part I/N" : "bake: a part writes no file: expected -o FILE or --part, not both");
+    if (given.join && !given.part.empty()) throw InputError("bake: expected --join or --part, not both");
+    if (given.no_cache && (given.join || given.resume || !given.part.empty()))
+        throw InputError("bake: --join, --resume and --part go through the store: not with --no-cache");
+    const Scene scene = load(given.scene);
+    const frame::Settings settings = settings_of(scene, given.scene);
+    const std::uint64_t memory = given.memory_gb > 0 ? std::uint64_t(given.memory_gb * 1e9) : memory_there();
+    probes::BakeGraph graph(scene, settings.probes, part, memory);
+    std::unique_ptr<FileStore> store;
+    const std::string folder = given.no_cache ? "" : given.store.empty() ? cache_folder() : given.store;
+    if (!folder.empty()) {
+        store = std::make_unique<FileStore>(folder, "bake", FileStore::Limits{.max_bytes = std::uint64_t(16) << 30, .made = "baked"});
+        store->pin();
+    }
+    graph::RunWith with;
+    with.options = options, with.store = store.get();
+    std::vector<graph::NodeRun> runs;
+    {
+        BakeProgress progress(graph);
+        with.progress = progress.callback();
+        runs = graph::run(graph.nodes(), with);
+    }
+    std::vector<std::string> written;
+    const std::vector<probes::DebugLayer> layers =
+        given.layers.empty() && given.html.empty() ? std::vector<probes::DebugLayer>{} : layers_of(graph, scene, options);
+    if (!given.layers.empty()) {
+        Outputs outputs(given.layers);
+        write_layers(layers, outputs);
+        outputs.commit();
+        written.push_back(given.layers);
+    }
+    if (!given.textures.empty()) {
+        Outputs outputs(given.textures);
+        write_textures(graph.bake(), outputs);
+        outputs.commit();
+        written.push_back(given.textures);
+    }
+    if (!given.html.empty()) io::write_text(given.html, page_of(scene.name, runs, layers)), written.push_back(given.html);
+    if (!given.file.empty())
+        io::write_described(given.file, bake_file(graph.bake(), scene.name, given.with_alpha)), written.push_back(given.file);
+    if (given.common.json) {
+        std::fputs(json_text(report_json(graph, runs)).c_str(), stdout);
+        return success;
+    }
+    print_notes(scene);
+    std::fputs(report_text(runs).c_str(), stdout);
+    const bool any_kept = std::any_of(runs.begin(), runs.end(), [](const graph::NodeRun& r) { return r.kept; });
+    if (given.resume && !any_kept) fmt::print("note: nothing of this bake was kept: it was begun anew\n");
+    if (store)
+        for (const std::string& note : store->notes()) fmt::print("note: {}\n", note);
+    for (const std::string& path : written) fmt::print("wrote {}\n", io::shown(path));
+    return success;
+}
+
+}  // namespace
+
+void add_bake(CLI::App& program, Action& action) {
+    auto given = std::make_shared<BakeOptions>();
+    CLI::App* command = program.add_subcommand("bake", "compute what irradiance probes know of a scene, into one file");
+    command->add_option("scene", given->scene.file, "the scene: .toml, or a bare .obj, .gltf or .glb")->required()->type_name("SCENE");
+    command->add_option("-o,--output", given->file, "the bake")->check(some_word())->type_name("FILE");
+    command->add_option("--set", given->scene.sets, "probes.key=value in place of the scene file's; may be repeated")
+        ->allow_extra_args(false)
+        ->type_name("T.K=V");
+    command->add_option("--part", given->part, "compute part I of N into the store, and no file; or 'launcher': as its rank says")
+        ->check(some_word())
+        ->type_name("I/N");
+    command->add_flag("--join", given->join, "make the file of parts in the store; what is missing is made here");
+    command->add_flag("--resume", given->resume, "go on with a bake that was stopped (the store is read anyway); says where there is none");
+    command->add_option("--store", given->store, "folder of what is kept; the user's cache otherwise")->check(some_word())->type_name("DIR");
+    command->add_flag("--no-cache", given->no_cache, "compute even what is kept, and keep nothing");
+    command->add_option("--verify", given->verified, "bake nothing; list what the file holds, if it is whole and of this scene")
+        ->check(some_word())
+        ->type_name("FILE");
+    command->add_flag("--with-alpha", given->with_alpha, "also write the transport as it is before it is compressed");
+    command->add_option("--debug-layers", given->layers, "a picture of every step")->check(some_word())->type_name("DIR");
+    command->add_option("--textures", given->textures, "the data textures of a GPU, raw and as .npy")->check(some_word())->type_name("DIR");
+    command->add_option("--html", given->html, "a page that draws the steps; a click on one shows what it made")->type_name("FILE");
+    command->add_option("--memory", given->memory_gb, "GB that it may need; what the system has otherwise")
+        ->check(number_within(1e-6, 1e6))
+        ->type_name("GB");
+    add_common(*command, given->common);
+    command->footer(
+        "What takes long is kept in the store block by block: a bake that was stopped goes on where it was. Parts may run on\n"
+        "several machines that share a folder, and the file has the same bytes:\n"
+        "  mpirun -np 4 plumb bake box.toml --part launcher --store shared\n"
+        "  plumb bake box.toml --join --store shared -o box.bake");
+    command->callback([given, &action] { action = [=] { return bake(*given); }; });
+}
+
+}  // namespace plumb::cli

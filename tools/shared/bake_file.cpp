@@ -1,0 +1,202 @@
+#include "tools/shared/bake_file.h"
+
+#include <tuple>
+#include <type_traits>
+
+#include "core/error.h"
+
+namespace plumb::cli {
+
+namespace {
+
+using io::Description;
+using Axes = std::vector<std::string>;
+
+class Writer {
+  public:
+    explicit Writer(io::DescribedFile& file) : file_(file) {}
+
+    // One number, or one vector, an element of `axis`.
+    template <class List>
+    void list(const std::string& name, const List& values, const std::string& axis, const std::string& unit,
+              const std::string& meaning) {
+        array(name, values, {std::int64_t(values.size())}, {axis}, unit, meaning);
+    }
+    // The same of several axes.
+    template <class List>
+    void array(const std::string& name, const List& values, Shape shape, Axes axes, const std::string& unit,
+               const std::string& meaning) {
+        using T = typename List::value_type;
+        if constexpr (std::is_arithmetic_v<T>) {
+            io::add(file_, name, shape, values.data(), Description{unit, meaning, axes});
+        } else {
+            using Component = typename T::value_type;
+            shape.push_back(T::length()), axes.push_back("component");
+            const Component* data = values.empty() ? nullptr : &values[0].x;
+            io::add(file_, name, shape, data, Description{unit, meaning, axes});
+        }
+    }
+    void fact(const std::string& name, io::Fact value) { file_.facts.push_back({name, std::move(value)}); }
+
+  private:
+    io::DescribedFile& file_;
+};
+
+io::Fact fact_of(const Field& field) {
+    if (!field.choices.empty()) return value_text(field);
+    if (const auto* i = std::get_if<int*>(&field.value)) return std::int64_t(**i);
+    if (const auto* f = std::get_if<float*>(&field.value)) return double(**f);
+    if (const auto* b = std::get_if<bool*>(&field.value)) return std::int64_t(**b ? 1 : 0);
+    return value_text(field);
+}
+
+void add_facts(Writer& w, const probes::Bake& b, const std::string& scene) {
+    w.fact("scene_name", scene);
+    w.fact("lightmap_size", std::int64_t(b.atlas.size.x));
+    w.fact("texels_per_m", b.atlas.texels_per_m);
+    w.fact("probe_radius_m", b.radius.radius_m);
+    w.fact("coefficients", std::int64_t(b.coefficients()));
+    static const char* const escapes[] = {"nothing", "same_direction", "visible_probes", "all_probes"};
+    w.fact("escape", std::string(escapes[int(b.transport.escape)]));
+    const probes::RayCounts counts = b.counts();
+    for (const auto& [name, n] : {std::pair("rays_traced", counts.traced), std::pair("rays_escaped", counts.escaped),
+                                  std::pair("rays_to_backs", counts.back), std::pair("rays_unseen", counts.unseen)})
+        w.fact(name, std::int64_t(n));
+    probes::BakeParams params = b.params;
+    for (const Field& f : fields(params)) w.fact("probes." + f.name, fact_of(f));
+}
+
+void add_atlas(Writer& w, const probes::Bake& b) {
+    const probes::Atlas& a = b.atlas;
+    std::vector<glm::vec2> corners;
+    for (const glm::uvec3& t : a.geometry.triangles)
+        for (const unsigned v : {t.x, t.y, t.z}) corners.push_back(a.uv[v]);
+    w.array("corner_uv", corners, {std::int64_t(a.geometry.triangles.size()), 3}, {"triangle", "corner"}, "",
+            "lightmap coordinate of each triangle's corners; (0, 0) is the top left corner of the first texel");
+    w.list("triangle_chart", a.chart, "triangle", "", "index of the chart; -1: no area");
+    std::vector<glm::ivec4> rectangles;
+    std::vector<std::int32_t> objects, own;
+    for (const probes::Chart& c : a.charts)
+        rectangles.push_back({c.origin, c.size}), objects.push_back(c.object), own.push_back(c.own_uv ? 1 : 0);
+    w.list("chart_rectangle", rectangles, "chart", "texels", "x, y, width, height on the lightmap");
+    w.list("chart_object", objects, "chart", "", "index of the mesh");
+    w.list("chart_own_uv", own, "chart", "", "1: the mesh's own texture coordinates");
+}
+
+void add_receivers(Writer& w, const probes::Bake& b) {
+    const probes::Receivers& r = b.receivers;
+    const std::int64_t n = r.count(), slots = b.supports.overlaps;
+    w.list("receiver_position", r.position, "receiver", "m", "from where it looks, world; w 0");
+    w.list("receiver_normal", r.normal, "receiver", "", "unit, world; w 0");
+    w.list("receiver_shift", r.shift, "receiver", "m", "by how much it was moved; w: 1 where it was");
+    w.list("receiver_texel", r.texel, "receiver", "texels", "column and row of the lightmap");
+    w.list("receiver_material", r.material, "receiver", "", "index of the material");
+    w.list("receiver_triangle", r.triangle, "receiver", "", "index of the triangle, as the scene's meshes in a row have them");
+    w.list("receiver_border", r.border, "receiver", "", "neighbours to extend into: 1 left, 2 right, 4 up, 8 down");
+    w.array("receiver_probe", b.supports.probe, {n, slots}, {"receiver", "slot"}, "", "supporting probes, nearest first; -1: none");
+    w.array("receiver_weight", b.supports.weight, {n, slots}, {"receiver", "slot"}, "", "w(distance / radius) of each; 0: none");
+    w.array("receiver_u", b.flat.u, {n, b.flat.singular_values}, {"receiver", "singular value"}, "", "row of U");
+    w.list("receiver_cluster", b.flat.cluster_of, "receiver", "", "index of the cluster; -1: no probe supports it");
+}
+
+void add_probes(Writer& w, const probes::Bake& b) {
+    const probes::RelightHits& h = b.relight;
+    w.list("probe_position", b.placement.probes, "probe", "m", "world; w 0");
+    w.list("relight_direction", b.relight_directions, "ray", "", "unit, of each probe's rays; w 0");
+    w.array("relight_harmonic", b.harmonics, {h.rays, b.coefficients()}, {"ray", "coefficient"}, "1/sqrt(sr)",
+            "Y_j in the direction of each ray, j = l (l + 1) + m");
+    w.array("relight_material", h.material, {h.probes, h.rays}, {"probe", "ray"}, "",
+            "index of the material that the ray met; -1: nothing; -2: the back of a surface");
+    w.array("relight_triangle", h.triangle, {h.probes, h.rays}, {"probe", "ray"}, "", "index of the triangle; -1: none");
+    w.array("relight_uv", h.uv, {h.probes, h.rays}, {"probe", "ray"}, "", "lightmap coordinate of what the ray met");
+    w.array("relight_position", h.position, {h.probes, h.rays}, {"probe", "ray"}, "m",
+            "what the ray met, world, w 1; or its direction, w 0");
+}
+
+void add_clusters(Writer& w, const probes::Bake& b) {
+    const probes::FlatClusters& f = b.flat;
+    const std::int64_t n = f.count();
+    w.list("cluster_first_receiver", f.first_receiver, "cluster, and the end", "", "index into cluster_receiver");
+    w.list("cluster_receiver", f.receivers, "receiver of a cluster", "", "receivers, cluster by cluster");
+    w.list("cluster_first_probe", f.first_probe, "cluster, and the end", "", "index into cluster_probe");
+    w.list("cluster_probe", f.probes, "probe of a cluster", "", "probes that support the cluster, in the order of its columns");
+    w.list("cluster_rank", f.rank, "cluster", "", "singular values kept: rows of its matrix");
+    w.list("cluster_matrix", f.sigma_vt, "number", "sr", "Sigma V^T of each cluster, [rank][probes][coefficient], one after the other");
+    w.list("cluster_first_value", f.first_value, "cluster, and the end", "", "index into cluster_singular_value");
+    w.list("cluster_singular_value", f.spectrum, "singular value", "sr", "all of each cluster, descending");
+    w.array("cluster_box", f.box, {n, 2, 3}, {"cluster", "corner", "component"}, "m", "low and high corner of its receivers");
+    w.array("cluster_error", f.errors, {n, 2}, {"cluster", "measure"}, "", "1 - sqrt(kept / all singular values); Frobenius, relative");
+}
+
+}  // namespace
+
+io::DescribedFile bake_file(const probes::Bake& b, const std::string& scene, bool with_alpha) {
+    io::DescribedFile file;
+    file.kind = bake_kind.name, file.version = bake_kind.newest;
+    io::add_scene(file, b.scene_hash);
+    Writer w(file);
+    add_facts(w, b, scene);
+    add_atlas(w, b);
+    add_receivers(w, b);
+    add_probes(w, b);
+    add_clusters(w, b);
+    if (with_alpha)
+        w.array("receiver_alpha", b.alpha, {b.receivers.count(), b.supports.overlaps, b.coefficients()},
+                {"receiver", "slot", "coefficient"}, "sr", "alpha_ij of the supporting probe, not truncated");
+    return file;
+}
+
+void check_bake(const io::DescribedFile& file) {
+    const auto list = [&](const char* name, auto type) {
+        using T = decltype(type);
+        const auto values = io::elements<T>(file, name, {any_extent});
+        return std::vector<T>(values.begin(), values.end());
+    };
+    const auto rows_of = [&](const char* name, DType dtype, Shape shape) { return array_of(file, name, dtype, shape).shape[0]; };
+    const std::int64_t receivers = rows_of("receiver_position", DType::f32, {any_extent, 4});
+    for (const auto& [name, dtype, width] : std::vector<std::tuple<const char*, DType, std::int64_t>>{
+             {"receiver_normal", DType::f32, 4}, {"receiver_shift", DType::f32, 4}, {"receiver_texel", DType::i32, 2}})
+        array_of(file, name, dtype, {receivers, width});
+    for (const auto& [name, dtype] : std::vector<std::pair<const char*, DType>>{
+             {"receiver_material", DType::i32}, {"receiver_triangle", DType::i32}, {"receiver_border", DType::u32},
+             {"receiver_cluster", DType::i32}})
+        array_of(file, name, dtype, {receivers});
+    const std::int64_t slots = array_of(file, "receiver_probe", DType::i32, {receivers, any_extent}).shape[1];
+    array_of(file, "receiver_weight", DType::f32, {receivers, slots});
+    const std::int64_t triangles = rows_of("corner_uv", DType::f32, {any_extent, 3, 2});
+    array_of(file, "triangle_chart", DType::i32, {triangles});
+    const std::int64_t rays = rows_of("relight_direction", DType::f32, {any_extent, 4});
+    const std::int64_t probes = rows_of("probe_position", DType::f32, {any_extent, 4});
+    const std::int64_t coefficients = io::integer_fact(file, "coefficients");
+    array_of(file, "relight_harmonic", DType::f32, {rays, coefficients});
+    for (const char* name : {"relight_material", "relight_triangle"}) array_of(file, name, DType::i32, {probes, rays});
+    array_of(file, "relight_uv", DType::f32, {probes, rays, 2});
+    array_of(file, "relight_position", DType::f32, {probes, rays, 4});
+    for (const std::int32_t p : io::elements<std::int32_t>(file, "receiver_probe", {receivers, slots}))
+        if (p < -1 || p >= probes) throw InputError(file.path, "receiver_probe", "a probe is out of range");
+
+    probes::FlatClusters f;
+    const Array& u = array_of(file, "receiver_u", DType::f32, {receivers, any_extent});
+    f.singular_values = int(u.shape[1]);
+    const auto us = elements<float>(u, u.shape);
+    f.u.assign(us.begin(), us.end());
+    f.first_receiver = list("cluster_first_receiver", std::int32_t()), f.receivers = list("cluster_receiver", std::int32_t());
+    f.first_probe = list("cluster_first_probe", std::int32_t()), f.probes = list("cluster_probe", std::int32_t());
+    f.rank = list("cluster_rank", std::int32_t()), f.first_value = list("cluster_first_value", std::int32_t());
+    const auto matrices = list("cluster_matrix", float());
+    f.sigma_vt.assign(matrices.begin(), matrices.end());
+    f.spectrum = list("cluster_singular_value", double());
+    f.cluster_of = list("receiver_cluster", std::int32_t());
+    const auto boxes = io::elements<float>(file, "cluster_box", {f.count(), 2, 3});
+    f.box.assign(boxes.begin(), boxes.end());
+    const auto errors = io::elements<double>(file, "cluster_error", {f.count(), 2});
+    f.errors.assign(errors.begin(), errors.end());
+    for (const std::int32_t r : f.rank) f.first_row.push_back(f.first_row.back() + r);
+    try {
+        probes::clusters_of(f, int(coefficients));
+    } catch (const InputError& e) {
+        throw InputError(file.path + ": " + e.what());
+    }
+}
+
+}  // namespace plumb::cli

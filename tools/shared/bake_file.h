@@ -1,0 +1,19 @@
+// The file of a bake: every array with its name, shape, unit and meaning (io/described_file.h). gi/probes/README.md lists them.
+#pragma once
+
+#include <string>
+
+#include "gi/probes/bake.h"
+#include "io/described_file.h"
+
+namespace plumb::cli {
+
+inline const io::Kind bake_kind{"probe bake", 1, 1};
+
+// with_alpha: the un-truncated transport, too.
+io::DescribedFile bake_file(const probes::Bake& bake, const std::string& scene, bool with_alpha);
+
+// Throws InputError that names the file: an array that is missing or of another type or shape, lists that do not fit each other.
+void check_bake(const io::DescribedFile& file);
+
+}  // namespace plumb::cli
