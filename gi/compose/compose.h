@@ -5,6 +5,7 @@
 
 #include "core/stage_description.h"
 #include "gi/compose/compose_kernel.h"
+#include "gi/compose/compose_params.h"
 #include "gi/compose/tonemap_kernel.h"
 #include "gi/lend.h"
 
@@ -12,13 +13,6 @@ namespace plumb::compose {
 
 using plumb::explain;
 using plumb::run;
-
-struct ComposeParams {
-    glm::vec3 shadow_color{0};  // W/(m2 sr)
-};
-std::vector<Field> fields(ComposeParams& params);
-// Whether the shadow density is read: not by a black shadow colour.
-inline bool reads_density(const ComposeParams& params) { return params.shadow_color != glm::vec3(0); }
 
 struct ComposeInputs {
     using Kernel = ComposeKernel;
@@ -50,12 +44,6 @@ inline StageDescription<ComposeInputsView> describe(ComposeKernel) {
     };
 }
 StageData data_of(const ComposeParams& params, const ComposeInputs& in);
-
-struct TonemapParams {
-    Operator op = Operator::exposure;
-    float exposure = 1;
-};
-std::vector<Field> fields(TonemapParams& params);
 
 struct TonemapInputs {
     using Kernel = TonemapKernel;

@@ -9,13 +9,6 @@
 
 namespace plumb::direct {
 
-enum class DirectVariant : int { corrected, published };
-
-struct DirectParams {
-    DirectVariant variant = DirectVariant::corrected;
-};
-std::vector<Field> fields(DirectParams& params);
-
 struct DirectInputs {
     using Kernel = DirectKernel;
     const Image4* position = nullptr;

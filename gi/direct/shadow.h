@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/stage_description.h"
+#include "gi/direct/direct_params.h"
 #include "gi/direct/shadow_kernel.h"
 #include "gi/lend.h"
 #include "raster/rsm.h"
@@ -13,22 +14,6 @@ namespace plumb::direct {
 
 using plumb::explain;
 using plumb::run;
-
-enum class ShadowMode : int { hard, density, pcf, esm };
-enum class ShadowVariant : int { corrected, published };
-
-struct ShadowParams {
-    ShadowMode mode = ShadowMode::hard;
-    ShadowVariant variant = ShadowVariant::corrected;
-    int kernel = 4;
-    float bias = 0.001f;
-    float slope_bias = 1;
-    float max_slope = 16;
-    float esm_c = 90;
-    int esm_blur_radius = 3;
-    float esm_blur_sigma = 1.5f;
-};
-std::vector<Field> fields(ShadowParams& params);
 
 struct ShadowInputs {
     const Image4* position = nullptr;  // xyz world, m

@@ -1,7 +1,9 @@
 // The picture: radiance, display, and the layers that are path traced.
 #include <fmt/format.h>
 
+#include "gi/compose/compose.h"
 #include "gi/frame/frame_graph.h"
+#include "gi/isr/isr.h"
 #include "gi/reference/lights.h"
 
 namespace plumb::frame {

@@ -1,6 +1,7 @@
 // Direct light: the shadows of each light, and what all lights send without a bounce.
 #include <algorithm>
 
+#include "gi/direct/direct.h"
 #include "gi/direct/log_blur.h"
 #include "gi/frame/frame_graph.h"
 

@@ -1,4 +1,5 @@
 // The filters of indirect light (filters.h): of the points before gathers, and of their sum.
+#include "gi/filter/filter.h"
 #include "gi/frame/filters.h"
 
 #include "gi/frame/frame_graph.h"

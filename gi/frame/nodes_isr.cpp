@@ -4,6 +4,7 @@
 #include "core/hash.h"
 #include "gi/frame/filters.h"
 #include "gi/frame/frame_graph.h"
+#include "gi/isr/isr.h"
 
 namespace plumb::frame {
 

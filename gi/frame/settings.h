@@ -5,10 +5,10 @@
 #include <vector>
 
 #include "core/scene.h"
-#include "gi/compose/compose.h"
-#include "gi/direct/direct.h"
-#include "gi/filter/filter.h"
-#include "gi/isr/isr.h"
+#include "gi/compose/compose_params.h"
+#include "gi/direct/direct_params.h"
+#include "gi/filter/filter_params.h"
+#include "gi/isr/isr_params.h"
 #include "gi/probes/bake_params.h"
 #include "gi/reference/reference.h"
 #include "gi/rsm/gather.h"

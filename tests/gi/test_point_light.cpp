@@ -5,6 +5,7 @@
 
 #include "core/hash.h"
 #include "core/host_math.h"
+#include "gi/direct/direct.h"
 #include "gi/frame/frame.h"
 #include "raster/light_view.h"
 #include "rsm_scenes.h"

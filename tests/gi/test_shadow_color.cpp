@@ -5,6 +5,8 @@
 
 #include "core/error.h"
 #include "core/host_math.h"
+#include "gi/compose/compose.h"
+#include "gi/direct/direct.h"
 #include "gi/frame/frame.h"
 #include "rsm_scenes.h"
 #include "tests/gi/moving_scene.h"

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "gi/compose/compose.h"
 #include "tools/experiments/vrsm.h"
 #include "tools/shared/sweep.h"
 

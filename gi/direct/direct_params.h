@@ -1,0 +1,33 @@
+// The parameters of direct light and of shadows: the tables [direct] and [shadow] of a scene file.
+#pragma once
+
+#include <vector>
+
+#include "core/fields.h"
+
+namespace plumb::direct {
+
+enum class ShadowMode : int { hard, density, pcf, esm };
+enum class ShadowVariant : int { corrected, published };
+
+struct ShadowParams {
+    ShadowMode mode = ShadowMode::hard;
+    ShadowVariant variant = ShadowVariant::corrected;
+    int kernel = 4;
+    float bias = 0.001f;
+    float slope_bias = 1;
+    float max_slope = 16;
+    float esm_c = 90;
+    int esm_blur_radius = 3;
+    float esm_blur_sigma = 1.5f;
+};
+std::vector<Field> fields(ShadowParams& params);
+
+enum class DirectVariant : int { corrected, published };
+
+struct DirectParams {
+    DirectVariant variant = DirectVariant::corrected;
+};
+std::vector<Field> fields(DirectParams& params);
+
+}  // namespace plumb::direct
