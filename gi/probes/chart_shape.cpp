@@ -15,8 +15,8 @@ double length(const glm::dvec2& v) { return std::sqrt(v.x * v.x + v.y * v.y); }
 
 // Convex hull, counter-clockwise with y up, without points on its sides (Andrew 1979).
 Points hull_of(Points points) {
-    std::sort(points.begin(), points.end(),
-              [](const glm::dvec2& a, const glm::dvec2& b) { return a.x != b.x ? a.x < b.x : a.y < b.y; });
+    std::stable_sort(points.begin(), points.end(),
+                     [](const glm::dvec2& a, const glm::dvec2& b) { return a.x != b.x ? a.x < b.x : a.y < b.y; });
     points.erase(std::unique(points.begin(), points.end()), points.end());
     if (points.size() < 3) return points;
     Points hull;

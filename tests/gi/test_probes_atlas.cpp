@@ -191,6 +191,11 @@ TEST_CASE("atlas: a square metre has as many texels as its density says", "[prob
         CHECK(b.size == glm::ivec2(9));
         CHECK(covered(drawn(b, scene)) == 81);
         CHECK(b.summary.used == Approx(80.0 / 81));
+        double least = 9, most = 0;
+        for (std::uint32_t v = 0; v < 4; ++v)
+            least = std::min(least, in_texels(b, v).x), most = std::max(most, in_texels(b, v).x);
+        CHECK(least == Approx((9 - std::sqrt(80.0)) / 2).margin(1e-5));
+        CHECK(most == Approx((9 + std::sqrt(80.0)) / 2).margin(1e-5));
     }
     const Scene scene = scene_of({without_uv(quad(2.5f, 0.4f))});
     CHECK(covered(drawn(atlas_of(scene, density(100)), scene)) == 25 * 4);
@@ -282,6 +287,68 @@ TEST_CASE("atlas: islands stay together where they are the gap apart, and are sp
     }
 }
 
+TEST_CASE("atlas: an island without a texel's centre is taken out of its layout", "[probes][IPR 3.2.1.1]") {
+    // A square of 10 x 10 texels and one of a fifth of a texel beside it, on either side of a texel's centre.
+    for (const float at : {1.53f, 1.56f}) {
+        Mesh mesh;
+        test::add_quad(mesh, {0, 0, 0}, {1, 0, 0}, {0, 0, -1}, 0);
+        test::add_quad(mesh, {5, 0, 0}, {5.02f, 0, 0}, {5, 0, -0.02f}, 0);
+        for (std::size_t k = 4; k < 8; ++k)
+            mesh.vertices[k].u = at + 0.02f * mesh.vertices[k].u,
+            mesh.vertices[k].v = 0.54f + 0.02f * mesh.vertices[k].v;
+        const Scene scene = scene_of({mesh});
+        const Atlas a = atlas_of(scene, density(100));
+        check_atlas(scene, density(100), a);
+        CHECK(a.summary.charts_without_texel == 0);
+    }
+}
+
+TEST_CASE("atlas: smaller charts fill what a frame or a ring leaves", "[probes][IPR 3.2.1.1]") {
+    // A ring of 32 corners, radii 2 m and 1.8 m, and squares of 0.1 m to 0.9 m.
+    Mesh ring;
+    for (int i = 0; i <= 32; ++i)
+        for (const double r : {1.8, 2.0}) {
+            const double turn = host::pi * (i % 32) / 16;
+            ring.vertices.push_back({glm::vec3(r * host::cos(turn), 0, -r * host::sin(turn)), 0, {0, 1, 0}, 0});
+        }
+    for (unsigned i = 0; i < 64; i += 2) {
+        ring.triangles.push_back({i, i + 1, i + 2}), ring.triangles.push_back({i + 2, i + 1, i + 3});
+        ring.material.insert(ring.material.end(), 2, 0);
+    }
+    for (int gap : {0, 1, 3, 5}) {
+        CAPTURE(gap);
+        std::vector<Mesh> meshes{ring};
+        for (int i = 0; i < 60; ++i)
+            meshes.push_back(without_uv(quad(0.1f + 0.1f * float(i % 9), 0.1f + 0.05f * float(i % 7))));
+        const Scene scene = scene_of(meshes);
+        AtlasParams params = density(100);
+        params.gap = gap;
+        const Atlas a = atlas_of(scene, params);
+        check_atlas(scene, params, a);
+        const Chart& outer = a.charts[0];
+        CHECK(outer.size == glm::ivec2(40));
+        int inside = 0;
+        for (std::size_t c = 1; c < a.charts.size(); ++c) {
+            const glm::ivec2 at = a.charts[c].origin - outer.origin;
+            inside += at.x > 0 && at.y > 0 && at.x < 40 && at.y < 40;
+        }
+        CHECK(inside >= 2);
+    }
+}
+
+TEST_CASE("atlas: tangents go with their vertices", "[probes][IPR 3.2.1.1]") {
+    Mesh mesh;
+    test::add_ball(mesh, {0, 0, 0}, 1, 10, 0);
+    for (std::size_t v = 0; v < mesh.vertices.size(); ++v) mesh.tangents.push_back({float(v), 1, 2, v % 2 ? 1 : -1});
+    Scene scene = scene_of({without_uv(mesh)});
+    scene.materials[0].normal_texture = 0;
+    scene.textures.emplace_back().texels = Image<std::uint32_t>(1, 1, 0xffff8080u);
+    const Atlas a = atlas_of(scene);
+    CHECK(a.geometry.vertices.size() > mesh.vertices.size());
+    REQUIRE_FALSE(a.geometry.tangents.empty());
+    check_atlas(scene, {}, a);
+}
+
 TEST_CASE("atlas: small and thin charts hold the centre of a texel", "[probes][IPR 3.2.1.1]") {
     for (std::uint32_t seed = 0; seed < 60; ++seed) {
         CAPTURE(seed);
@@ -314,13 +381,18 @@ TEST_CASE("atlas: small and thin charts hold the centre of a texel", "[probes][I
 }
 
 TEST_CASE("atlas: fine meshes that are small as a whole have a texel", "[probes][IPR 3.2.1.1]") {
-    // A ball of 6 cm at 80 receivers a square metre: triangles of a twentieth of a texel, charts of a half.
-    Mesh mesh;
-    test::add_ball(mesh, {0.3f, 0.2f, 0.1f}, 0.03f, 20, 0);
-    const Scene scene = scene_of({without_uv(mesh)});
-    const Atlas a = atlas_of(scene);
-    check_atlas(scene, {}, a);
-    CHECK(a.summary.charts_without_texel == 0);
+    // Balls of 2 mm to 6 cm at 80 receivers a square metre: triangles of a twentieth of a texel at most, charts of a
+    // half.
+    for (const float radius : {0.001f, 0.003f, 0.01f, 0.02f, 0.03f}) {
+        CAPTURE(radius);
+        Mesh mesh;
+        test::add_ball(mesh, {0.3f, 0.2f, 0.1f}, radius, 20, 0);
+        const Scene scene = scene_of({without_uv(mesh)});
+        const Atlas a = atlas_of(scene);
+        check_atlas(scene, {}, a);
+        CHECK(a.charts.size() >= 4);
+        if (radius == 0.03f) CHECK(a.summary.charts_without_texel == 0);
+    }
 }
 
 TEST_CASE("atlas: holds for scenes of all sorts, gaps and sizes", "[probes][IPR 3.2.1.1]") {

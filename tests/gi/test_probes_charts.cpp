@@ -4,6 +4,7 @@
 #include <map>
 #include <set>
 
+#include "gi/probes/chart_shape.h"
 #include "gi/probes/own_uv.h"
 #include "gi/probes/pack.h"
 #include "gi/probes/planar_charts.h"
@@ -204,6 +205,28 @@ TEST_CASE("overlap: a fan of many needles is decided in no time, and one needle 
     }
 }
 
+TEST_CASE("overlap: in a fan, triangles below the tolerance hide none behind them", "[probes][overlap]") {
+    // Needles of the upper half; below it sectors of a tenth of a turn, from and to in tenths, and their length.
+    std::vector<PlaneTriangle> needles;
+    auto rim = [](double tenths) {
+        return glm::dvec2(host::cos(host::pi * tenths / 5), host::sin(host::pi * tenths / 5));
+    };
+    for (int i = 0; i < 500; ++i) needles.push_back({glm::dvec2(0), rim(i / 100.0), rim((i + 1) / 100.0)});
+    auto with = [&](const std::vector<glm::dvec3>& sectors) {
+        auto all = needles;
+        for (const glm::dvec3& s : sectors) all.push_back({glm::dvec2(0), rim(s.x) * s.z, rim(s.y) * s.z});
+        return any_overlap(all, 1e-6);
+    };
+    CHECK_FALSE(with({{5.5, 6, 1}, {6, 7, 1}, {7, 9, 1}}));
+    CHECK(with({{5.1, 5.4, 1},
+                {5.5, 8.5, 1},
+                {6, 7, 1e-8},
+                {7.5, 9, 1}}));  // the last overlaps the one before the one before it
+    CHECK(with(
+        {{5.5, 9.5, 1e-8}, {6, 8, 1}, {7, 9, 1}}));  // and here the one before it, not the one that reaches farthest
+    CHECK_FALSE(with({{5.5, 9.5, 1e-8}, {6, 7, 1}, {7, 9, 1}}));
+}
+
 TEST_CASE("overlap: a cover takes what overlaps nothing, whole groups or none", "[probes][overlap]") {
     int taken = 0, refused = 0;
     for (std::uint32_t seed = 0; seed < 200; ++seed) {
@@ -269,6 +292,38 @@ TEST_CASE("charts: a cylinder is cut into as many as its turn holds the angle", 
     check_charts(s.mesh, charts, 60);
     CHECK(charts.normal.size() >= 3);  // 360 / (2 60)
     CHECK(charts.normal.size() <= 5);
+}
+
+TEST_CASE("charts: a bend is one chart up to where the angle ends", "[probes][IPR 3.2.1.1]") {
+    // Faces of 2 degrees; the first is the widest, so the chart begins at one end and has to turn to the middle. Four
+    // rounds reach 50 + 25 + 12.5 + 6.25 + 3.1 = 97 of a bend, about a normal near 47. What is left joins up to 60 from
+    // there.
+    auto charts_of = [](double turn_deg, double angle_deg) {
+        const int faces = int(turn_deg / 2) + 1;
+        const Surface s(sheet(1, faces, [&](double u, double v) {
+            const double face = v * faces, at = (face < 0.5 ? -0.05 : 0) + face;
+            const double turn = 2 * at * host::pi / 180;
+            return glm::vec3(2 * u, host::cos(turn), host::sin(turn));
+        }));
+        const PlanarCharts charts = cut_into_charts(s.mesh, angle_deg);
+        check_charts(s.mesh, charts, angle_deg);
+        return charts.normal.size();
+    };
+    CHECK(charts_of(90, 60) == 1);
+    CHECK(charts_of(104, 60) == 1);
+    CHECK(charts_of(112, 60) == 2);
+    CHECK(charts_of(90, 40) == 2);
+}
+
+TEST_CASE("charts: what would cover a chart does not join it", "[probes][IPR 3.2.1.1]") {
+    // 1.1 turns of a ramp: the tenth is small, faces the same way, and lies above the beginning.
+    const Surface s(sheet(110, 2, [](double u, double v) {
+        const double turn = 1.1 * 2 * host::pi * u, r = 2 - v;
+        return glm::vec3(r * host::cos(turn), 0.3 * u, -r * host::sin(turn));
+    }));
+    const PlanarCharts charts = cut_into_charts(s.mesh, 60);
+    check_charts(s.mesh, charts, 60);
+    CHECK(charts.normal.size() == 2);
 }
 
 TEST_CASE("charts: a ball's face their planes and cover nothing twice", "[probes][IPR 3.2.1.1]") {
@@ -339,6 +394,46 @@ TEST_CASE("surface: triangles lower than four roundings of their coordinates hav
     CHECK(cut_into_charts(s.mesh, 60).of == std::vector<std::int32_t>{0, -1, -1, -1, 1});
 }
 
+TEST_CASE("surface: zeros of either sign are one place", "[probes][degenerate]") {
+    Mesh mesh;
+    add_triangle(mesh, {0, 0, 0}, {1, 0, 0}, {0, 0, -1});
+    add_triangle(mesh, {1, -0.0f, -0.0f}, {1, 0, -1}, {-0.0f, 0, -1});
+    const Surface s(mesh);
+    CHECK(s.mesh.edge_begin.size() == 5 + 1);
+    CHECK(cut_into_charts(s.mesh, 60).normal.size() == 1);
+}
+
+TEST_CASE("shape: the inner circle lies inside, and is about the largest", "[probes][analytic]") {
+    auto shape_of = [](const Surface& s) {
+        std::vector<std::uint32_t> all;
+        for (std::uint32_t t = 0; t < s.mesh.count; ++t) all.push_back(t);
+        return planar_shape(s.mesh, {0, 1, 0}, all);
+    };
+    // A sheet of 1 m x 2 m in 800 triangles: a circle of 1/2; its grid has cells of 1/32 across.
+    const ChartShape sheet_shape =
+        shape_of(Surface(sheet(20, 20, [](double u, double v) { return glm::vec3(2 * u, 0, v); })));
+    CHECK(sheet_shape.inner_radius <= 0.5);
+    CHECK(sheet_shape.inner_radius >= 0.5 - 1.5 / 32);
+    for (int c = 0; c < 2; ++c) {
+        CHECK(sheet_shape.inner_centre[c] >= sheet_shape.low[c] + sheet_shape.inner_radius);
+        CHECK(sheet_shape.inner_centre[c] <= sheet_shape.high[c] - sheet_shape.inner_radius);
+    }
+    // A ring of radii 1 and 2: a circle of 1/2 about a point 1.5 from the middle.
+    const ChartShape ring = shape_of(Surface(sheet(200, 4, [](double u, double v) {
+        const double turn = 2 * host::pi * std::fmod(u, 1.0), r = 2 - v;
+        return glm::vec3(r * host::cos(turn), 0, -r * host::sin(turn));
+    })));
+    CHECK(ring.inner_radius <= 0.5);
+    CHECK(ring.inner_radius >= 0.3);
+    const double from_middle = glm::length(ring.inner_centre - 0.5 * (ring.low + ring.high));
+    CHECK(from_middle - ring.inner_radius >= 1 - 1e-3);
+    CHECK(from_middle + ring.inner_radius <= 2);
+    // Two triangles of 3 x 4 m: the inner circle of one, radius 1.
+    const ChartShape two =
+        shape_of(Surface(sheet(1, 1, [](double u, double v) { return glm::vec3(4 * u, 0, 3 * v); })));
+    CHECK(two.inner_radius == Approx(1).epsilon(1e-6));
+}
+
 TEST_CASE("own coordinates: kept where they do not overlap, scaled by the mean edge ratio", "[probes][IPR 3.2.1.1]") {
     Mesh mesh;
     test::add_quad(mesh, {0, 0, 0}, {2, 0, 0}, {0, 0, -1}, 0);  // 2 m x 1 m
@@ -396,12 +491,26 @@ TEST_CASE("own coordinates: refused where absent, degenerate, not finite, stretc
         broken.vertices[2].v = bad;
         CHECK(verdict(broken) == OwnUv::degenerate);
     }
-    // Five times as long as its coordinates are, beside ones that fit: the mean edge is (4 + sqrt 2 + 2 5 + 2 + ...)
-    // / 10.
-    Mesh stretched = mesh;
-    for (std::size_t k = 4; k < 8; ++k)
-        set_uv(stretched, k, 2 + stretched.vertices[k].u / 64, stretched.vertices[k].v / 2);
-    CHECK(verdict(stretched) == OwnUv::stretched);
+    // A square, and small ones beside it, each with metres and coordinates of its own.
+    auto two_squares = [](float large, float large_uv, float small, float small_uv, int smalls) {
+        Mesh m;
+        test::add_quad(m, {0, 0, 0}, {large, 0, 0}, {0, 0, -large}, 0);
+        for (int i = 0; i < smalls; ++i) {
+            const glm::vec3 at(float(i), 5, 0);
+            test::add_quad(m, at, at + glm::vec3(small, 0, 0), at - glm::vec3(0, 0, small), 0);
+        }
+        for (std::size_t k = 0; k < m.vertices.size(); ++k) {
+            Vertex& v = m.vertices[k];
+            const float size = k < 4 ? large_uv : small_uv;
+            v.u = v.u * size + (k < 4 ? 0 : large_uv + float(k / 4) * 2 * small_uv), v.v *= size;
+        }
+        return m;
+    };
+    // 1 and 10 in a mesh of ten small ones: the mean is 9.2, so the large one takes 9.2^2 = 84 times its area.
+    CHECK(verdict(two_squares(10, 10, 0.1f, 0.01f, 10)) == OwnUv::stretched);
+    // 10 and 1 with ten small ones: the mean is 1.8, and a texel of the large one covers 10.
+    CHECK(verdict(two_squares(0.1f, 0.01f, 0.1f, 0.1f, 10)) == OwnUv::stretched);
+    CHECK(verdict(two_squares(0.1f, 0.1f, 0.1f, 0.1f, 10)) == OwnUv::kept);
 }
 
 TEST_CASE("packing: the rules of figures 3.7 and 3.8", "[probes][IPR 3.2.1.1]") {
@@ -426,6 +535,8 @@ TEST_CASE("packing: the rules of figures 3.7 and 3.8", "[probes][IPR 3.2.1.1]") 
     CHECK(pack_rectangles(squares(9, s), gap, 3 * s + 2 * gap, 1000).placed.size() == 9);
     CHECK(pack_rectangles(squares(9, s), gap, 3 * s + 2 * gap - 1, 1000).placed.empty());
     CHECK(pack_rectangles(squares(5, s), gap, 0, 3 * s + 2 * gap - 1).placed.empty());
+    // The canvas grows to where it stays nearest to a square.
+    CHECK(pack_rectangles({{{40, 2}, {}}, {{40, 2}, {}}}, 1, 0, 1000).side == 43);
     // A long one is turned to stay inside.
     CHECK(pack_rectangles({{{50, 1}, {}}, {{1, 50}, {}}, {{47, 50}, {}}}, 1, 51, 51).placed.size() == 3);
 }
