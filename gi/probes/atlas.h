@@ -32,7 +32,7 @@ struct AtlasSummary {
     int meshes_kept = 0, meshes_cut = 0;                 // own coordinates; planar charts
     int degenerate = 0, stretched = 0, overlapping = 0;  // why the meshes were cut
     int layouts_split = 0;                               // kept meshes whose islands are charts of their own
-    int mirrored_islands = 0;                            // of kept meshes: their texels show the surface's back
+    int mirrored_islands = 0;                            // of kept meshes: laid out as seen from the back
     int overlaps_cut = 0;                                // planar charts that would have covered themselves
     std::int64_t triangles_without_area = 0;
     int charts_without_texel = 0;  // too small or too thin to hold the centre of a texel anywhere
@@ -42,12 +42,11 @@ struct Atlas {
     // The scene's, in world space: triangles, materials and objects in the same order, vertices doubled where charts
     // end (the scene's vertices first).
     Geometry geometry;
-    std::vector<glm::vec2> uv;  // of each vertex, unit square, (0, 0) the top left corner of the first texel
-    std::vector<std::int32_t>
-        chart;                  // of each triangle: index into charts; -1: no area, all three corners at one place
-    std::vector<Chart> charts;  // mesh by mesh
-    glm::ivec2 size{0};         // texels; square
-    double texels_per_m = 0;    // of charts with the density asked for
+    std::vector<glm::vec2> uv;        // of each vertex, unit square, (0, 0) the top left corner of the first texel
+    std::vector<std::int32_t> chart;  // of each triangle: index into charts; -1: no area, its corners at one place
+    std::vector<Chart> charts;        // mesh by mesh
+    glm::ivec2 size{0};               // texels; square
+    double texels_per_m = 0;          // of charts with the density asked for
     AtlasSummary summary;
 };
 

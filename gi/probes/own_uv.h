@@ -25,7 +25,7 @@ struct UvIslands {
     OwnUv verdict = OwnUv::kept;
     double metres = 0;             // a unit of the coordinates in metres: sum |e|/|j| / |E| (IPR 3.2.1.1)
     std::vector<std::int32_t> of;  // [triangle]: island; -1: no area. Empty unless kept
-    int count = 0, mirrored = 0;   // islands; those that show the surface's back
+    int count = 0, mirrored = 0;   // islands; those laid out as the surface is seen from the back
 };
 
 // Exact but for a tolerance of 2^-22 of the mesh's largest coordinate, four of its roundings.
