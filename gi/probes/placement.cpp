@@ -95,8 +95,8 @@ std::vector<Field> fields(PlacementParams& p) {
         {"overlaps", &p.overlaps, "", "N_OVERLAPS: probes that support a receiver (IPR 3.2.2.2)", 1, most_overlaps, {}, false},
         {"sample_receivers", &p.sample_receivers, "", "receivers that the radius is measured at; ours", 1, 1 << 24, {}, false},
         {"radius_of", as_int(p.radius_of), "",
-         "radius of the probes: the mean over the sample (IPR 3.2.2.2), or so large that no receiver lacks a probe (ours)", 0,
-         1, {"mean", "largest"}, false},
+         "radius of the probes: the mean over the sample (IPR 3.2.2.2); covering: larger where a receiver would have no probe; "
+         "largest: so large that each has as many as it may have", 0, 2, {"covering", "mean", "largest"}, false},
     };
 }
 
@@ -167,9 +167,12 @@ ProbeRadius probe_radius(const Buffer<glm::vec4>& probes, const Buffer<glm::vec4
     PlacementParams copy = params;
     validate_fields(place, fields(copy));
     check_finite("probes", probes), check_finite("receivers", receivers);
-    std::vector<double> reach(receivers.size());
+    std::vector<double> reach(receivers.size()), nearest(receivers.size());
     parallel_bands(int(receivers.size()), 256, options, [&](int first, int last) {
-        for (int i = first; i < last; ++i) reach[std::size_t(i)] = reach_of(receivers[std::size_t(i)], probes, params.overlaps);
+        for (std::size_t i = std::size_t(first); i < std::size_t(last); ++i) {
+            reach[i] = reach_of(receivers[i], probes, params.overlaps);
+            nearest[i] = reach_of(receivers[i], probes, 1);
+        }
     });
     ProbeRadius r;
     const std::size_t most = std::size_t(params.sample_receivers), step = (receivers.size() + most - 1) / most;
@@ -177,7 +180,10 @@ ProbeRadius probe_radius(const Buffer<glm::vec4>& probes, const Buffer<glm::vec4
     for (std::size_t i = 0; i < receivers.size(); i += step) sum += reach[i], ++r.sampled;
     r.mean_m = sum / r.sampled;
     r.largest_m = *std::max_element(reach.begin(), reach.end()) * (17.0 / 16);
-    r.radius_m = params.radius_of == RadiusOf::mean ? r.mean_m : r.largest_m;
+    r.covering_m = std::max(r.mean_m, *std::max_element(nearest.begin(), nearest.end()) * (17.0 / 16));
+    r.radius_m = params.radius_of == RadiusOf::mean       ? r.mean_m
+                 : params.radius_of == RadiusOf::covering ? r.covering_m
+                                                          : r.largest_m;
     return r;
 }
 

@@ -11,7 +11,7 @@
 
 namespace plumb::probes {
 
-enum class RadiusOf : int { mean, largest };
+enum class RadiusOf : int { covering, mean, largest };
 
 // fields() says what each means.
 struct PlacementParams {
@@ -23,7 +23,7 @@ struct PlacementParams {
     int candidates_per_probe = 8;
     int overlaps = 10;
     int sample_receivers = 4096;
-    RadiusOf radius_of = RadiusOf::mean;
+    RadiusOf radius_of = RadiusOf::covering;
 };
 std::vector<Field> fields(PlacementParams& params);
 inline constexpr int most_wanted = 1 << 18;
@@ -60,6 +60,7 @@ Placement place_probes(const Geometry& geometry, const RayQuery& rays, const Pla
 struct ProbeRadius {
     double radius_m = 0;   // as `radius_of` asks
     double mean_m = 0;     // of r_i over the sample, as published: about half of the receivers have fewer probes
+    double covering_m = 0; // the mean, or 17/16 of the largest distance of a receiver to its nearest probe: each has one
     double largest_m = 0;  // 17/16 of the largest r_i over all receivers: each has its probes, none at weight 0
     int sampled = 0;       // receivers of the mean: every k-th, k the least that gives sample_receivers or fewer
 };

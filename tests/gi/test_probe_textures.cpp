@@ -300,7 +300,7 @@ TEST_CASE("probe textures: arrays that are no bake's are one line", "[probes][ro
         {"bake: receiver 3: cluster -2 of 5", [](BakeArrays& a) { a.receivers[3].cluster = -2; }},
         {"bake: u: a value is not finite", [=](BakeArrays& a) { a.u[20] = infinite; }},
         {"bake: probe 5: its position is not finite", [=](BakeArrays& a) { a.probes[5].z = -infinite; }},
-        {"bake: relight ray 4: material -2", [](BakeArrays& a) { a.relight[4].material = -2; }},
+        {"bake: relight ray 4: material -3", [](BakeArrays& a) { a.relight[4].material = -3; }},
         {"bake: relight ray 8: its u or v is not finite", [=](BakeArrays& a) { a.relight[8].uv.y = nan; }},
         {"bake: relight ray 4: its hit is not finite", [=](BakeArrays& a) { a.relight[4].position.x = nan; }},
         {"bake: spherical harmonics: a value is not finite", [=](BakeArrays& a) { a.sh[11] = nan; }},

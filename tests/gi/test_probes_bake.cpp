@@ -24,11 +24,11 @@ Scene scene_of(Mesh mesh) {
     return scene;
 }
 
-// A room with a box in it: receivers of all kinds.
-Scene furnished(float half = 2) {
+// A room with a box in it, which stands in the floor or above it.
+Scene furnished(float half = 2, float foot = -0.9f) {
     Mesh mesh;
     test::add_box(mesh, glm::vec3(-half), glm::vec3(half), 0, true);
-    test::add_box(mesh, half * glm::vec3(-0.3f, -1, -0.3f), half * glm::vec3(0.4f, -0.2f, 0.3f), 1);
+    test::add_box(mesh, half * glm::vec3(-0.3f, foot, -0.3f), half * glm::vec3(0.4f, -0.2f, 0.3f), 1);
     return scene_of(mesh);
 }
 
@@ -140,20 +140,28 @@ TEST_CASE("bake: in a closed scene indirect irradiance is E rho / (1 - rho), eve
     // it, E = P / A: (P/A) rho / (1 - rho). Discrete rays: lambda of a constant f is not quite its first harmonic, which 4 pi
     // / N sum Y_j of 256 directions says; the shares of receivers' rays are exact.
     const double e = 3, rho = 0.5;
-    for (const bool ball : {false, true}) {
+    // In the furnished room some rays end where no probe looks, and bring nothing.
+    struct Case {
+        const char* name;
+        Scene scene;
+        double mean, spread;  // by how much they may differ
+    };
+    Mesh walls;
+    test::add_box(walls, glm::vec3(-2), glm::vec3(2), 0, true);
+    Case cases[] = {{"room", scene_of(walls), 0.01, 0.1}, {"ball", inside_of_ball(16), 0.01, 0.1}, {"furnished", furnished(), 0.06, 1}};
+    for (auto& [name, scene, of_mean, of_spread] : cases) {
         BakeParams params = small();
-        if (ball) params.receivers_per_m2 = 4;
-        Scene scene = ball ? inside_of_ball(16) : furnished();
+        params.receivers_per_m2 = 5;
         BakeGraph graph(scene, params);
         run_all(graph);
         const Bake& b = graph.bake();
         CHECK(b.supports.unsupported == 0);
         RunTime whole(b, e, rho), clustered(b, e, rho);
         for (int round = 0; round < 40; ++round) whole.whole_round(), clustered.clustered_round();
-        INFO((ball ? "ball" : "room") << ", " << b.receivers.count() << " receivers, mean " << whole.mean() << ", spread "
+        INFO(name << ", " << b.receivers.count() << " receivers, mean " << whole.mean() << ", spread "
                                       << whole.spread());
-        CHECK(whole.mean() == Approx(e * rho / (1 - rho)).epsilon(ball ? 0.01 : 0.06));
-        CHECK(whole.spread() < 0.25);
+        CHECK(whole.mean() == Approx(e * rho / (1 - rho)).epsilon(of_mean));
+        CHECK(whole.spread() <= of_spread);
         // Truncation loses what the criterion allows.
         double worst = 0;
         for (std::size_t i = 0; i < whole.irradiances().size(); ++i)
@@ -191,7 +199,7 @@ TEST_CASE("bake: full rank gives back the transport as it was", "[probes]") {
 }
 
 TEST_CASE("bake: receivers inside of a box are moved out of it", "[probes][IPR 5.1.4]") {
-    Scene scene = furnished();
+    Scene scene = furnished(2, -1);
     BakeParams params = small();
     params.receivers_per_m2 = 36;
     BakeGraph graph(scene, params);
@@ -200,7 +208,7 @@ TEST_CASE("bake: receivers inside of a box are moved out of it", "[probes][IPR 5
     int under = 0;
     for (int i = 0; i < b.receivers.count(); ++i) {
         const glm::vec3 at(b.receivers.position[std::size_t(i)]), was = at - glm::vec3(b.receivers.shift[std::size_t(i)]);
-        const bool covered = was.y < -1.99f && was.x > -0.59f && was.x < 0.79f && std::fabs(was.z) < 0.59f;
+        const bool covered = b.receivers.normal[std::size_t(i)].y > 0 && was.y < -1.99f && was.x > -0.59f && was.x < 0.79f && std::fabs(was.z) < 0.59f;
         if (!covered) continue;
         ++under;
         CHECK(b.receivers.shift[std::size_t(i)].w == 1);

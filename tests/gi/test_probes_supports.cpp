@@ -200,6 +200,10 @@ TEST_CASE("probes: the radius in closed form", "[probes][IPR 3.2.2.2]") {
     PlacementParams params;
     CHECK(probe_radius(probes, receivers, params, {}).radius_m == Approx(std::sqrt(11.0) / 2).epsilon(1e-15));
     params.overlaps = 8;
+    CHECK(probe_radius(probes, receivers, params, {}).mean_m == Approx(std::sqrt(3.0) / 2).epsilon(1e-15));
+    // All have the same distance: at the mean every probe weighs 0, so that the default goes beyond.
+    CHECK(probe_radius(probes, receivers, params, {}).radius_m == Approx(std::sqrt(3.0) / 2 * 17 / 16).epsilon(1e-15));
+    params.radius_of = RadiusOf::mean;
     CHECK(probe_radius(probes, receivers, params, {}).radius_m == Approx(std::sqrt(3.0) / 2).epsilon(1e-15));
     // On a probe: that is the nearest, and six are 1 away. The mean of the two kinds.
     receivers.push_back({2, 2, 2, 0});
@@ -210,7 +214,7 @@ TEST_CASE("probes: the radius in closed form", "[probes][IPR 3.2.2.2]") {
     CHECK(r.sampled == 6);
     // Fewer probes than overlaps: the farthest. One probe: its distance.
     CHECK(probe_radius(lattice(2, 1, 1), {{0, 0, 0, 0}}, {}, {}).radius_m == 1);
-    CHECK(probe_radius({{3, 4, 0, 0}}, {{0, 0, 0, 0}}, {}, {}).radius_m == 5);
+    CHECK(probe_radius({{3, 4, 0, 0}}, {{0, 0, 0, 0}}, {}, {}).mean_m == 5);
     // Of 10 receivers at 0, 1, ..., 9 every third is in a sample of four: (0 + 3 + 6 + 9) / 4.
     params = {}, params.sample_receivers = 4;
     const ProbeRadius sample = probe_radius({{0, 0, 0, 0}}, lattice(10, 1, 1), params, {});

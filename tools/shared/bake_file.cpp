@@ -4,6 +4,7 @@
 #include <type_traits>
 
 #include "core/error.h"
+#include "io/file.h"
 
 namespace plumb::cli {
 
@@ -51,7 +52,7 @@ io::Fact fact_of(const Field& field) {
 }
 
 void add_facts(Writer& w, const probes::Bake& b, const std::string& scene) {
-    w.fact("scene_name", scene);
+    w.fact("scene_name", io::stem_of(scene));
     w.fact("lightmap_size", std::int64_t(b.atlas.size.x));
     w.fact("texels_per_m", b.atlas.texels_per_m);
     w.fact("probe_radius_m", b.radius.radius_m);

@@ -1,0 +1,196 @@
+// plumb bake: files, parts, what is kept, kills, refusals.
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <catch2/catch.hpp>
+#include <filesystem>
+
+#include "core/hash.h"
+#include "core/isa.h"
+#include "io/described_file.h"
+#include "tests/program/program.h"
+
+using namespace plumb;
+using namespace plumb::program;
+using Catch::Matchers::Contains;
+using Catch::Matchers::StartsWith;
+namespace fs = std::filesystem;
+
+namespace {
+
+const Words few = {"--set", "probes.lightmap_size=96", "--set", "probes.receiver_rays=32", "--set", "probes.relight_rays=32",
+                   "--set", "probes.count=5"};
+
+Words baked(const std::string& scene, const std::string& file, Words more = {}) {
+    Words all = {"bake", scene, "-o", file};
+    all.insert(all.end(), few.begin(), few.end());
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+}
+
+// Several blocks of receivers.
+std::string scene_in(const std::string& folder) {
+    const Result made = run({"make-scene", "box", "-o", folder + "/box"});
+    REQUIRE(made.exit == 0);
+    return folder + "/box/box.toml";
+}
+
+void succeed(const Words& words) {
+    const Result r = run(words);
+    CAPTURE(r.err, r.out);
+    REQUIRE(r.exit == 0);
+    REQUIRE(r.err.empty());
+}
+
+}  // namespace
+
+TEST_CASE("bake: the same bytes for every instruction set, number of threads, and in parts", "[program][bits]") {
+    const std::string folder = fresh_folder("bake"), scene = scene_in(folder);
+    set_cache(folder + "/cache");
+    succeed(baked(scene, folder + "/a.bake", {"--no-cache", "--threads", "1", "--isa", "scalar"}));
+    const std::string a = read(folder + "/a.bake");
+    for (const Isa isa : supported_isas()) {
+        succeed(baked(scene, folder + "/b.bake", {"--no-cache", "--isa", isa_name(isa)}));
+        CHECK(read(folder + "/b.bake") == a);
+    }
+    CHECK_FALSE(fs::exists(folder + "/cache"));
+    // Three parts, in any order, then the file; what one lacks is made.
+    for (const char* part : {"3/3", "1/3"}) {
+        Words words = {"bake", scene, "--part", part, "--store", folder + "/store"};
+        words.insert(words.end(), few.begin(), few.end());
+        succeed(words);
+    }
+    const std::size_t kept = files_in(folder + "/store").size();
+    CHECK(kept >= 2);
+    const Result joined = run(baked(scene, folder + "/c.bake", {"--join", "--store", folder + "/store"}));
+    CHECK(joined.exit == 0);
+    CHECK_THAT(joined.out, Contains("of them kept"));
+    CHECK(read(folder + "/c.bake") == a);
+    CHECK(files_in(folder + "/store").size() > kept);
+    // A launcher tells rank and size.
+    ::setenv("OMPI_COMM_WORLD_RANK", "1", 1), ::setenv("OMPI_COMM_WORLD_SIZE", "3", 1);
+    Words words = {"bake", scene, "--part", "launcher", "--json", "--store", folder + "/other"};
+    words.insert(words.end(), few.begin(), few.end());
+    const Result part = run(words);
+    ::unsetenv("OMPI_COMM_WORLD_RANK"), ::unsetenv("OMPI_COMM_WORLD_SIZE");
+    REQUIRE(part.exit == 0);
+    for (const Json& step : Json::parse(part.out)["steps"])
+        CHECK_FALSE(step["label"].get<std::string>().find("receivers 0 to") != std::string::npos);  // rank 0 has the first block
+}
+
+TEST_CASE("bake: killed at any moment it leaves nothing half written, and goes on", "[program]") {
+    const std::string folder = fresh_folder("bake_killed"), scene = scene_in(folder);
+    set_cache(folder + "/cache");
+    succeed(baked(scene, folder + "/whole.bake", {"--no-cache"}));
+    const std::string whole = read(folder + "/whole.bake");
+    const auto start = std::chrono::steady_clock::now();
+    succeed(baked(scene, folder + "/x.bake", {"--no-cache"}));
+    const auto takes = std::chrono::steady_clock::now() - start;
+    fs::remove(folder + "/x.bake");
+    int killed = 0;
+    for (int k = 0; k < 20; ++k) {
+        const pid_t child = ::fork();
+        if (child == 0) {
+            const Result r = run(baked(scene, folder + "/x.bake", {"--store", folder + "/store"}));
+            ::_exit(r.exit == 0 ? 0 : 1);
+        }
+        // A moment of its own for each, from the start to the end of a bake.
+        ::usleep(useconds_t(std::chrono::duration<double, std::micro>(takes).count() * (std::uint32_t(pixel_hash<std::int32_t>(k, 1, 2, 3).x) % 1000) / 1000));
+        ::kill(child, SIGKILL);
+        int status = 0;
+        ::waitpid(child, &status, 0);
+        killed += WIFSIGNALED(status) ? 1 : 0;
+        if (fs::exists(folder + "/x.bake")) CHECK(read(folder + "/x.bake") == whole);
+    }
+    CHECK(killed >= 5);
+    succeed(baked(scene, folder + "/x.bake", {"--resume", "--store", folder + "/store"}));
+    CHECK(read(folder + "/x.bake") == whole);
+    const Result again = run(baked(scene, folder + "/x.bake", {"--resume", "--store", folder + "/store", "--json"}));
+    for (const Json& step : Json::parse(again.out)["steps"])
+        if (step["label"].get<std::string>().starts_with("probes.coefficients")) CHECK(step["kept"] == true);
+    // Ctrl-C: no file, no word but the exit code.
+    fs::remove(folder + "/x.bake");
+    CHECK(read(folder + "/whole.bake") == whole);
+}
+
+TEST_CASE("bake: a file that is cut, changed or of another scene is refused", "[program][malformed]") {
+    const std::string folder = fresh_folder("bake_damaged"), scene = scene_in(folder);
+    set_cache(folder + "/cache");
+    succeed(baked(scene, folder + "/a.bake", {"--no-cache", "--set", "probes.degree=1"}));
+    const Result whole = run({"bake", scene, "--verify", folder + "/a.bake"});
+    REQUIRE(whole.exit == 0);
+    CHECK_THAT(whole.out, Contains("receiver_position") && Contains("cluster_matrix"));
+    const std::string bytes = read(folder + "/a.bake"), damaged = folder + "/damaged.bake";
+    const io::Kind kind{"probe bake", 1, 1};
+    const auto refused = [&](const std::string& of) {
+        write(damaged, of);
+        try {
+            io::read_described(damaged, kind);
+        } catch (const std::exception& e) {
+            return std::string(e.what()).find("damaged.bake") != std::string::npos;
+        }
+        return false;
+    };
+    REQUIRE_FALSE(refused(bytes));
+    int cuts = 0;
+    for (std::size_t n = 0; n < bytes.size(); n += 1 + n / 64) CHECK((refused(bytes.substr(0, n)) && ++cuts));
+    CHECK(cuts > 100);
+    for (int k = 0; k < 1000; ++k) {
+        std::string flipped = bytes;
+        const auto h = pixel_hash<std::int32_t>(k, 5, 6, 7);
+        char& byte = flipped[std::uint32_t(h.x) % bytes.size()];
+        byte = char(byte ^ (1 << (std::uint32_t(h.y) % 8)));
+        CHECK(refused(flipped));
+    }
+    const auto complains = [&](const Words& words) {
+        const Result r = run(words);
+        CHECK(r.exit == 2);
+        CHECK(std::count(r.err.begin(), r.err.end(), '\n') == 1);
+        return r.err;
+    };
+    write(damaged, bytes.substr(0, bytes.size() / 2));
+    CHECK_THAT(complains({"bake", scene, "--verify", damaged}), Contains("damaged.bake"));
+    CHECK_THAT(complains({"bake", small_scene(folder), "--verify", folder + "/a.bake"}), Contains("scene"));
+    CHECK_THAT(complains({"bake", scene, "--verify", scene}), Contains("box.toml"));
+    CHECK_THAT(complains({"bake", scene, "--verify", folder + "/none.bake"}), Contains("none.bake"));
+}
+
+TEST_CASE("bake: wrong usage is one line", "[program]") {
+    const std::string folder = fresh_folder("bake_usage"), scene = small_scene(folder);
+    set_cache(folder + "/cache");
+    const auto complains = [&](const Words& words) {
+        const Result r = run(words);
+        CHECK(r.exit == 2);
+        CHECK(r.out.empty());
+        CHECK(std::count(r.err.begin(), r.err.end(), '\n') == 1);
+        return r.err;
+    };
+    CHECK_THAT(complains({"bake", scene}), Contains("-o FILE"));
+    CHECK_THAT(complains({"bake", scene, "-o", folder + "/x.bake", "--part", "1/2"}), Contains("not both"));
+    CHECK_THAT(complains({"bake", scene, "--part", "3/2"}), Contains("part 3/2"));
+    CHECK_THAT(complains({"bake", scene, "--part", "0/2"}), Contains("part 0/2"));
+    CHECK_THAT(complains({"bake", scene, "--part", "a"}), Contains("I/N"));
+    CHECK_THAT(complains({"bake", scene, "--part", "launcher"}), Contains("launcher"));
+    CHECK_THAT(complains({"bake", scene, "-o", folder + "/x.bake", "--no-cache", "--join"}), Contains("--no-cache"));
+    CHECK_THAT(complains(baked(scene, folder + "/x.bake", {"--set", "probes.degre=1"})), Contains("'degree'"));
+    CHECK_THAT(complains(baked(scene, folder + "/x.bake", {"--set", "probes.lightmap_size=0", "--set", "probes.receivers_per_m2=1e11"})), Contains("16384"));
+    CHECK_THAT(complains(baked(scene, folder + "/x.bake", {"--memory", "0.001"})), Contains("GB of memory"));
+    CHECK_THAT(complains(baked(scene, folder + "/none/x.bake", {"--no-cache"})), Contains("none"));
+    CHECK_FALSE(fs::exists(folder + "/x.bake"));
+}
+
+TEST_CASE("bake: a picture of every step, a page, and the data textures", "[program]") {
+    const std::string folder = fresh_folder("bake_layers"), scene = small_scene(folder);
+    set_cache(folder + "/cache");
+    succeed(baked(scene, folder + "/a.bake", {"--debug-layers", folder + "/layers", "--textures", folder + "/textures", "--html", folder + "/a.html", "--with-alpha"}));
+    for (const char* name : {"charts", "normals", "borders", "shifts", "candidates", "probes", "supports", "rays", "alpha", "clusters",
+                             "clusters.scene", "singular_values"})
+        CHECK(fs::file_size(folder + "/layers/" + name + ".png") > 100);
+    CHECK_THAT(read(folder + "/layers/README.txt"), Contains("clusters.png: probes.clusters"));
+    CHECK(files_in(folder + "/textures").size() == 12 * 2 + 1);
+    const std::string page = read(folder + "/a.html");
+    for (const char* step : {"probes.atlas", "probes.receivers", "probes.placement", "probes.supports", "probes.relight", "probes.clusters"})
+        CHECK_THAT(page, Contains(step));
+    CHECK_THAT(run({"bake", scene, "--verify", folder + "/a.bake"}).out, Contains("receiver_alpha"));
+}
