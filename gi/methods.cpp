@@ -5,6 +5,7 @@
 #include "gi/direct/log_blur.h"
 #include "gi/filter/filter.h"
 #include "gi/isr/isr.h"
+#include "gi/probes/bake_steps.h"
 #include "gi/probes/coefficients.h"
 #include "gi/probes/density.h"
 #include "gi/probes/share.h"
@@ -54,10 +55,16 @@ const std::vector<ListedStage>& stages() {
         listed(stage<compose::ComposeKernel>()),
         unbound(reference::info()),
         listed(stage<compose::TonemapKernel>()),
+        unbound(probes::info_atlas(), false),
+        unbound(probes::info_receivers(), false),
         listed(stage<probes::DensityKernel>(), false),
+        unbound(probes::info_placement(), false),
         listed(stage<probes::SupportsKernel>(), false),
+        unbound(probes::info_relight(), false),
+        unbound(probes::info_rays(), false),
         listed(stage<probes::ShareKernel>(), false),
         listed(stage<probes::CoefficientsKernel>(), false),
+        unbound(probes::info_clusters(), false),
         unbound(raster::info_hemicube(), false),
         unbound(raster::info_texture_space(), false),
     };

@@ -49,14 +49,14 @@ TransportParams transport_params(const BakeParams& p, bool sky) {
     return t;
 }
 
-namespace {
-
 bool sends_light(const Environment& e) {
     if (e.map.empty()) return e.radiance != glm::vec3(0);
     return e.radiance != glm::vec3(0) && std::any_of(e.map.texels.begin(), e.map.texels.end(), [](const glm::vec4& t) {
         return t.x != 0 || t.y != 0 || t.z != 0;
     });
 }
+
+namespace {
 
 template <class List>
 void lend_list(Bundle& b, const std::string& name, const List& list) {
@@ -87,7 +87,11 @@ std::uint64_t scene_hash(const Scene& scene, const Geometry& geometry) {
         if (m.alpha_cutoff <= 0 && m.normal_texture < 0) continue;
         h.add(m.alpha, m.texture);
         for (const int texture : {m.alpha_cutoff > 0 ? m.texture : -1, m.normal_texture})
-            if (texture >= 0) h.add_image(scene.textures.at(std::size_t(texture)).texels);
+            if (texture >= 0) {
+                const Texture& t = scene.textures.at(std::size_t(texture));
+                h.add_image(t.texels);
+                h.add(t.srgb, t.filter, t.wrap_u, t.wrap_v, t.mips);
+            }
     }
     return h.hash;
 }
@@ -101,17 +105,32 @@ RayCounts Bake::counts() const {
     return all;
 }
 
-std::uint64_t bytes_needed(const Bake& bake) {
+std::uint64_t bytes_needed(const Bake& bake, const Part& part) {
     const std::uint64_t receivers = std::uint64_t(bake.receivers.count()), probes = bake.placement.probes.size();
     const std::uint64_t coefficients = std::uint64_t(bake.coefficients()), slots = std::uint64_t(bake.supports.overlaps);
-    const std::uint64_t alpha = receivers * slots * coefficients * sizeof(float);
+    const std::uint64_t row = slots * coefficients * sizeof(float), kept = std::uint64_t(bake.params.singular_values);
+    const std::uint64_t alpha = receivers * row / std::uint64_t(part.count) + std::uint64_t(block_receivers) * row;
     const std::uint64_t relight = probes * std::uint64_t(bake.params.relight_rays) * 32;
-    const std::uint64_t block = std::uint64_t(block_receivers) * (std::uint64_t(bake.params.receiver_rays) * 28 + 2 * slots * coefficients * 4);
+    const std::uint64_t block = std::uint64_t(block_receivers) * (std::uint64_t(bake.params.receiver_rays) * 28 + 2 * row);
     const std::uint64_t lightmap = std::uint64_t(bake.atlas.size.x) * std::uint64_t(bake.atlas.size.y);
-    // A cluster's transport in double, its products, and what is kept of it.
-    const std::uint64_t clusters = receivers * (std::uint64_t(bake.params.singular_values) * 4 + 16) +
-                                   std::uint64_t(bake.params.cluster_receivers) * std::min(probes, slots * 8) * coefficients * 8 * 4;
-    return alpha + relight + block + clusters + receivers * 80 + lightmap * 16;
+    const std::uint64_t atlas = bake.atlas.geometry.vertices.size() * 2 * sizeof(Vertex) + bake.atlas.geometry.triangles.size() * 60;
+    std::uint64_t bytes = alpha + relight + block + atlas + receivers * (80 + slots * 8) + lightmap * 16;
+    if (part.count > 1) return bytes;
+    // Clusters of 40 receivers and twice the probes of one, as rooms have them; three copies: clusters, as they are kept, the file.
+    const std::uint64_t matrices = receivers / 40 * kept * 2 * std::min(probes, slots) * coefficients * sizeof(float);
+    const std::uint64_t largest = std::uint64_t(bake.params.cluster_receivers) * std::min(probes, 4 * slots) * coefficients * 8 * 4;
+    return bytes + 3 * (matrices + receivers * kept * 4) + largest + relight + receivers * (80 + slots * 8);
+}
+
+int black_receivers(const Bake& bake) {
+    const std::size_t row = std::size_t(bake.supports.overlaps) * std::size_t(bake.coefficients());
+    int black = 0;
+    for (std::size_t i = 0; i < std::size_t(bake.receivers.count()); ++i) {
+        if (bake.supports.probe[i * std::size_t(bake.supports.overlaps)] < 0) continue;
+        const float* alpha = bake.alpha.data() + i * row;
+        black += std::all_of(alpha, alpha + row, [](float a) { return a == 0; }) ? 1 : 0;
+    }
+    return black;
 }
 
 BakeGraph::BakeGraph(const Scene& scene, const BakeParams& params, Part part, std::uint64_t memory_limit)
@@ -243,15 +262,24 @@ void BakeGraph::add_host_nodes() {
         r.value(b.params.relight_rays, b.params.degree);
         read_rays(r);
     };
-    relight.run = [&](const RunOptions& options, graph::NodeRun& run) {
+    relight.run = [&, this](const RunOptions& options, graph::NodeRun& run) {
+        const std::uint64_t needed = bytes_needed(b, part_);
+        if (needed > memory_limit_)
+            throw InputError(fmt::format("probes: {} receivers and {} probes need {:.1f} GB of memory; there are {:.1f} GB: lower "
+                                         "receivers_per_m2, count, relight_rays, overlaps or degree",
+                                         b.receivers.count(), b.placement.probes.size(), double(needed) / 1e9,
+                                         double(memory_limit_) / 1e9));
+        if (sized_) sized_(needed);
         b.relight_directions = relight_directions(b.params.relight_rays);
+        b.relight_weights = relight_weights(b.relight_directions, b.params.relight_rays);
         b.harmonics = harmonics_of(b.relight_directions, b.params.degree);
         b.relight = relight_rays(b.atlas, w.args(b.atlas), *w.query, b.placement.probes, b.relight_directions, options);
         run.bytes = b.relight.material.size() * 32 + b.harmonics.size() * 4;
     };
     relight.outputs = [&] {
         Bundle out;
-        lend_list(out, "directions", b.relight_directions), lend_list(out, "harmonics", b.harmonics);
+        lend_list(out, "directions", b.relight_directions), lend_list(out, "weights", b.relight_weights);
+        lend_list(out, "harmonics", b.harmonics);
         lend_list(out, "material", b.relight.material), lend_list(out, "triangle", b.relight.triangle);
         lend_list(out, "uv", b.relight.uv), lend_list(out, "position", b.relight.position);
         return out;
@@ -293,13 +321,10 @@ graph::Node BakeGraph::clusters_node() {
 }
 
 std::vector<const graph::Node*> BakeGraph::add_blocks() {
-    const std::uint64_t needed = bytes_needed(bake_);
-    if (needed > memory_limit_)
-        throw InputError(fmt::format("probes: {} receivers with {} probes each need {:.1f} GB of memory; there are {:.1f} GB: "
-                                     "lower receivers_per_m2, overlaps or degree",
-                                     bake_.receivers.count(), bake_.supports.overlaps, double(needed) / 1e9,
-                                     double(memory_limit_) / 1e9));
-    bake_.alpha.assign(bake_.supports.probe.size() * std::size_t(bake_.coefficients()), 0);
+    // Of a part its own blocks alone, one after the other.
+    const std::size_t row = std::size_t(bake_.supports.overlaps) * std::size_t(bake_.coefficients());
+    const std::size_t held = part_.count == 1 ? std::size_t(bake_.receivers.count()) : std::size_t(blocks_here()) * block_receivers;
+    bake_.alpha.assign(held * row, 0);
     bake_.block_counts.assign(std::size_t(bake_.blocks()), {});
     std::vector<const graph::Node*> added;
     for (int block = part_.index; block < bake_.blocks(); block += part_.count) {
@@ -338,7 +363,7 @@ graph::Node BakeGraph::block_node(int block) {
     RayCounts& counts = b.block_counts[std::size_t(block)];
     const int first = block * block_receivers, count = std::min(block_receivers, b.receivers.count() - first);
     const std::size_t row = std::size_t(b.supports.overlaps) * std::size_t(b.coefficients());
-    float* alpha = b.alpha.data() + std::size_t(first) * row;
+    float* alpha = b.alpha.data() + std::size_t(block / part_.count) * block_receivers * row;
     graph::Node node = host_node("probes.coefficients", "what receivers see, and which probes see the same");
     node.plan.form = fmt::format("receivers {} to {}", first, first + count - 1);
     node.plan.label = fmt::format("probes.coefficients ({})", node.plan.form);

@@ -31,6 +31,7 @@ ShiftParams shift_params(const BakeParams& p);
 ClusterParams cluster_params(const BakeParams& p);
 // sky: whether the environment sends anything. Under a sky that sends light the first solution loses it (a uniform sky then
 // gives less than pi L); where it sends none, the first leaks least (IPR 5.1.3.1).
+bool sends_light(const Environment& sky);
 TransportParams transport_params(const BakeParams& p, bool sky);
 
 struct Bake {
@@ -44,6 +45,7 @@ struct Bake {
     ProbeRadius radius;
     Supports supports;
     Buffer<glm::vec4> relight_directions;  // [relight_rays]
+    Buffer<float> relight_weights;         // [relight_rays]: of all of them, sr
     Buffer<float> harmonics;               // [relight_rays][(degree + 1)^2]: Y_j of each
     RelightHits relight;
     Buffer<float> alpha;                   // [receivers][overlaps][(degree + 1)^2], sr
@@ -65,8 +67,12 @@ struct Part {
     int index = 0, count = 1;
 };
 
-// What a bake holds at once at its end, bytes, where receivers and probes are known.
-std::uint64_t bytes_needed(const Bake& bake);
+// What a bake of which receivers and probes are known will hold at once at most, bytes: its share of the transport, and, of a
+// whole bake, clusters and the file's copy of all. An estimate: how many clusters there will be is not known.
+std::uint64_t bytes_needed(const Bake& bake, const Part& part = {});
+
+// Receivers of a whole bake, with probes, that nothing reaches: all their coefficients are 0.
+int black_receivers(const Bake& bake);
 
 class BakeGraph {
   public:
@@ -77,9 +83,13 @@ class BakeGraph {
 
     const std::vector<const graph::Node*>& nodes() const { return first_; }
     const Bake& bake() const { return bake_; }
+    // Called when receivers and probes are known, before the rays.
+    void when_sized(std::function<void(std::uint64_t bytes)> call) { sized_ = std::move(call); }
     // Of the block that holds the receiver: what its stages are given, traced anew.
     TracedBlock traced(int receiver, const RunOptions& options) const;
     const raster::Surfaces& surfaces() const;
+    // Blocks that this part computes.
+    int blocks_here() const { return (bake_.blocks() - part_.index + part_.count - 1) / part_.count; }
     // Seconds that went into rays, and what probes.share made of them, of the blocks that ran.
     double seconds_of_rays() const { return seconds_of_rays_; }
 
@@ -99,6 +109,7 @@ class BakeGraph {
     std::deque<graph::Node> nodes_;
     std::vector<const graph::Node*> first_;
     double seconds_of_rays_ = 0;
+    std::function<void(std::uint64_t)> sized_;
 };
 
 }  // namespace plumb::probes

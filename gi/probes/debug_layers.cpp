@@ -236,7 +236,7 @@ std::vector<DebugLayer> debug_layers(const Bake& b, const raster::Surfaces& surf
              on_lightmap(r, [&](int i) {
                  return r.shift[i].w == 0 ? grey : glm::vec4(1, 0.7f * (1 - glm::length(glm::vec3(r.shift[i])) / farthest), 0.2f, 1);
              }));
-    const double ball = 0.01 * double(glm::length(glm::vec3(extent_of(b.atlas.geometry))));
+    const double ball = 0.006 * double(glm::length(glm::vec3(extent_of(b.atlas.geometry))));
     Image4 placed = scene.with(nullptr);
     for (const glm::vec4& c : b.placement.candidates) scene.ball(placed, glm::dvec3(c), 0.3 * ball, {0.9f, 0.6f, 0.2f, 1});
     add("candidates", "probes.placement", "all candidates", placed);
@@ -258,7 +258,7 @@ std::vector<DebugLayer> debug_layers(const Bake& b, const raster::Surfaces& surf
         const std::int32_t met = b.relight.material[std::size_t(k)];
         const glm::vec4 colour = met == met_nothing ? glm::vec4(0.3f, 0.5f, 1, 1) : met == met_back ? glm::vec4(0.1f, 0.1f, 0.1f, 1)
                                                                                                   : glm::vec4(1, 0.3f, 0.2f, 1);
-        scene.line(rays, from, to.w > 0 ? glm::dvec3(to) : from + 60 * ball * glm::dvec3(to), colour);
+        scene.line(rays, from, to.w > 0 ? glm::dvec3(to) : from + 100 * ball * glm::dvec3(to), colour);
     }
     add("rays", "probes.relight", "64 rays of the first probe: red to surfaces, blue into the sky, black to backs", rays);
     const int receiver = view.receiver >= 0 && view.receiver < r.count() ? view.receiver : r.count() / 2;

@@ -46,6 +46,86 @@ Buffer<float> ray_factors(const Buffer<glm::vec4>& directions, Distribution dist
     return factors;
 }
 
+int exact_degree(int n) {
+    int degree = 0;
+    while (degree < 14 && 2 * (degree + 2) * (degree + 2) <= n) ++degree;
+    return degree;
+}
+
+namespace {
+
+// All harmonics up to `degree` at a unit direction, by the recurrence of core/sh.h, which ends at degree 7.
+std::vector<double> harmonics_at(const glm::dvec3& d, int degree) {
+    std::vector<double> y(std::size_t((degree + 1) * (degree + 1)));
+    double cosine = 1, sine = 0, diagonal = std::sqrt(1 / (4 * host::pi));
+    for (int m = 0; m <= degree; ++m) {
+        double p = diagonal * (m > 0 ? std::sqrt(2.0) : 1), before = 0;
+        for (int l = m; l <= degree; ++l) {
+            if (l > m) {
+                const int k = l - 1;
+                const double rise = std::sqrt((4.0 * l * l - 1) / (l * l - m * m)),
+                             fall = std::sqrt((k * k - m * m) / (4.0 * k * k - 1));
+                const double next = rise * (d.z * p - fall * before);
+                before = p, p = next;
+            }
+            y[std::size_t(l * (l + 1) + m)] = p * cosine;
+            if (m > 0) y[std::size_t(l * (l + 1) - m)] = p * sine;
+        }
+        const double next = cosine * d.x - sine * d.y;
+        sine = cosine * d.y + sine * d.x, cosine = next;
+        diagonal *= std::sqrt((2.0 * m + 3) / (2.0 * m + 2));
+    }
+    return y;
+}
+
+// Solves G x = b for a positive definite G [n][n], by Cholesky's decomposition; G and b are used up.
+void solve(std::vector<double>& g, std::vector<double>& b) {
+    const std::size_t n = b.size();
+    for (std::size_t i = 0; i < n; ++i) {
+        for (std::size_t j = 0; j <= i; ++j) {
+            double sum = g[i * n + j];
+            for (std::size_t k = 0; k < j; ++k) sum -= g[i * n + k] * g[j * n + k];
+            g[i * n + j] = i == j ? std::sqrt(sum) : sum / g[j * n + j];
+        }
+        for (std::size_t k = 0; k < i; ++k) b[i] -= g[i * n + k] * b[k];
+        b[i] /= g[i * n + i];
+    }
+    for (std::size_t i = n; i-- > 0;) {
+        for (std::size_t k = i + 1; k < n; ++k) b[i] -= g[k * n + i] * b[k];
+        b[i] /= g[i * n + i];
+    }
+}
+
+}  // namespace
+
+// w = w0 + A^T (A A^T)^-1 (e - A w0): the nearest weights to w0 = 4 pi / n with A w = e, a row of A a harmonic, e their
+// integrals: sqrt(4 pi) for the first, 0 for the others.
+Buffer<float> relight_weights(const Buffer<glm::vec4>& directions, int n) {
+    if (n < 1 || std::size_t(n) > directions.size()) throw InputError("relight_weights: more rays than directions");
+    std::vector<std::vector<double>> columns;
+    for (int r = 0; r < n; ++r) {
+        const glm::dvec3 d(directions[std::size_t(r)]);
+        columns.push_back(harmonics_at(d / std::sqrt(glm::dot(d, d)), exact_degree(n)));
+    }
+    const std::size_t rows = columns[0].size();
+    const double equal = 4 * host::pi / n;
+    std::vector<double> gram(rows * rows, 0.0), rest(rows, 0.0);
+    rest[0] = std::sqrt(4 * host::pi);
+    for (const std::vector<double>& c : columns)
+        for (std::size_t i = 0; i < rows; ++i) {
+            rest[i] -= equal * c[i];
+            for (std::size_t j = 0; j <= i; ++j) gram[i * rows + j] += c[i] * c[j];
+        }
+    solve(gram, rest);
+    Buffer<float> weights;
+    for (const std::vector<double>& c : columns) {
+        double w = equal;
+        for (std::size_t i = 0; i < rows; ++i) w += c[i] * rest[i];
+        weights.push_back(float(w));
+    }
+    return weights;
+}
+
 Buffer<float> harmonics_of(const Buffer<glm::vec4>& directions, int degree) {
     Buffer<float> values;
     for (const glm::vec4& d : directions) {

@@ -2,7 +2,6 @@
 
 #include <mutex>
 
-#include "core/host_math.h"
 #include "core/parallel.h"
 #include "core/sh.h"
 #include "gi/lend.h"
@@ -85,15 +84,15 @@ void block_coefficients(const TracedBlock& block, const TransportParams& params,
                 by_row[std::size_t(row) * std::size_t(block.count) + std::size_t(i)];
 }
 
-std::vector<glm::dvec3> probe_coefficients(const std::vector<glm::dvec3>& radiance, int probes, int rays,
+std::vector<glm::dvec3> probe_coefficients(const std::vector<glm::dvec3>& radiance, int probes, const Buffer<float>& weights,
                                            const Buffer<float>& harmonics, int degree) {
-    const std::size_t count = std::size_t(sh::count(degree));
+    const std::size_t count = std::size_t(sh::count(degree)), rays = weights.size();
     std::vector<glm::dvec3> lambda(std::size_t(probes) * count, glm::dvec3(0));
     for (int p = 0; p < probes; ++p)
-        for (int r = 0; r < rays; ++r)
+        for (std::size_t r = 0; r < rays; ++r)
             for (std::size_t j = 0; j < count; ++j)
-                lambda[std::size_t(p) * count + j] += 4 * host::pi / rays * double(harmonics[std::size_t(r) * count + j]) *
-                                                      radiance[std::size_t(p) * std::size_t(rays) + std::size_t(r)];
+                lambda[std::size_t(p) * count + j] += double(weights[r]) * double(harmonics[r * count + j]) *
+                                                      radiance[std::size_t(p) * rays + r];
     return lambda;
 }
 

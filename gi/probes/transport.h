@@ -49,8 +49,9 @@ void block_coefficients(const TracedBlock& block, const TransportParams& params,
 
 // ---- What the run time computes of it, in double, for tests and experiments ------------------------------------------
 
-// lambda_ij = 4 pi / N sum_r f(r) Y_j(r): [probes][(degree + 1)^2], of radiances [probes][rays]; IPR (10).
-std::vector<glm::dvec3> probe_coefficients(const std::vector<glm::dvec3>& radiance, int probes, int rays,
+// lambda_ij = sum_r w_r f(r) Y_j(r): [probes][(degree + 1)^2], of radiances [probes][rays] and relight_weights(); IPR (10) has
+// w_r = 4 pi / N.
+std::vector<glm::dvec3> probe_coefficients(const std::vector<glm::dvec3>& radiance, int probes, const Buffer<float>& weights,
                                            const Buffer<float>& harmonics, int degree);
 // E_i = sum over slots and coefficients of alpha_ij lambda_ij; IPR (5).
 std::vector<glm::dvec3> irradiance(const Supports& supports, const Buffer<float>& alpha, int degree,

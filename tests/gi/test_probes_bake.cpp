@@ -1,4 +1,5 @@
 // Whole bakes: light in closed rooms in closed form, the graph's steps, extremes, refusals.
+#include <Eigen/SVD>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <map>
@@ -77,7 +78,7 @@ class RunTime {
         std::vector<glm::dvec3> f(b_.relight.material.size(), glm::dvec3(0));
         for (std::size_t k = 0; k < f.size(); ++k)
             if (b_.relight.material[k] >= 0) f[k] = glm::dvec3(rho_ / host::pi) * (glm::dvec3(e_) + lookup(b_.relight.uv[k]));
-        return probe_coefficients(f, b_.relight.probes, b_.relight.rays, b_.harmonics, b_.params.degree);
+        return probe_coefficients(f, b_.relight.probes, b_.relight_weights, b_.harmonics, b_.params.degree);
     }
     void whole_round() { irradiance_ = irradiance(b_.supports, b_.alpha, b_.params.degree, lambda()); }
     // I = U (Sigma V^T lambda).
@@ -196,6 +197,43 @@ TEST_CASE("bake: full rank gives back the transport as it was", "[probes]") {
     }
     CHECK(largest > 0.1);
     CHECK(worst < 1e-6 * largest * 8);
+}
+
+TEST_CASE("bake: a room's clusters and errors are those of full decompositions", "[probes][IPR 3.2.4.2]") {
+    Scene scene = furnished();
+    BakeParams params = small();
+    BakeGraph graph(scene, params);
+    run_all(graph);
+    const Bake& b = graph.bake();
+    const int coefficients = b.coefficients();
+    REQUIRE(b.clusters.clusters.size() > 5);
+    for (const Cluster& c : b.clusters.clusters) {
+        const auto rows = Eigen::Index(c.receivers.size()), columns = Eigen::Index(c.probes.size()) * coefficients;
+        Eigen::MatrixXd a = Eigen::MatrixXd::Zero(rows, columns), kept(rows, columns);
+        for (Eigen::Index i = 0; i < rows; ++i) {
+            const std::int64_t r = c.receivers[std::size_t(i)];
+            for (int s = 0; s < b.supports.overlaps; ++s) {
+                const auto p = std::find(c.probes.begin(), c.probes.end(), b.supports.probe[std::size_t(r * b.supports.overlaps + s)]);
+                if (p == c.probes.end()) continue;
+                for (int j = 0; j < coefficients; ++j)
+                    a(i, (p - c.probes.begin()) * coefficients + j) =
+                        double(b.alpha[std::size_t((r * b.supports.overlaps + s) * coefficients + j)]);
+            }
+            for (Eigen::Index k = 0; k < columns; ++k) {
+                double sum = 0;
+                for (int q = 0; q < c.rank; ++q)
+                    sum += double(b.clusters.u[std::size_t(r * b.clusters.singular_values + q)]) * double(c.sigma_vt[std::size_t(q * columns + k)]);
+                kept(i, k) = sum;
+            }
+        }
+        const Eigen::VectorXd s = Eigen::BDCSVD<Eigen::MatrixXd>(a).singularValues();
+        const double all = s.sum(), head = s.head(std::min<Eigen::Index>(32, s.size())).sum();
+        const double published = all > 0 ? 1 - std::sqrt(head / all) : 0;
+        CHECK(c.error_published == Approx(published).margin(2e-5));
+        CHECK((published < params.threshold + 2e-5 || c.receivers.size() <= 32));
+        const double tail = s.size() > 32 ? s.tail(s.size() - 32).norm() : 0;
+        CHECK((a - kept).norm() <= 1.01 * tail + 1e-6 * a.norm());
+    }
 }
 
 TEST_CASE("bake: receivers inside of a box are moved out of it", "[probes][IPR 5.1.4]") {
@@ -322,7 +360,20 @@ TEST_CASE("bake: parts fill a store, and what is joined of them has the same bit
 
 TEST_CASE("bake: another scene has another hash, another light has not", "[probes]") {
     Scene scene = furnished();
+    scene.textures.resize(1);
+    scene.textures[0].texels = Image<std::uint32_t>(2, 2, 0x80ffffff);
+    scene.materials[0].texture = 0, scene.materials[0].alpha_cutoff = 0.4f;
     const std::uint64_t hash = scene_hash(scene, flatten(scene));
+    // All that a mask is made of.
+    for (const auto& change : std::vector<std::function<void(Scene&)>>{
+             [](Scene& s) { s.textures[0].filter = Filter::nearest; }, [](Scene& s) { s.textures[0].wrap_u = Wrap::clamp_to_edge; },
+             [](Scene& s) { s.textures[0].wrap_v = Wrap::mirrored_repeat; }, [](Scene& s) { s.textures[0].mips = true; },
+             [](Scene& s) { s.textures[0].texels(1, 1) = 0; }, [](Scene& s) { s.materials[0].alpha_cutoff = 0.5f; },
+             [](Scene& s) { s.materials[0].alpha = 0.5f; }}) {
+        Scene changed = scene;
+        change(changed);
+        CHECK(scene_hash(changed, flatten(changed)) != hash);
+    }
     Scene lit = scene;
     lit.lights.emplace_back(), lit.materials[0].emission = glm::vec3(1), lit.materials[1].reflectance = glm::vec3(0.9f);
     CHECK(scene_hash(lit, flatten(lit)) == hash);

@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "core/sh.h"
 #include "core/hash.h"
 #include "gi/compose/compose.h"
 #include "gi/direct/direct.h"
@@ -12,7 +13,9 @@
 #include "gi/isr/isr.h"
 #include "gi/lend.h"
 #include "gi/parity/stages.h"
+#include "gi/probes/coefficients.h"
 #include "gi/probes/density.h"
+#include "gi/probes/share.h"
 #include "gi/probes/supports.h"
 #include "gi/rsm/gather.h"
 #include "raster/light_view.h"
@@ -461,6 +464,50 @@ inline StageData supports_case(glm::ivec2 size, float radius, int overlaps, cons
     return named(d, id);
 }
 
+// What receivers' rays met: points, directions of those that met nothing, what no probe sees; a probe without weight.
+struct RayInputs {
+    int rays, slots = 3;
+    Buffer<glm::vec4> supporting, seen;
+    std::vector<std::int32_t> visible;
+    Buffer<float> lengths, weights;
+
+    RayInputs(int receivers, int rays_of_each) : rays(rays_of_each) {
+        supporting = scattered(slots * receivers, 84), seen = scattered(rays * receivers, 85);
+        for (std::size_t i = 0; i < supporting.size(); ++i) supporting[i].w = i % 7 == 3 ? 0 : noise(int(i), 3, 0, 84);
+        for (std::size_t i = 0; i < seen.size(); ++i) {
+            const bool escaped = i % 5 == 0;
+            const glm::vec3 d = 2.0f * glm::vec3(seen[i]) - 1.0f;
+            seen[i] = escaped ? glm::vec4(normalize3<float>(d), 0) : glm::vec4(5.0f * d, 1);
+            visible.push_back(i % 11 == 0 ? 0 : std::int32_t(8 * noise(int(i), 4, 0, 85)));
+            lengths.push_back(escaped ? 1e15f : 4 * noise(int(i), 5, 0, 85));
+            weights.push_back(0.01f + noise(int(i), 6, 0, 85));
+        }
+    }
+};
+inline StageData share_case(glm::ivec2 size, bool published, const std::string& id) {
+    const RayInputs r(size.x, size.y);
+    probes::ShareInputs in{size.x, size.y, r.slots, published, r.supporting.data(), r.weights.data(), r.visible.data(),
+                           r.lengths.data()};
+    return named(owned_data(probes::data_of(in)), id);
+}
+// size.y rows, of all degrees.
+inline StageData coefficients_case(glm::ivec2 size, const std::string& id) {
+    const RayInputs r(size.x, 9);
+    const std::vector<std::int32_t> all = probes::coefficient_rows(r.slots, 7);
+    std::vector<std::int32_t> rows;
+    for (int y = 0; y < size.y; ++y)
+        for (int c = 0; c < 4; ++c) rows.push_back(all[std::size_t((17 * y % (64 * r.slots)) * 4 + c)]);
+    StageData d = begin_data<probes::CoefficientsKernel>(size, probes::CoefficientsUniforms{size.x, size.y, r.rays, r.slots});
+    const std::int64_t receivers = size.x;
+    lend(d.inputs, "rows", {size.y, 4}, rows.data());
+    lend(d.inputs, "recurrence", {sh::recurrence_size}, sh::recurrence().data());
+    lend(d.inputs, "supporting", {r.slots * receivers, 4}, &r.supporting[0].x);
+    lend(d.inputs, "seen", {r.rays * receivers, 4}, &r.seen[0].x);
+    lend(d.inputs, "visible", {r.rays * receivers}, r.visible.data());
+    lend(d.inputs, "shares", {r.rays * receivers}, r.weights.data());
+    return named(owned_data(d), id);
+}
+
 // Every compute stage, in every variant of it that is a branch of its own.
 inline std::vector<StageData> compute_cases(glm::ivec2 size) {
     using namespace direct;
@@ -512,6 +559,9 @@ inline std::vector<StageData> compute_cases(glm::ivec2 size) {
     cases.push_back(density_case(size, 0.3f, "probes.density"));
     cases.push_back(supports_case(size, 0.4f, 15, "probes.supports"));  // most receivers have fewer
     cases.push_back(supports_case(size, 2, 16, "probes.supports.all"));  // every probe is in reach
+    cases.push_back(share_case(size, false, "probes.share"));
+    cases.push_back(share_case(size, true, "probes.share.published"));
+    cases.push_back(coefficients_case(size, "probes.coefficients"));
     for (StageData& data : isr_cases(size)) cases.push_back(std::move(data));
     return cases;
 }

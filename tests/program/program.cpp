@@ -124,6 +124,18 @@ Result run_and_signal(const std::vector<std::string>& arguments, int signal, con
     return streams.result(exit_code(child));
 }
 
+Result run_and_kill(const std::vector<std::string>& arguments, double seconds) {
+    const Streams streams;
+    const pid_t child = fork();
+    if (child == 0) {
+        streams.attach();
+        execute(arguments);
+    }
+    std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
+    kill(child, SIGKILL);
+    return streams.result(exit_code(child));
+}
+
 std::string fresh_folder(const std::string& name) {
     const std::string folder = PLUMB_BINARY_DIR "/program_tests/" + name;
     fs::remove_all(folder);

@@ -38,6 +38,9 @@ Result run_on_terminal(const std::vector<std::string>& arguments);
 Result run_and_signal(const std::vector<std::string>& arguments, int signal, const std::string& folder,
                       const std::string& prefix);
 
+// Kills it (SIGKILL) after so many seconds, if it has not ended by itself: exit is 137 then.
+Result run_and_kill(const std::vector<std::string>& arguments, double seconds);
+
 // An empty folder of that name for a test to work in.
 std::string fresh_folder(const std::string& name);
 

@@ -1,9 +1,8 @@
 // plumb bake: files, parts, what is kept, kills, refusals.
 #include <signal.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <catch2/catch.hpp>
+#include <chrono>
 #include <filesystem>
 
 #include "core/hash.h"
@@ -76,7 +75,7 @@ TEST_CASE("bake: the same bytes for every instruction set, number of threads, an
     ::unsetenv("OMPI_COMM_WORLD_RANK"), ::unsetenv("OMPI_COMM_WORLD_SIZE");
     REQUIRE(part.exit == 0);
     for (const Json& step : Json::parse(part.out)["steps"])
-        CHECK_FALSE(step["label"].get<std::string>().find("receivers 0 to") != std::string::npos);  // rank 0 has the first block
+        CHECK_FALSE(step.at("name").get<std::string>().find("receivers 0 to") != std::string::npos);  // rank 0 has the first block
 }
 
 TEST_CASE("bake: killed at any moment it leaves nothing half written, and goes on", "[program]") {
@@ -90,17 +89,11 @@ TEST_CASE("bake: killed at any moment it leaves nothing half written, and goes o
     fs::remove(folder + "/x.bake");
     int killed = 0;
     for (int k = 0; k < 20; ++k) {
-        const pid_t child = ::fork();
-        if (child == 0) {
-            const Result r = run(baked(scene, folder + "/x.bake", {"--store", folder + "/store"}));
-            ::_exit(r.exit == 0 ? 0 : 1);
-        }
         // A moment of its own for each, from the start to the end of a bake.
-        ::usleep(useconds_t(std::chrono::duration<double, std::micro>(takes).count() * (std::uint32_t(pixel_hash<std::int32_t>(k, 1, 2, 3).x) % 1000) / 1000));
-        ::kill(child, SIGKILL);
-        int status = 0;
-        ::waitpid(child, &status, 0);
-        killed += WIFSIGNALED(status) ? 1 : 0;
+        const double share = (std::uint32_t(pixel_hash<std::int32_t>(k, 1, 2, 3).x) % 1000) / 1000.0;
+        const Result r = run_and_kill(baked(scene, folder + "/x.bake", {"--store", folder + "/store"}),
+                                      share * std::chrono::duration<double>(takes).count());
+        killed += r.exit == 128 + SIGKILL ? 1 : 0;
         if (fs::exists(folder + "/x.bake")) CHECK(read(folder + "/x.bake") == whole);
     }
     CHECK(killed >= 5);
@@ -108,10 +101,12 @@ TEST_CASE("bake: killed at any moment it leaves nothing half written, and goes o
     CHECK(read(folder + "/x.bake") == whole);
     const Result again = run(baked(scene, folder + "/x.bake", {"--resume", "--store", folder + "/store", "--json"}));
     for (const Json& step : Json::parse(again.out)["steps"])
-        if (step["label"].get<std::string>().starts_with("probes.coefficients")) CHECK(step["kept"] == true);
-    // Ctrl-C: no file, no word but the exit code.
-    fs::remove(folder + "/x.bake");
-    CHECK(read(folder + "/whole.bake") == whole);
+        if (step.at("name").get<std::string>().starts_with("probes.coefficients")) CHECK(step["kept"] == true);
+    // Ctrl-C: no file.
+    fs::remove(folder + "/x.bake"), fs::remove_all(folder + "/store"), fs::create_directories(folder + "/store");
+    const Result interrupted = run_and_signal(baked(scene, folder + "/x.bake", {"--store", folder + "/store"}), SIGINT, folder + "/store", "");
+    CHECK(interrupted.exit == 130);
+    for (const std::string& name : files_in(folder)) CHECK(name.find("x.bake") == std::string::npos);
 }
 
 TEST_CASE("bake: a file that is cut, changed or of another scene is refused", "[program][malformed]") {
@@ -172,11 +167,28 @@ TEST_CASE("bake: wrong usage is one line", "[program]") {
     CHECK_THAT(complains({"bake", scene, "--part", "0/2"}), Contains("part 0/2"));
     CHECK_THAT(complains({"bake", scene, "--part", "a"}), Contains("I/N"));
     CHECK_THAT(complains({"bake", scene, "--part", "launcher"}), Contains("launcher"));
+    CHECK_THAT(complains({"bake", scene, "--part", "1/2", "--textures", folder + "/t"}), Contains("a part has no clusters"));
+    CHECK_THAT(complains({"bake", scene, "--part", "1/2", "--store", "/proc/none"}), Contains("/proc/none"));
+    CHECK_THAT(complains(baked(scene, folder)), Contains("is a folder"));
+    CHECK_THAT(complains(baked(scene, scene)), Contains("is the scene"));
+    CHECK_THAT(complains(baked(scene, folder + "/x", {"--html", folder + "/x"})), Contains("twice"));
+    CHECK_THAT(complains({"bake", scene, "--verify", folder + "/x", "--set", "probes.degree=1"}), Contains("--verify"));
+    // An array's element has a rank of its own job, too.
+    for (const auto& [name, value] : {std::pair("SLURM_PROCID", "0"), {"SLURM_NTASKS", "1"}, {"SLURM_ARRAY_TASK_ID", "7"},
+                                      {"SLURM_ARRAY_TASK_MIN", "1"}, {"SLURM_ARRAY_TASK_STEP", "3"}, {"SLURM_ARRAY_TASK_COUNT", "3"}})
+        ::setenv(name, value, 1);
+    const Result element = run({"bake", scene, "--part", "launcher", "--json", "--store", folder + "/array", "--set", "probes.lightmap_size=96",
+                                "--set", "probes.receiver_rays=4"});
+    for (const char* name : {"SLURM_PROCID", "SLURM_NTASKS", "SLURM_ARRAY_TASK_ID", "SLURM_ARRAY_TASK_MIN", "SLURM_ARRAY_TASK_STEP",
+                             "SLURM_ARRAY_TASK_COUNT"})
+        ::unsetenv(name);
+    REQUIRE(element.exit == 0);
+    CHECK_THAT(element.out, Contains("receivers 2048 to") && !Contains("receivers 0 to") && !Contains("receivers 1024 to"));
     CHECK_THAT(complains({"bake", scene, "-o", folder + "/x.bake", "--no-cache", "--join"}), Contains("--no-cache"));
     CHECK_THAT(complains(baked(scene, folder + "/x.bake", {"--set", "probes.degre=1"})), Contains("'degree'"));
     CHECK_THAT(complains(baked(scene, folder + "/x.bake", {"--set", "probes.lightmap_size=0", "--set", "probes.receivers_per_m2=1e11"})), Contains("16384"));
     CHECK_THAT(complains(baked(scene, folder + "/x.bake", {"--memory", "0.001"})), Contains("GB of memory"));
-    CHECK_THAT(complains(baked(scene, folder + "/none/x.bake", {"--no-cache"})), Contains("none"));
+    CHECK_THAT(complains(baked(scene, folder + "/none/x.bake", {"--no-cache"})), Contains("no folder"));
     CHECK_FALSE(fs::exists(folder + "/x.bake"));
 }
 

@@ -45,8 +45,6 @@ TEST_CASE("usage: commands", "[program]") {
     for (const char* command : {"render", "plan", "compare", "explain", "validate", "export", "stages", "make-scene",
                                 "experiment", "stability", "Examples:"})
         CHECK_THAT(help.out, Contains(command));
-    for (const char* later : {"bake"})
-        CHECK_THAT(help.out, !Contains(later));
     const Result version = run({"--version"});
     CHECK(version.exit == 0);
     CHECK_THAT(version.out, StartsWith("plumb 0."));

@@ -9,5 +9,6 @@ void add_closed_forms(CLI::App& experiment, Action& action);
 void add_one_bounce(CLI::App& experiment, Action& action);
 void add_vrsm(CLI::App& experiment, Action& action);
 void add_isr(CLI::App& experiment, Action& action);
+void add_probes(CLI::App& experiment, Action& action);
 
 }  // namespace plumb::cli

@@ -4,16 +4,17 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <set>
 
-#include "core/content_hash.h"
 #include "core/error.h"
 #include "gi/frame/settings.h"
 #include "gi/probes/debug_layers.h"
 #include "io/file.h"
-#include "io/npy.h"
+#include "io/image_file.h"
 #include "tools/plumb/cli.h"
 #include "tools/plumb/graph_page.h"
 #include "tools/shared/bake_file.h"
@@ -24,7 +25,6 @@
 #include "tools/shared/reports.h"
 #include "tools/shared/scene_command.h"
 #include "tools/shared/table.h"
-#include "io/image_file.h"
 
 namespace plumb::cli {
 
@@ -38,26 +38,30 @@ struct BakeOptions {
     double memory_gb = 0;
 };
 
-int number_of(const std::string& text, const std::string& option) {
+int number_of(const std::string& text, const std::string& name, const std::string& expected) {
     const bool digits = !text.empty() && text.size() < 8 && text.find_first_not_of("0123456789") == std::string::npos;
-    if (!digits) throw InputError(fmt::format("{}: expected I/N, 2/4 say, or 'launcher'", option));
+    if (!digits) throw InputError(fmt::format("{} {}: expected {}", name, io::printable(text), expected));
     return std::stoi(text);
 }
+int number_of_environment(const char* name, int otherwise) {
+    const char* text = std::getenv(name);
+    return text ? number_of(text, name, "a whole number") : otherwise;
+}
 
-// What a launcher of many processes tells each: its rank, from 0 (arrays of SLURM: from their own least), and how many there are.
+// What a launcher of many processes tells each: its rank, from 0, and how many there are. An element of an array of SLURM has a
+// rank of its own job as well: the array's counts.
 probes::Part part_of_launcher() {
+    if (std::getenv("SLURM_ARRAY_TASK_ID") && std::getenv("SLURM_ARRAY_TASK_COUNT")) {
+        const int first = number_of_environment("SLURM_ARRAY_TASK_MIN", 0), step = number_of_environment("SLURM_ARRAY_TASK_STEP", 1);
+        return {(number_of_environment("SLURM_ARRAY_TASK_ID", 0) - first) / std::max(1, step),
+                number_of_environment("SLURM_ARRAY_TASK_COUNT", 1)};
+    }
     static const char* const names[][2] = {{"OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE"},
                                            {"PMI_RANK", "PMI_SIZE"},
-                                           {"SLURM_PROCID", "SLURM_NTASKS"},
-                                           {"SLURM_ARRAY_TASK_ID", "SLURM_ARRAY_TASK_COUNT"}};
-    for (const auto& [rank, size] : names) {
-        const char *r = std::getenv(rank), *n = std::getenv(size);
-        if (!r || !n) continue;
-        const char* least = std::string(rank) == "SLURM_ARRAY_TASK_ID" ? std::getenv("SLURM_ARRAY_TASK_MIN") : nullptr;
-        const int first = least ? number_of(least, "SLURM_ARRAY_TASK_MIN") : 0;
-        return {number_of(r, rank) - first, number_of(n, size)};
-    }
-    throw InputError("--part launcher: no launcher tells a rank (OMPI_COMM_WORLD_RANK, PMI_RANK, SLURM_PROCID, SLURM_ARRAY_TASK_ID)");
+                                           {"SLURM_PROCID", "SLURM_NTASKS"}};
+    for (const auto& [rank, size] : names)
+        if (std::getenv(rank) && std::getenv(size)) return {number_of_environment(rank, 0), number_of_environment(size, 1)};
+    throw InputError("--part launcher: no launcher tells a rank (SLURM_ARRAY_TASK_ID, OMPI_COMM_WORLD_RANK, PMI_RANK, SLURM_PROCID)");
 }
 
 probes::Part part_of(const std::string& text) {
@@ -65,7 +69,8 @@ probes::Part part_of(const std::string& text) {
     if (text == "launcher") return part_of_launcher();
     const std::size_t slash = text.find('/');
     if (slash == std::string::npos) throw InputError("--part " + io::printable(text) + ": expected I/N, 2/4 say, or 'launcher'");
-    return {number_of(text.substr(0, slash), "--part") - 1, number_of(text.substr(slash + 1), "--part")};
+    const std::string expected = "I/N, 2/4 say, or 'launcher'";
+    return {number_of(text.substr(0, slash), "--part", expected) - 1, number_of(text.substr(slash + 1), "--part", expected)};
 }
 
 // Bytes that the system would give; all there are where it does not tell.
@@ -77,6 +82,10 @@ std::uint64_t memory_there() {
         if (name == "MemAvailable:") return kilobytes * 1024;
     return ~std::uint64_t(0);
 }
+
+// "step (receivers 0 to 1023)": one of many nodes of a step.
+bool is_block(const std::string& label) { return label.find(" (") != std::string::npos; }
+std::string step_of(const std::string& label) { return label.substr(0, label.find(" (")); }
 
 // Says how far the blocks are: they take nearly all of the time.
 class BakeProgress {
@@ -91,11 +100,11 @@ class BakeProgress {
     void show(const std::string& label, double done) {
         const std::lock_guard lock(mutex_);
         const auto now = std::chrono::steady_clock::now();
-        if (label != label_ && label_.starts_with("probes.coefficients")) ++blocks_;
+        if (label != label_ && is_block(label_)) ++blocks_;
         if (label != label_ && blocks_ == 0) start_ = now;
         if (label == label_ && now - last_ < std::chrono::milliseconds(100)) return;
         label_ = label, last_ = now;
-        const int blocks = graph_.bake().alpha.empty() ? 0 : graph_.bake().blocks();
+        const int blocks = graph_.bake().alpha.empty() ? 0 : graph_.blocks_here();
         const double share = blocks > 0 ? std::min(1.0, (blocks_ + done) / blocks) : 0;
         const double passed = std::chrono::duration<double>(now - start_).count();
         const double left = share > 0.01 ? passed * (1 - share) / share : -1;
@@ -139,7 +148,7 @@ std::string page_of(const std::string& title, const std::vector<graph::NodeRun>&
         n.plan.name = n.plan.label = run.label;
         n.run = run;
         for (const probes::DebugLayer& layer : layers)
-            if (run.label == layer.node || (run.label.starts_with(layer.node + " (") && &run == &runs[runs.size() - 2]))
+            if (step_of(run.label) == layer.node && (&run == &runs.back() || step_of((&run)[1].label) != layer.node))
                 add(n.outputs, layer.name, layer.picture);
         nodes.push_back(std::move(n));
     }
@@ -150,31 +159,23 @@ std::string page_of(const std::string& title, const std::vector<graph::NodeRun>&
     return graph_page(title, nodes);
 }
 
-// Rows of a table: blocks are summed up.
+// Rows of a table: blocks of a step are summed up.
 std::string report_text(const std::vector<graph::NodeRun>& runs) {
     std::vector<std::vector<std::string>> rows;
-    double block_ms = 0;
-    std::size_t block_bytes = 0;
-    int blocks = 0, kept = 0;
-    const auto block_row = [&] {
-        if (blocks == 0) return;
-        rows.push_back({"probes.coefficients", milliseconds_text(block_ms), megabytes_text(block_bytes),
-                        fmt::format("{} blocks, {} of them kept", blocks, kept)});
-        blocks = 0;
-    };
-    for (const graph::NodeRun& r : runs) {
-        if (r.label.starts_with("probes.coefficients")) {
-            block_ms += r.ms, block_bytes += r.bytes, ++blocks, kept += r.kept ? 1 : 0;
-            continue;
-        }
-        block_row();
-        rows.push_back({r.label, milliseconds_text(r.ms), megabytes_text(r.bytes), r.reason});
+    for (std::size_t i = 0; i < runs.size();) {
+        const std::string step = step_of(runs[i].label);
+        double ms = 0;
+        std::size_t bytes = 0, first = i, kept = 0;
+        for (; i < runs.size() && step_of(runs[i].label) == step; ++i)
+            ms += runs[i].ms, bytes += runs[i].bytes, kept += runs[i].kept ? 1 : 0;
+        const std::string came = is_block(runs[first].label) ? fmt::format("{} blocks, {} of them kept", i - first, kept)
+                                                             : runs[first].reason;
+        rows.push_back({step, milliseconds_text(ms), megabytes_text(bytes), came});
     }
-    block_row();
     return format_table({{"step"}, {"ms", Align::right}, {"MB", Align::right}, {"what came of it"}}, rows);
 }
 
-Json report_json(const probes::BakeGraph& graph, const std::vector<graph::NodeRun>& runs) {
+Json report_json(const probes::BakeGraph& graph, const std::vector<graph::NodeRun>& runs, bool whole) {
     const probes::Bake& b = graph.bake();
     const probes::RayCounts counts = b.counts();
     Json json = {{"version", 1},
@@ -188,16 +189,21 @@ Json report_json(const probes::BakeGraph& graph, const std::vector<graph::NodeRu
                  {"rays", {{"traced", counts.traced}, {"escaped", counts.escaped}, {"to_backs", counts.back}, {"unseen", counts.unseen}}},
                  {"seconds_of_rays", graph.seconds_of_rays()},
                  {"bytes_needed", bytes_needed(b)}};
+    if (whole) json["black_receivers"] = black_receivers(b);
     json["steps"] = stage_runs_json(runs);
     return json;
 }
 
 // Reads all of a file, and lists what it holds.
 int verify(const BakeOptions& given) {
+    if (!given.file.empty() || !given.part.empty() || !given.layers.empty() || !given.textures.empty() || !given.html.empty() ||
+        !given.scene.sets.empty())
+        throw InputError("bake: --verify reads a file and bakes nothing: not with other options");
     const Scene scene = load(given.scene);
     const io::DescribedFile file = io::read_described(given.verified, bake_kind);
     io::require_scene(file, probes::scene_hash(scene, flatten(scene)), scene.name);
     check_bake(file);
+    check_sky(file, scene);
     std::vector<std::vector<std::string>> rows;
     Json arrays = Json::array();
     for (std::size_t i = 0; i < file.arrays.arrays.size(); ++i) {
@@ -213,15 +219,62 @@ int verify(const BakeOptions& given) {
     return success;
 }
 
+// What options ask for must be possible before anything is computed.
+void check_options(const BakeOptions& given) {
+    if (given.part.empty() == given.file.empty())
+        throw InputError(given.file.empty() ? "bake: expected -o FILE, or --part I/N"
+                                            : "bake: a part writes no file: expected -o FILE or --part, not both");
+    if (given.join && !given.part.empty()) throw InputError("bake: expected --join or --part, not both");
+    if (given.no_cache && (given.join || given.resume || !given.part.empty()))
+        throw InputError("bake: --join, --resume and --part go through the store: not with --no-cache");
+    if (!given.part.empty() && (!given.layers.empty() || !given.textures.empty() || !given.html.empty() || given.with_alpha))
+        throw InputError("bake: a part has no clusters: --debug-layers, --textures, --html and --with-alpha are for the whole");
+    namespace fs = std::filesystem;
+    std::set<std::string> names;
+    for (const std::string& file : {given.file, given.html}) {
+        if (file.empty()) continue;
+        const std::string parent = io::folder_of(file);
+        std::error_code error;
+        if (fs::is_directory(file, error)) throw InputError(io::shown(file), "", "is a folder");
+        if (!parent.empty() && !fs::is_directory(parent, error))
+            throw InputError(io::shown(file), "", "cannot be written: there is no folder of that name");
+        if (fs::equivalent(file, given.scene.file, error)) throw InputError(io::shown(file), "", "is the scene");
+        if (!names.insert(fs::weakly_canonical(file, error).string()).second)
+            throw InputError(io::shown(file), "", "is asked for twice");
+    }
+}
+
+// A part is nothing but what it leaves in the store.
+void check_store(const std::string& folder) {
+    io::make_folder(folder);
+    const std::string probe = folder + "/part.writable";
+    io::write_text(probe, "");
+    std::filesystem::remove(probe);
+}
+
+std::string share_text(std::uint64_t part, std::uint64_t whole) {
+    return fmt::format("{:.1f} %", whole > 0 ? 100 * double(part) / double(whole) : 0.0);
+}
+
+// What its user has to know of it.
+std::vector<std::string> remarks(const probes::Bake& b) {
+    const probes::RayCounts counts = b.counts();
+    const std::uint64_t rays = std::uint64_t(b.receivers.count()) * std::uint64_t(b.transport.rays);
+    std::vector<std::string> lines = {fmt::format("of receivers' rays {} escaped, {} met backs, {} what no probe sees",
+                                                  share_text(counts.escaped, rays), share_text(counts.back, rays),
+                                                  share_text(counts.unseen, rays))};
+    const int black = probes::black_receivers(b);
+    if (black > 0)
+        lines.push_back(fmt::format("{} of {} receivers stay black: no probe sees what they see{}", black, b.receivers.count(),
+                                    20 * black > b.receivers.count() ? "; more probes (probes.count) may" : ""));
+    return lines;
+}
+
 int bake(const BakeOptions& given) {
     if (!given.verified.empty()) return verify(given);
     const RunOptions options = given.common.run_options();
     const probes::Part part = part_of(given.part);
-    if (given.part.empty() == given.file.empty())
-        throw InputError(given.file.empty() ? "bake: expected -o FILE, or --part I/N" : "bake: a part writes no file: expected -o FILE or --part, not both");
-    if (given.join && !given.part.empty()) throw InputError("bake: expected --join or --part, not both");
-    if (given.no_cache && (given.join || given.resume || !given.part.empty()))
-        throw InputError("bake: --join, --resume and --part go through the store: not with --no-cache");
+    check_options(given);
     const Scene scene = load(given.scene);
     const frame::Settings settings = settings_of(scene, given.scene);
     const std::uint64_t memory = given.memory_gb > 0 ? std::uint64_t(given.memory_gb * 1e9) : memory_there();
@@ -231,7 +284,16 @@ int bake(const BakeOptions& given) {
     if (!folder.empty()) {
         store = std::make_unique<FileStore>(folder, "bake", FileStore::Limits{.max_bytes = std::uint64_t(16) << 30, .made = "baked"});
         store->pin();
+        if (!given.part.empty()) check_store(folder);
     }
+    if (!given.common.json)
+        graph.when_sized([&](std::uint64_t bytes) {
+            const probes::Bake& b = graph.bake();
+            fmt::print("{} receivers, {} probes, at most {:.1f} million rays; about {:.1f} GB of memory\n", b.receivers.count(),
+                       b.placement.probes.size(),
+                       double(b.receivers.count()) * b.transport.rays * (1 + b.supports.overlaps) / 1e6, double(bytes) / 1e9);
+            std::fflush(stdout);
+        });
     graph::RunWith with;
     with.options = options, with.store = store.get();
     std::vector<graph::NodeRun> runs;
@@ -240,7 +302,10 @@ int bake(const BakeOptions& given) {
         with.progress = progress.callback();
         runs = graph::run(graph.nodes(), with);
     }
+    if (!given.part.empty() && !store->notes().empty()) throw InputError("--part " + given.part + ": " + store->notes().front());
     std::vector<std::string> written;
+    if (!given.file.empty())
+        io::write_described(given.file, bake_file(graph.bake(), scene.name, given.with_alpha)), written.push_back(given.file);
     const std::vector<probes::DebugLayer> layers =
         given.layers.empty() && given.html.empty() ? std::vector<probes::DebugLayer>{} : layers_of(graph, scene, options);
     if (!given.layers.empty()) {
@@ -256,16 +321,20 @@ int bake(const BakeOptions& given) {
         written.push_back(given.textures);
     }
     if (!given.html.empty()) io::write_text(given.html, page_of(scene.name, runs, layers)), written.push_back(given.html);
-    if (!given.file.empty())
-        io::write_described(given.file, bake_file(graph.bake(), scene.name, given.with_alpha)), written.push_back(given.file);
     if (given.common.json) {
-        std::fputs(json_text(report_json(graph, runs)).c_str(), stdout);
+        std::fputs(json_text(report_json(graph, runs, given.part.empty())).c_str(), stdout);
         return success;
     }
     print_notes(scene);
     std::fputs(report_text(runs).c_str(), stdout);
-    const bool any_kept = std::any_of(runs.begin(), runs.end(), [](const graph::NodeRun& r) { return r.kept; });
-    if (given.resume && !any_kept) fmt::print("note: nothing of this bake was kept: it was begun anew\n");
+    const auto kept = std::count_if(runs.begin(), runs.end(), [](const graph::NodeRun& r) { return r.kept && is_block(r.label); });
+    const auto blocks = std::count_if(runs.begin(), runs.end(), [](const graph::NodeRun& r) { return is_block(r.label); });
+    if (given.part.empty())
+        for (const std::string& line : remarks(graph.bake())) fmt::print("{}\n", line);
+    if (given.resume && kept == 0) fmt::print("note: nothing of this bake was kept: it was begun anew\n");
+    if (given.join && kept < blocks)
+        fmt::print("note: {} of {} blocks were not in the store (parts that have not run, other settings, another build of plumb), "
+                   "and were made here\n", blocks - kept, blocks);
     if (store)
         for (const std::string& note : store->notes()) fmt::print("note: {}\n", note);
     for (const std::string& path : written) fmt::print("wrote {}\n", io::shown(path));

@@ -341,13 +341,30 @@ bool writes_first(const StageBinding& binding, const std::string& output) {
     return true;
 }
 
+bool any_of_slots(const std::vector<Slot>& slots, bool output, const std::vector<const File*>& files,
+                  const StageBinding& binding) {
+    return std::any_of(slots.begin(), slots.end(),
+                       [&](const Slot& slot) { return file_of(slot, output, files, binding) != nullptr; });
+}
+
+// Whether the file is rather an input of another stage, of which outputs lie there: nothing else of this one does.
+bool read_by_another(const File& file, const StageBinding& binding, const std::vector<const File*>& files) {
+    if (any_of_slots(binding.inputs, false, files, binding)) return false;
+    const std::vector<StageBinding>& all = parity::bindings();
+    return std::any_of(all.begin(), all.end(), [&](const StageBinding& other) {
+        return &other != &binding && !other.raster && any_of_slots(other.outputs, true, files, other) &&
+               std::any_of(other.inputs.begin(), other.inputs.end(),
+                           [&](const Slot& slot) { return file_of(slot, false, files, other) == &file; });
+    });
+}
+
 // Whether dumps that lie together hold what the stage writes. Of stages whose outputs have the same name a file is the first
 // one's, but where it names another.
 bool written_by(const StageBinding& binding, const std::vector<const File*>& files) {
     if (binding.raster) return false;
     for (const Slot& slot : binding.outputs) {
         const File* file = file_of(slot, true, files, binding);
-        if (!file) continue;
+        if (!file || read_by_another(*file, binding, files)) continue;
         auto names = [&](const StageBinding& b) {
             return std::find(file->words.begin(), file->words.end(), b.info.name) != file->words.end();
         };

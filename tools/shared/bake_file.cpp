@@ -1,5 +1,8 @@
 #include "tools/shared/bake_file.h"
 
+#include <fmt/format.h>
+
+#include <limits>
 #include <tuple>
 #include <type_traits>
 
@@ -51,14 +54,15 @@ io::Fact fact_of(const Field& field) {
     return value_text(field);
 }
 
+constexpr const char* escape_names[] = {"nothing", "same_direction", "visible_probes", "all_probes"};
+
 void add_facts(Writer& w, const probes::Bake& b, const std::string& scene) {
     w.fact("scene_name", io::stem_of(scene));
     w.fact("lightmap_size", std::int64_t(b.atlas.size.x));
     w.fact("texels_per_m", b.atlas.texels_per_m);
     w.fact("probe_radius_m", b.radius.radius_m);
     w.fact("coefficients", std::int64_t(b.coefficients()));
-    static const char* const escapes[] = {"nothing", "same_direction", "visible_probes", "all_probes"};
-    w.fact("escape", std::string(escapes[int(b.transport.escape)]));
+    w.fact("escape", std::string(escape_names[int(b.transport.escape)]));
     const probes::RayCounts counts = b.counts();
     for (const auto& [name, n] : {std::pair("rays_traced", counts.traced), std::pair("rays_escaped", counts.escaped),
                                   std::pair("rays_to_backs", counts.back), std::pair("rays_unseen", counts.unseen)})
@@ -104,6 +108,16 @@ void add_probes(Writer& w, const probes::Bake& b) {
     const probes::RelightHits& h = b.relight;
     w.list("probe_position", b.placement.probes, "probe", "m", "world; w 0");
     w.list("relight_direction", b.relight_directions, "ray", "", "unit, of each probe's rays; w 0");
+    // Of all rays, and of the first half, quarter, eighth.
+    Buffer<float> weights;
+    std::int64_t halvings = 0;
+    for (int n = h.rays; halvings < 4 && n >= 1; n /= 2, ++halvings) {
+        const Buffer<float> of_prefix = probes::relight_weights(b.relight_directions, n);
+        weights.insert(weights.end(), of_prefix.begin(), of_prefix.end());
+        weights.resize(std::size_t(halvings + 1) * std::size_t(h.rays), 0);
+    }
+    w.array("relight_weight", weights, {halvings, h.rays}, {"halving", "ray"}, "sr",
+            "weights of all rays; of the first half; quarter; eighth: lambda_ij = sum of weight f Y_j");
     w.array("relight_harmonic", b.harmonics, {h.rays, b.coefficients()}, {"ray", "coefficient"}, "1/sqrt(sr)",
             "Y_j in the direction of each ray, j = l (l + 1) + m");
     w.array("relight_material", h.material, {h.probes, h.rays}, {"probe", "ray"}, "",
@@ -122,6 +136,14 @@ void add_clusters(Writer& w, const probes::Bake& b) {
     w.list("cluster_first_probe", f.first_probe, "cluster, and the end", "", "index into cluster_probe");
     w.list("cluster_probe", f.probes, "probe of a cluster", "", "probes that support the cluster, in the order of its columns");
     w.list("cluster_rank", f.rank, "cluster", "", "singular values kept: rows of its matrix");
+    std::vector<std::int32_t> first_number = {0};
+    for (int c = 0; c < f.count(); ++c) {
+        const std::int64_t probes_of = f.first_probe[std::size_t(c) + 1] - f.first_probe[std::size_t(c)];
+        const std::int64_t end = first_number.back() + f.rank[std::size_t(c)] * probes_of * b.coefficients();
+        if (end > std::numeric_limits<std::int32_t>::max()) throw InputError("bake: matrices of more than 2^31 numbers");
+        first_number.push_back(std::int32_t(end));
+    }
+    w.list("cluster_first_number", first_number, "cluster, and the end", "", "index into cluster_matrix");
     w.list("cluster_matrix", f.sigma_vt, "number", "sr", "Sigma V^T of each cluster, [rank][probes][coefficient], one after the other");
     w.list("cluster_first_value", f.first_value, "cluster, and the end", "", "index into cluster_singular_value");
     w.list("cluster_singular_value", f.spectrum, "singular value", "sr", "all of each cluster, descending");
@@ -169,6 +191,7 @@ void check_bake(const io::DescribedFile& file) {
     const std::int64_t rays = rows_of("relight_direction", DType::f32, {any_extent, 4});
     const std::int64_t probes = rows_of("probe_position", DType::f32, {any_extent, 4});
     const std::int64_t coefficients = io::integer_fact(file, "coefficients");
+    array_of(file, "relight_weight", DType::f32, {any_extent, rays});
     array_of(file, "relight_harmonic", DType::f32, {rays, coefficients});
     for (const char* name : {"relight_material", "relight_triangle"}) array_of(file, name, DType::i32, {probes, rays});
     array_of(file, "relight_uv", DType::f32, {probes, rays, 2});
@@ -198,6 +221,14 @@ void check_bake(const io::DescribedFile& file) {
     } catch (const InputError& e) {
         throw InputError(file.path + ": " + e.what());
     }
+}
+
+void check_sky(const io::DescribedFile& file, const Scene& scene) {
+    if (io::text_fact(file, "probes.escapes") != "automatic") return;
+    const char* asked = escape_names[int(probes::transport_params({}, probes::sends_light(scene.environment)).escape)];
+    const std::string& has = io::text_fact(file, "escape");
+    if (has != asked)
+        throw InputError(file.path, "", fmt::format("was baked with escapes = {}, and this scene's sky asks for {}", has, asked));
 }
 
 }  // namespace plumb::cli
