@@ -66,7 +66,8 @@ TEST_CASE("usage: every command takes --json, --threads and --isa", "[program][c
     const std::map<std::string, std::vector<std::string>> uses = {
         {"cameras", {scene, "--frames", "0:0:1", "-o", folder + "/h.toml"}},
         {"batch", {views, "-o", folder + "/i", "--steps", "gather", "--size", "32x24"}},
-        {"render", {scene, "-o", folder + "/b"}}, {"plan", {scene}}, {"graph", {scene}}, {"compare", {picture, picture}},
+        {"render", {scene, "-o", folder + "/b"}}, {"plan", {scene}}, {"graph", {scene}},
+        {"bake", {scene, "-o", folder + "/a.bake", "--set", "probes.receiver_rays=8", "--set", "probes.relight_rays=8"}}, {"compare", {picture, picture}},
         {"explain", {scene, "--pixel", "30,21"}}, {"stages", {}},    {"make-scene", {"cornell", "-o", folder + "/c"}},
         {"experiment", {"closed-forms", "--error", "0.05", "--only", "eighth"}},
         {"export", {scene, "--stage", "tonemap", "-o", folder + "/e"}},
