@@ -296,7 +296,7 @@ graph::Node BakeGraph::clusters_node() {
     graph::Node node = host_node("probes.clusters", "decompositions of whole matrices");
     const auto all = [&b] { return glm::ivec2(b.receivers.count(), 1); };
     node.size = all;
-    node.reads = [this, &b](graph::Reads& r) {
+    node.reads = [&b](graph::Reads& r) {
         r.list(b.receivers.position), r.list(b.supports.probe), r.list(b.alpha);
         r.value(b.params.degree, b.params.singular_values, b.params.threshold, b.params.cluster_receivers,
                 b.params.by_size_only);
