@@ -38,25 +38,13 @@ Image4 on_lightmap(const Receivers& r, ColourOf colour) {
     return picture;
 }
 
-// Each texel beside a receiver as the first of those: surfaces end between texel centres.
-Image4 beyond_charts(const Receivers& r, const Image4& lightmap) {
-    Image<std::uint8_t> is_receiver(r.size.x, r.size.y);
-    for (const glm::ivec2& t : r.texel) is_receiver(t.x, t.y) = 1;
-    Image4 out = lightmap;
-    for (const glm::ivec2& t : r.texel)
-        for (int y = std::max(0, t.y - 1); y <= std::min(r.size.y - 1, t.y + 1); ++y)
-            for (int x = std::max(0, t.x - 1); x <= std::min(r.size.x - 1, t.x + 1); ++x)
-                if (!is_receiver(x, y)) out(x, y) = lightmap(t.x, t.y);
-    return out;
-}
-
 Image4 border_picture(const Receivers& r) {
-    constexpr int steps[4][2] = {{-1, 0}, {1, 0}, {0, -1}, {0, 1}};
     Image4 picture = on_lightmap(r, [&](int i) { return r.border[i] ? glm::vec4(1, 0.8f, 0.2f, 1) : grey; });
     for (int i = 0; i < r.count(); ++i)
-        for (int k = 0; k < 4; ++k)
-            if (r.border[i] >> k & 1)
-                picture(r.texel[i].x + steps[k][0], r.texel[i].y + steps[k][1]) = glm::vec4(0.2f, 0.5f, 1, 1);
+        for (std::size_t k = 0; k < border_steps.size(); ++k) {
+            const glm::ivec2 beside = r.texel[i] + border_steps[k];
+            if (r.border[i] >> k & 1) picture(beside.x, beside.y) = glm::vec4(0.2f, 0.5f, 1, 1);
+        }
     return picture;
 }
 
@@ -65,7 +53,7 @@ Image4 border_picture(const Receivers& r) {
 class SceneView {
   public:
     SceneView(const Bake& bake, const raster::Surfaces& surfaces, const DebugView& view, const RunOptions& options)
-        : bake_(bake), view_(view) {
+        : bake_(bake), view_(view), to_world_(glm::inverse(view.view.world_to_clip())) {
         raster::GBufferWants wants;
         wants.albedo = wants.emission = false;
         raster::draw_gbuffer(bake.atlas.geometry, surfaces, view.view, view.size, raster::Layout::fp32, options, seen_, wants);
@@ -126,8 +114,7 @@ class SceneView {
 
   private:
     glm::dvec3 ray(int x, int y) const {
-        const glm::dmat4 to_world = glm::inverse(view_.view.world_to_clip());
-        const glm::dvec4 far = to_world * glm::dvec4(2 * (x + 0.5) / view_.size.x - 1, 2 * (y + 0.5) / view_.size.y - 1, 0.5, 1);
+        const glm::dvec4 far = to_world_ * glm::dvec4(2 * (x + 0.5) / view_.size.x - 1, 2 * (y + 0.5) / view_.size.y - 1, 0.5, 1);
         return glm::normalize(glm::dvec3(far) / far.w - view_.view.eye);
     }
     bool pixel_of(const glm::dvec3& p, glm::dvec2& at) const {
@@ -166,6 +153,7 @@ class SceneView {
 
     const Bake& bake_;
     const DebugView& view_;
+    const glm::dmat4 to_world_;  // from clip space
     raster::GBuffer seen_;
 };
 
@@ -222,7 +210,7 @@ std::vector<DebugLayer> debug_layers(const Bake& b, const raster::Surfaces& surf
     };
     const SceneView scene(b, surfaces, view, options);
     const auto add_both = [&](const std::string& name, const char* node, const char* meaning, Image4 lightmap) {
-        const Image4 extended = beyond_charts(r, lightmap);
+        const Image4 extended = extend_borders(r, lightmap);  // surfaces end between texel centres
         layers.push_back({name, node, meaning, std::move(lightmap)});
         layers.push_back({name + ".scene", node, meaning, scene.with(&extended)});
     };

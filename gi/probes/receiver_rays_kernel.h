@@ -2,10 +2,10 @@
 // (IPR 5.1.4). A packet's lanes are receivers, so that on a flat surface its rays are parallel.
 //
 // Rays start off the surface by a distance that covers the rounding of positions, on its front side. A probe sees what a ray
-// met where it lies in front of that surface and nothing is between.
+// met where nothing is between it and a point just in front of that surface; one behind it needs no ray to be told.
 //
-// differs: IPR asks for the same surface without saying of which side. Without the side a probe behind a thin wall would
-// see what lies on it: light would leak through every wall.
+// differs: IPR asks for the same surface without saying of which side. A ray that ended on the surface itself would let a
+// probe behind a thin wall see what lies on it: light would leak through every wall.
 #pragma once
 
 #include "core/number.h"

@@ -13,8 +13,6 @@ namespace plumb::probes {
 
 namespace {
 
-constexpr std::array<glm::ivec2, 4> border_steps = {{{-1, 0}, {1, 0}, {0, -1}, {0, 1}}};  // in the order of the bits
-
 bool inside(const glm::ivec2& texel, const glm::ivec2& size) {
     return texel.x >= 0 && texel.y >= 0 && texel.x < size.x && texel.y < size.y;
 }

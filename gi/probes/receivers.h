@@ -16,6 +16,7 @@ namespace plumb::probes {
 // Bits of Receivers::border: the neighbour is no receiver, and this one writes there, too. IPR 3.2.5.8 has four bits; it does
 // not say which is which.
 enum Border : std::uint32_t { border_left = 1, border_right = 2, border_up = 4, border_down = 8 };
+inline constexpr std::array<glm::ivec2, 4> border_steps = {{{-1, 0}, {1, 0}, {0, -1}, {0, 1}}};  // in the order of the bits
 
 // What is known of each receiver, in the order of the lightmap's rows.
 struct Receivers {
