@@ -60,6 +60,7 @@ const std::vector<ListedStage>& stages() {
         listed(stage<probes::DensityKernel>(), false),
         unbound(probes::info_placement(), false),
         listed(stage<probes::SupportsKernel>(), false),
+        unbound(probes::info_directions(), false),
         unbound(probes::info_relight(), false),
         unbound(probes::info_rays(), false),
         listed(stage<probes::ShareKernel>(), false),

@@ -23,7 +23,7 @@ struct AtlasParams {
 struct Chart {
     int object = 0;
     glm::ivec2 origin{0}, size{0};  // texels, without the gap
-    bool own_uv = false;            // the mesh's own coordinates, scaled; otherwise a projection onto a plane
+    std::int32_t own_uv = 0;        // 1: the mesh's own coordinates, scaled; 0: a projection onto a plane
 };
 
 // What an atlas is made of, for reports.

@@ -5,12 +5,13 @@
 //     probes.receivers     its texels, drawn, and moved out of what they lie in
 //     probes.placement     where probes stand, and how far they reach
 //     probes.supports      which of them support a receiver                                    a stage
-//     probes.relight       where each probe looks for radiance
+//     probes.directions    in which directions a probe looks, and what each counts
+//     probes.relight       where it looks for radiance, a block of probes a node
 //     probes.coefficients  the transport, a block of receivers a node: probes.share and probes.coefficients are its stages
 //     probes.clusters      the transport, compressed
 //
-// Blocks and clusters are kept in the store, where there is one; the rest takes seconds. A part i of n computes every n-th
-// block: another run finds them in the store, and what it makes of them has the same bits.
+// What each makes is kept in the store, where there is one. A part i of n computes every n-th block: another run finds them in
+// the store, and what it makes of them has the same bits.
 #pragma once
 
 #include <deque>
@@ -24,7 +25,7 @@
 
 namespace plumb::probes {
 
-inline constexpr int block_receivers = 1024;
+inline constexpr int block_receivers = 1024, block_probes = 64;
 
 AtlasParams atlas_params(const BakeParams& p);
 ShiftParams shift_params(const BakeParams& p);
@@ -86,22 +87,30 @@ class BakeGraph {
     // Called when receivers and probes are known, before the rays.
     void when_sized(std::function<void(std::uint64_t bytes)> call) { sized_ = std::move(call); }
     // Of the block that holds the receiver: what its stages are given, traced anew.
-    TracedBlock traced(int receiver, const RunOptions& options) const;
+    TracedBlock traced(int receiver, const RunOptions& options) const { return traced(receiver, query(), options); }
+    // The same, asking another query: one that looks at what is asked.
+    TracedBlock traced(int receiver, const RayQuery& query, const RunOptions& options) const;
+    const RayQuery& query() const;
     const raster::Surfaces& surfaces() const;
-    // Blocks that this part computes.
+    // Blocks of receivers that this part computes.
     int blocks_here() const { return (bake_.blocks() - part_.index + part_.count - 1) / part_.count; }
     // Seconds that went into rays, and what probes.share made of them, of the blocks that ran.
     double seconds_of_rays() const { return seconds_of_rays_; }
 
   private:
     struct World;
-    void add_host_nodes();
-    std::vector<const graph::Node*> add_blocks();
-    graph::Node block_node(int block);
+    graph::Node atlas_node();
+    graph::Node receivers_node();
+    graph::Node placement_node();
+    graph::Node supports_node();
+    graph::Node rays_node();
+    graph::Node relight_node(int first, int count);
+    graph::Node coefficients_node(int block);
     graph::Node clusters_node();
+    void check_memory() const;
+    std::vector<const graph::Node*> add_blocks();
     void read_rays(graph::Reads& reads) const;
 
-    const Scene& scene_;
     Part part_;
     std::uint64_t memory_limit_;
     Bake bake_;

@@ -19,6 +19,7 @@ StageInfo step(const std::string& name, const std::string& source, std::vector<P
 const Port geometry = {"geometry", "triangles", "m", "all meshes in world space"};
 const Port uv = {"uv", "buffer f32 x 2", "", "[vertex] lightmap coordinate, (0, 0) the top left corner of the first texel"};
 const Port receivers = {"receivers", "buffer f32 x 4", "m", "[receiver] position, and unit normal"};
+const Port directions = {"directions", "buffer f32 x 4", "", "[ray] unit, of each probe's rays"};
 const Port probes = {"probes", "buffer f32 x 4", "m", "[probe] position"};
 
 }  // namespace
@@ -41,11 +42,16 @@ StageInfo info_placement() {
                 {"probes_per_m3", "count", "least", "both_sides", "candidates_per_probe", "sample_receivers", "radius_of"});
 }
 
-StageInfo info_relight() {
-    return step("probes.relight", "IPR 3.2.3.1; without a twin: rays", {geometry, uv, probes},
-                {{"hits", "buffers", "m", "[probe][ray] material, lightmap coordinate and position of what the ray met"},
+StageInfo info_directions() {
+    return step("probes.directions", "IPR 3.2.3.1; without a twin: one least-squares problem", {},
+                {directions, {"weights", "buffer f32", "sr", "[ray] exact for harmonics to degree 14"},
                  {"harmonics", "buffer f32", "1/sqrt(sr)", "[ray][coefficient] Y_j"}},
                 {"relight_rays", "degree"});
+}
+
+StageInfo info_relight() {
+    return step("probes.relight", "IPR 3.2.3.1; without a twin: rays", {geometry, uv, probes, directions},
+                {{"hits", "buffers", "m", "[probe][ray] material, lightmap coordinate and position of what the ray met"}}, {});
 }
 
 StageInfo info_rays() {

@@ -31,17 +31,29 @@ void trace_probe(const Atlas& atlas, const raster::SurfaceArgs& surfaces, const 
 
 }  // namespace
 
-RelightHits relight_rays(const Atlas& atlas, const raster::SurfaceArgs& surfaces, const RayQuery& query,
-                         const Buffer<glm::vec4>& probes, const Buffer<glm::vec4>& directions, const RunOptions& options) {
+RelightHits no_hits(int probes, int rays) {
     RelightHits hits;
-    hits.probes = int(probes.size()), hits.rays = int(directions.size());
-    const std::size_t n = probes.size() * directions.size();
+    hits.probes = probes, hits.rays = rays;
+    const std::size_t n = std::size_t(probes) * std::size_t(rays);
     hits.material.assign(n, met_nothing), hits.triangle.assign(n, -1);
     hits.uv.assign(n, glm::vec2(0)), hits.position.assign(n, glm::vec4(0));
-    parallel_bands(hits.probes, 1, options, [&](int first, int last) {
-        for (int p = first; p < last; ++p)
-            trace_probe(atlas, surfaces, query, glm::vec3(probes[p]), directions, std::size_t(p) * directions.size(), hits);
+    return hits;
+}
+
+void relight_rays(const Atlas& atlas, const raster::SurfaceArgs& surfaces, const RayQuery& query,
+                  const Buffer<glm::vec4>& probes, const Buffer<glm::vec4>& directions, int first, int count,
+                  const RunOptions& options, RelightHits& hits) {
+    parallel_bands(count, 1, options, [&](int begin, int end) {
+        for (int p = first + begin; p < first + end; ++p)
+            trace_probe(atlas, surfaces, query, glm::vec3(probes[std::size_t(p)]), directions,
+                        std::size_t(p) * directions.size(), hits);
     });
+}
+
+RelightHits relight_rays(const Atlas& atlas, const raster::SurfaceArgs& surfaces, const RayQuery& query,
+                         const Buffer<glm::vec4>& probes, const Buffer<glm::vec4>& directions, const RunOptions& options) {
+    RelightHits hits = no_hits(int(probes.size()), int(directions.size()));
+    relight_rays(atlas, surfaces, query, probes, directions, 0, hits.probes, options, hits);
     return hits;
 }
 

@@ -20,6 +20,14 @@ struct RelightHits {
     Buffer<glm::vec4> position;          // [probes][rays]: xyz m, w 1; or the direction, w 0
 };
 
+// Of rays that have not been traced: all meet nothing.
+RelightHits no_hits(int probes, int rays);
+
+// Traces the rays of probes [first, first + count).
+void relight_rays(const Atlas& atlas, const raster::SurfaceArgs& surfaces, const RayQuery& query,
+                  const Buffer<glm::vec4>& probes, const Buffer<glm::vec4>& directions, int first, int count,
+                  const RunOptions& options, RelightHits& hits);
+// Of all probes.
 RelightHits relight_rays(const Atlas& atlas, const raster::SurfaceArgs& surfaces, const RayQuery& query,
                          const Buffer<glm::vec4>& probes, const Buffer<glm::vec4>& directions, const RunOptions& options);
 

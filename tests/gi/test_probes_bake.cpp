@@ -10,6 +10,7 @@
 #include "core/sh.h"
 #include "gi/probes/bake.h"
 #include "gi/probes/debug_layers.h"
+#include "gi/probes/kept_steps.h"
 #include "random_scene.h"
 
 namespace {
@@ -315,10 +316,61 @@ class MemoryStore : public graph::Store {
 
 }  // namespace
 
+TEST_CASE("bake: every step comes back from a store, and then no ray is asked", "[probes][graph]") {
+    const Scene scene = furnished();
+    BakeParams params = small();
+    params.receiver_rays = 16;
+    MemoryStore store;
+    graph::RunWith with;
+    with.store = &store;
+    BakeGraph first(scene, params), again(scene, params);
+    for (const graph::NodeRun& r : graph::run(first.nodes(), with)) CHECK_FALSE(r.kept);
+    for (const graph::NodeRun& r : graph::run(again.nodes(), with)) {
+        INFO(r.label);
+        CHECK(r.kept);
+    }
+    CHECK(again.seconds_of_rays() == 0);
+    const auto content_of = [](const Bake& b) {
+        return std::vector<std::uint64_t>{content_hash(lent(b.atlas)), content_hash(lent(b.receivers, b.shifted)),
+                                          content_hash(lent(b.placement, b.radius)), content_hash(lent(b.supports)),
+                                          content_hash(lent_rays(b)), content_hash(lent(b.relight, 0, b.relight.probes)),
+                                          content_hash(lent(b.flat))};
+    };
+    CHECK(content_of(again.bake()) == content_of(first.bake()));
+    CHECK(again.bake().alpha == first.bake().alpha);
+    // What is traced after that has rays all the same.
+    CHECK(again.traced(0, {}).shares == first.traced(0, {}).shares);
+}
+
+TEST_CASE("bake: what does not fit is not taken from a store", "[probes][graph]") {
+    const Scene scene = furnished();
+    BakeGraph graph(scene, small());
+    run_all(graph);
+    const Bake& b = graph.bake();
+    Receivers receivers;
+    int moved = -1;
+    Bundle kept = lent(b.receivers, b.shifted);
+    take(kept, receivers, moved);
+    CHECK(moved == b.shifted);
+    CHECK(receivers.texel == b.receivers.texel);
+    for (std::size_t i = 0; i < kept.arrays.size(); ++i) {
+        Bundle less = kept;
+        less.arrays.erase(less.arrays.begin() + std::ptrdiff_t(i));
+        CHECK_THROWS_AS(take(less, receivers, moved), InputError);
+    }
+    Atlas shorter = b.atlas;
+    shorter.uv.pop_back();
+    Atlas atlas;
+    CHECK_THROWS_AS(take(lent(shorter), atlas), InputError);
+    RelightHits other = no_hits(b.relight.probes, b.relight.rays + 1);
+    CHECK_THROWS_AS(take(lent(b.relight, 0, 1), other, 0, 1), InputError);
+}
+
 TEST_CASE("bake: parts fill a store, and what is joined of them has the same bits", "[probes][graph]") {
     Scene scene = furnished();
     BakeParams params = small();
     params.receivers_per_m2 = 30, params.receiver_rays = 16;
+    params.placement.count = 2 * block_probes + 1;
     BakeGraph alone(scene, params);
     const std::vector<graph::NodeRun> whole = run_all(alone);
     REQUIRE(alone.bake().blocks() >= 3);
@@ -329,13 +381,18 @@ TEST_CASE("bake: parts fill a store, and what is joined of them has the same bit
         BakeGraph graph(scene, params, {part, 3});
         graph::run(graph.nodes(), with);
     }
-    CHECK(int(store.kept_.size()) == alone.bake().blocks());
+    // Five steps that each part reads, three blocks of probes, and the blocks of receivers; clusters are of the whole.
+    CHECK(int(store.kept_.size()) == 5 + 3 + alone.bake().blocks());
+    CHECK(whole.size() == store.kept_.size() + 1);
     BakeGraph joined(scene, params);
-    int kept = 0;
-    for (const graph::NodeRun& r : graph::run(joined.nodes(), with)) kept += r.kept ? 1 : 0;
-    CHECK(kept == alone.bake().blocks());
+    std::set<std::string> made;
+    for (const graph::NodeRun& r : graph::run(joined.nodes(), with))
+        if (!r.kept) made.insert(r.label);
+    CHECK(made == std::set<std::string>{"probes.clusters"});
     CHECK(joined.bake().alpha == alone.bake().alpha);
     CHECK(content_hash(lent(joined.bake().flat)) == content_hash(lent(alone.bake().flat)));
+    CHECK(content_hash(lent(joined.bake().relight, 0, 2 * block_probes + 1)) ==
+          content_hash(lent(alone.bake().relight, 0, 2 * block_probes + 1)));
     CHECK(joined.bake().counts().traced == alone.bake().counts().traced);
     // What no ray depends on leaves the blocks as they are; what one does not.
     const auto blocks_kept = [&](const BakeParams& other) {

@@ -1,12 +1,14 @@
 // plumb experiment probes: bakes at the sizes of IPR tables 5.1 and 5.2, beside the thesis' times; how time grows with probes and
 // receivers; what truncation costs.
 #include <fmt/format.h>
-#include <sys/resource.h>
+#include <malloc.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <fstream>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -16,6 +18,7 @@
 #include "gi/frame/settings.h"
 #include "gi/probes/bake.h"
 #include "io/file.h"
+#include "tools/experiments/bare_rate.h"
 #include "tools/experiments/experiments.h"
 #include "tools/shared/command.h"
 #include "tools/shared/reports.h"
@@ -41,61 +44,109 @@ constexpr Column columns[] = {
     {"R4", 1024, 7, 282403, 37.8, 428},
 };
 
+struct Run {
+    double seconds = 0, ray_seconds = 0, cluster_seconds = 0;
+};
+
 struct Row {
     Column column;
     int receivers = 0, probes = 0, lightmap = 0;
     std::uint64_t rays = 0;
-    double seconds = 0, ray_seconds = 0, cluster_seconds = 0;
+    std::vector<Run> runs = {};                                            // by their seconds
+    BareRate bare = {};
     std::size_t clusters = 0, peak_bytes = 0;
     std::vector<std::pair<int, probes::TruncationError>> truncation = {};  // by singular values kept
+
+    const Run& median() const { return runs[runs.size() / 2]; }
+    // From the shortest run to the longest, of the median.
+    double spread() const { return (runs.back().seconds - runs.front().seconds) / median().seconds; }
 };
 
 struct ProbesOptions {
     SceneOptions scene;
     Common common;
     std::string output, only;
+    int repeats = 1;
+    double bare = 0;  // M rays
 };
 
+// The most memory that the process has held since forget_peak(): Linux' VmHWM. Memory that was freed but not given back counts.
 std::size_t peak_bytes() {
-    rusage usage{};
-    getrusage(RUSAGE_SELF, &usage);
-    return std::size_t(usage.ru_maxrss) * 1024;
+    std::ifstream file("/proc/self/status");
+    std::string name;
+    std::size_t kilobytes = 0;
+    while (file >> name)
+        if (name == "VmHWM:" && file >> kilobytes) return kilobytes * 1024;
+    return 0;
+}
+void forget_peak() {
+    malloc_trim(0);
+    std::ofstream("/proc/self/clear_refs") << "5";
 }
 
-// The size whose lightmap has about as many receivers: charts do not fill it alike in every scene.
-int lightmap_for(const Scene& scene, probes::BakeParams params, const Column& column, const RunOptions& options) {
-    int size = column.lightmap;
-    for (int step = 0; step < 6; ++step) {
-        params.lightmap_size = size, params.test_rays = 0;
-        probes::BakeGraph graph(scene, params);
-        graph::RunWith with;
-        with.options = options;
+// 0 where the lightmap has no room for the scene's charts.
+int receivers_at(const Scene& scene, probes::BakeParams params, int size, const RunOptions& options) {
+    params.lightmap_size = size, params.test_rays = 0;
+    probes::BakeGraph graph(scene, params);
+    graph::RunWith with;
+    with.options = options;
+    try {
         graph::run({graph.nodes()[0], graph.nodes()[1]}, with);
-        const double ratio = double(column.receivers) / graph.bake().receivers.count();
-        const int next = std::clamp(int(size * std::sqrt(ratio) + 0.5), 8, 16384);
-        if (std::abs(ratio - 1) < 0.02 || next == size) break;
-        size = next;
+    } catch (const InputError&) {
+        return 0;
     }
-    return size;
+    return graph.bake().receivers.count();
 }
 
-Row measure(const Scene& scene, probes::BakeParams params, const Column& column, const RunOptions& options) {
-    Row row;
-    row.column = column;
-    params.lightmap_size = row.lightmap = lightmap_for(scene, params, column, options);
-    params.placement.count = column.probes;
+// The size whose lightmap has about as many receivers as the thesis: charts do not fill it alike in every scene.
+int lightmap_for(const Scene& scene, const probes::BakeParams& params, const Column& column, const RunOptions& options) {
+    std::map<int, double> known;
+    const auto too_many = [&](int size) {
+        if (!known.count(size)) {
+            const int receivers = receivers_at(scene, params, size, options);
+            known[size] = receivers ? host::log(double(receivers) / column.receivers) : -1e9;
+        }
+        return known[size];
+    };
+    int low = column.lightmap, high = low;
+    while (high < 16384 && too_many(high) < 0) low = high, high *= 2;
+    while (low > 8 && too_many(low) > 0) high = low, low /= 2;
+    while (high - low > 1 && std::fabs(too_many(low)) > 0.005 && std::fabs(too_many(high)) > 0.005) {
+        const int middle = (low + high) / 2;
+        (too_many(middle) < 0 ? low : high) = middle;
+    }
+    return std::fabs(too_many(low)) < std::fabs(too_many(high)) ? low : high;
+}
+
+Run run_once(const Scene& scene, const probes::BakeParams& params, const RunOptions& options, std::uint64_t bare_rays, Row& row) {
+    Run run;
+    forget_peak();
     const auto start = std::chrono::steady_clock::now();
     probes::BakeGraph graph(scene, params);
     graph::RunWith with;
     with.options = options;
     const std::vector<graph::NodeRun> runs = graph::run(graph.nodes(), with);
-    row.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    run.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    run.ray_seconds = graph.seconds_of_rays(), run.cluster_seconds = runs.back().ms / 1000;
     const probes::Bake& b = graph.bake();
     row.receivers = b.receivers.count(), row.probes = int(b.placement.probes.size());
-    row.rays = b.counts().traced, row.ray_seconds = graph.seconds_of_rays();
-    row.cluster_seconds = runs.back().ms / 1000;
-    row.clusters = b.clusters.clusters.size(), row.peak_bytes = peak_bytes();
+    row.rays = b.counts().traced, row.clusters = b.clusters.clusters.size();
+    row.peak_bytes = std::max(row.peak_bytes, peak_bytes());
+    row.truncation.clear();
     for (const int kept : {4, 8, 16, 24, 32}) row.truncation.push_back({kept, truncation_error(b.clusters, kept)});
+    if (bare_rays) row.bare = bare_rate(graph, bare_rays, 3, options);
+    return run;
+}
+
+Row measure(const Scene& scene, probes::BakeParams params, const Column& column, int lightmap, const ProbesOptions& given) {
+    Row row;
+    row.column = column;
+    params.lightmap_size = row.lightmap = lightmap;
+    params.placement.count = column.probes;
+    const RunOptions options = given.common.run_options();
+    for (int i = 0; i < given.repeats; ++i)
+        row.runs.push_back(run_once(scene, params, options, i == 0 ? std::uint64_t(given.bare * 1e6) : 0, row));
+    std::sort(row.runs.begin(), row.runs.end(), [](const Run& a, const Run& b) { return a.seconds < b.seconds; });
     return row;
 }
 
@@ -113,7 +164,7 @@ double exponent(const std::vector<std::pair<double, double>>& points) {
 double exponent_over(const std::vector<Row>& rows, char table, double (*x)(const Row&)) {
     std::vector<std::pair<double, double>> points;
     for (const Row& r : rows)
-        if (table == 0 || r.column.name[0] == table) points.push_back({x(r), r.seconds});
+        if (table == 0 || r.column.name[0] == table) points.push_back({x(r), r.median().seconds});
     return exponent(points);
 }
 
@@ -121,16 +172,18 @@ std::string report(const std::string& scene, const std::vector<Row>& rows, int t
     std::vector<std::vector<std::string>> table;
     for (const Row& r : rows)
         table.push_back({r.column.name, fmt::format("{}", r.lightmap), fmt::format("{}", r.receivers), fmt::format("{}", r.probes),
-                         fmt::format("{:.1f}", double(r.rays) / 1e6), fmt::format("{:.2f}", r.seconds),
-                         fmt::format("{:.2f}", r.ray_seconds), fmt::format("{:.1f}", double(r.rays) / 1e6 / r.ray_seconds),
-                         fmt::format("{:.2f}", r.cluster_seconds), fmt::format("{}", r.clusters),
+                         fmt::format("{:.1f}", double(r.rays) / 1e6), fmt::format("{:.2f}", r.median().seconds),
+                         fmt::format("{:.1f} %", 100 * r.spread()), fmt::format("{:.2f}", r.median().ray_seconds),
+                         fmt::format("{:.1f}", double(r.rays) / 1e6 / r.median().ray_seconds),
+                         r.bare.rays ? fmt::format("{:.2f}", r.bare.share()) : "-",
+                         fmt::format("{:.2f}", r.median().cluster_seconds), fmt::format("{}", r.clusters),
                          fmt::format("{:.0f}", double(r.peak_bytes) / 1e6), fmt::format("{}", r.column.receivers),
                          fmt::format("{:.0f}", 60 * r.column.minutes),
                          r.column.clusters ? fmt::format("{}", r.column.clusters) : "-"});
     std::string text = fmt::format("{}, {} threads\n\n", scene, threads);
     const Align right = Align::right;
     text += format_table({{"column"}, {"lightmap", right}, {"receivers", right}, {"probes", right}, {"M rays", right}, {"s", right},
-                          {"s of rays", right}, {"M rays/s", right}, {"s of clusters", right}, {"clusters", right},
+                          {"spread", right}, {"s of rays", right}, {"M rays/s", right}, {"bare", right}, {"s of clusters", right}, {"clusters", right},
                           {"peak MB", right}, {"thesis: receivers", right}, {"s", right}, {"clusters", right}},
                          table);
     text += fmt::format("\nseconds grow as probes^{:.2f} (P), receivers^{:.2f} (R), rays^{:.2f} (all)\n\n",
@@ -151,18 +204,31 @@ int probes_experiment(const ProbesOptions& given) {
     const RunOptions options = given.common.run_options();
     const Scene scene = load(given.scene);
     const probes::BakeParams params = settings_of(scene, given.scene).probes;
+    std::map<int, int> lightmaps;  // by the thesis' receivers
     std::vector<Row> rows;
-    for (const Column& column : columns)
-        if (given.only.empty() || given.only == column.name) rows.push_back(measure(scene, params, column, options));
-    if (rows.empty()) throw InputError("--only: expected P0 to P4 or R0 to R4");
+    for (const Column& column : columns) {
+        if (!given.only.empty() && given.only != column.name) continue;
+        if (!lightmaps.count(column.receivers))
+            lightmaps[column.receivers] = lightmap_for(scene, params, column, options);
+        const int lightmap = lightmaps[column.receivers];
+        const int receivers = receivers_at(scene, params, lightmap, options);
+        if (receivers < column.receivers * 1.25)
+            rows.push_back(measure(scene, params, column, lightmap, given));
+        else
+            fmt::print(stderr, "{}: left out: the smallest lightmap with room for the scene's charts has {} receivers\n", column.name,
+                       receivers);
+    }
+    if (rows.empty()) throw InputError("no column that this scene has room for; --only: expected P0 to P4 or R0 to R4");
     const std::string text = report(io::stem_of(scene.name), rows, thread_count(options.threads));
     if (!given.output.empty()) io::write_text(given.output, text);
     if (given.common.json) {
         Json all = Json::array();
         for (const Row& r : rows)
             all.push_back({{"column", r.column.name}, {"lightmap", r.lightmap}, {"receivers", r.receivers}, {"probes", r.probes},
-                           {"rays", r.rays}, {"seconds", r.seconds}, {"seconds_of_rays", r.ray_seconds},
-                           {"seconds_of_clusters", r.cluster_seconds}, {"clusters", r.clusters}, {"peak_bytes", r.peak_bytes}});
+                           {"rays", r.rays}, {"seconds", r.median().seconds}, {"spread", r.spread()},
+                           {"seconds_of_rays", r.median().ray_seconds}, {"bare_rays", r.bare.rays},
+                           {"bare_share", r.bare.rays ? Json(r.bare.share()) : Json()},
+                           {"seconds_of_clusters", r.median().cluster_seconds}, {"clusters", r.clusters}, {"peak_bytes", r.peak_bytes}});
         std::fputs(json_text({{"version", 1}, {"rows", all}}).c_str(), stdout);
     } else {
         std::fputs(text.c_str(), stdout);
@@ -178,11 +244,15 @@ void add_probes(CLI::App& experiment, Action& action) {
     command->add_option("scene", given->scene.file, "the scene")->required()->type_name("SCENE");
     command->add_option("-o,--output", given->output, "the tables, as text")->check(some_word())->type_name("FILE");
     command->add_option("--only", given->only, "one column: P0 to P4, R0 to R4")->check(some_word())->type_name("C");
+    command->add_option("--repeat", given->repeats, "bakes of each size: their median and spread")->check(CLI::Range(1, 100));
+    command->add_option("--bare", given->bare, "of each size, give so many million of its rays to the ray query alone")
+        ->check(CLI::Range(0.0, 20.0))
+        ->type_name("M");
     command->add_option("--set", given->scene.sets, "probes.key=value in place of the scene file's; may be repeated")
         ->allow_extra_args(false)
         ->type_name("T.K=V");
     add_common(*command, given->common);
-    command->footer("Nothing is kept, and no file but the tables written. The lightmap is as large as gives as many receivers as the\nthesis had. Times are of one run: repeat it on an idle machine.");
+    command->footer("Nothing is kept, and no file but the tables written. The lightmap is as large as gives as many receivers as the\nthesis had. s is the median, spread the longest bake less the shortest. bare: time of the ray query alone over\nthat of the bake's rays. Times mean something on an idle machine only.");
     command->callback([given, &action] { action = [=] { return probes_experiment(*given); }; });
 }
 

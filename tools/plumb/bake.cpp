@@ -87,7 +87,10 @@ std::uint64_t memory_there() {
 bool is_block(const std::string& label) { return label.find(" (") != std::string::npos; }
 std::string step_of(const std::string& label) { return label.substr(0, label.find(" (")); }
 
-// Says how far the blocks are: they take nearly all of the time.
+// Of those, the ones that take nearly all of the time.
+bool is_slow(const std::string& label) { return label.starts_with("probes.coefficients ("); }
+
+// Says how far the blocks are.
 class BakeProgress {
   public:
     explicit BakeProgress(const probes::BakeGraph& graph) : graph_(graph), bar_({}) {}
@@ -100,12 +103,12 @@ class BakeProgress {
     void show(const std::string& label, double done) {
         const std::lock_guard lock(mutex_);
         const auto now = std::chrono::steady_clock::now();
-        if (label != label_ && is_block(label_)) ++blocks_;
+        if (label != label_ && is_slow(label_)) ++blocks_;
         if (label != label_ && blocks_ == 0) start_ = now;
         if (label == label_ && now - last_ < std::chrono::milliseconds(100)) return;
         label_ = label, last_ = now;
         const int blocks = graph_.bake().alpha.empty() ? 0 : graph_.blocks_here();
-        const double share = blocks > 0 ? std::min(1.0, (blocks_ + done) / blocks) : 0;
+        const double share = blocks > 0 ? std::min(1.0, (blocks_ + (is_slow(label) ? done : 0)) / blocks) : 0;
         const double passed = std::chrono::duration<double>(now - start_).count();
         const double left = share > 0.01 ? passed * (1 - share) / share : -1;
         std::fprintf(stderr, "\r\033[K%s", progress_line(label, share, left, 80).c_str());

@@ -82,7 +82,7 @@ void add_atlas(Writer& w, const probes::Bake& b) {
     std::vector<glm::ivec4> rectangles;
     std::vector<std::int32_t> objects, own;
     for (const probes::Chart& c : a.charts)
-        rectangles.push_back({c.origin, c.size}), objects.push_back(c.object), own.push_back(c.own_uv ? 1 : 0);
+        rectangles.push_back({c.origin, c.size}), objects.push_back(c.object), own.push_back(c.own_uv);
     w.list("chart_rectangle", rectangles, "chart", "texels", "x, y, width, height on the lightmap");
     w.list("chart_object", objects, "chart", "", "index of the mesh");
     w.list("chart_own_uv", own, "chart", "", "1: the mesh's own texture coordinates");
