@@ -104,15 +104,32 @@ class SceneView {
             const glm::dvec3 p = a + (b - a) * (double(k) / steps);
             glm::dvec2 at;
             if (!pixel_of(p, at)) continue;
-            const int x = int(at.x), y = int(at.y);
-            if (x < 0 || y < 0 || x >= view_.size.x || y >= view_.size.y) continue;
-            const double depth = glm::dot(p - view_.view.eye, view_.view.forward);
-            const bool hidden = seen_.id(x, y).y >= 0 && double(seen_.position(x, y).w) < depth * 0.999;
-            if (!hidden) put(picture, at, colour);
+            if (in_front(p, at)) put(picture, at, colour);
         }
     }
 
+    // The probe that is seen nearest to the middle of the picture; the first where none is seen.
+    int probe_in_sight() const {
+        int best = 0;
+        double nearest = 1e30;
+        for (std::size_t i = 0; i < bake_.placement.probes.size(); ++i) {
+            const glm::dvec3 p(bake_.placement.probes[i]);
+            glm::dvec2 at;
+            if (!pixel_of(p, at)) continue;
+            const double off = glm::length(at - 0.5 * glm::dvec2(view_.size));
+            if (off < nearest && in_front(p, at)) nearest = off, best = int(i);
+        }
+        return best;
+    }
+
   private:
+    // Of a point that is seen at a place of the picture: whether nothing hides it.
+    bool in_front(const glm::dvec3& p, const glm::dvec2& at) const {
+        const int x = int(std::floor(at.x)), y = int(std::floor(at.y));
+        if (x < 0 || y < 0 || x >= view_.size.x || y >= view_.size.y) return false;
+        const double depth = glm::dot(p - view_.view.eye, view_.view.forward);
+        return seen_.id(x, y).y < 0 || double(seen_.position(x, y).w) >= depth * 0.999;
+    }
     glm::dvec3 ray(int x, int y) const {
         const glm::dvec4 far = to_world_ * glm::dvec4(2 * (x + 0.5) / view_.size.x - 1, 2 * (y + 0.5) / view_.size.y - 1, 0.5, 1);
         return glm::normalize(glm::dvec3(far) / far.w - view_.view.eye);
@@ -230,8 +247,10 @@ std::vector<DebugLayer> debug_layers(const Bake& b, const raster::Surfaces& surf
     add("candidates", "probes.placement", "all candidates", placed);
     placed = scene.with(nullptr);
     for (const glm::vec4& p : b.placement.probes) scene.ball(placed, glm::dvec3(p), ball, {0.2f, 0.5f, 1, 1});
-    scene.outline(placed, glm::dvec3(b.placement.probes[0]), b.radius.radius_m, {1, 1, 1, 1});
-    add("probes", "probes.placement", "probes; the outline is the reach of the first", placed);
+    const std::size_t shown = std::size_t(scene.probe_in_sight());
+    const glm::dvec3 from(b.placement.probes[shown]);
+    scene.outline(placed, from, b.radius.radius_m, {1, 1, 1, 1});
+    add("probes", "probes.placement", "probes; the outline is the reach of the one nearest to the middle", placed);
     add_both("supports", "probes.supports", "green: as many probes as there are slots; black: none",
              on_lightmap(r, [&](int i) {
                  const auto first = b.supports.probe.begin() + std::ptrdiff_t(i) * b.supports.overlaps;
@@ -241,14 +260,14 @@ std::vector<DebugLayer> debug_layers(const Bake& b, const raster::Surfaces& surf
              }));
     Image4 rays = scene.with(nullptr);
     for (int k = 0; k < std::min(64, b.relight.rays); ++k) {
-        const glm::dvec4 to(b.relight.position[std::size_t(k)]);
-        const glm::dvec3 from(b.placement.probes[0]);
-        const std::int32_t met = b.relight.material[std::size_t(k)];
+        const std::size_t ray = shown * std::size_t(b.relight.rays) + std::size_t(k);
+        const glm::dvec4 to(b.relight.position[ray]);
+        const std::int32_t met = b.relight.material[ray];
         const glm::vec4 colour = met == met_nothing ? glm::vec4(0.3f, 0.5f, 1, 1) : met == met_back ? glm::vec4(0.1f, 0.1f, 0.1f, 1)
                                                                                                   : glm::vec4(1, 0.3f, 0.2f, 1);
         scene.line(rays, from, to.w > 0 ? glm::dvec3(to) : from + 100 * ball * glm::dvec3(to), colour);
     }
-    add("rays", "probes.relight", "64 rays of the first probe: red to surfaces, blue into the sky, black to backs", rays);
+    add("rays", "probes.relight", "64 rays of the probe nearest to the middle: red to surfaces, blue into the sky, black to backs", rays);
     const int receiver = view.receiver >= 0 && view.receiver < r.count() ? view.receiver : r.count() / 2;
     if (!b.alpha.empty())
         add("alpha", "probes.coefficients", "alpha of a receiver by direction (longitude, latitude), all probes; blue: negative",
