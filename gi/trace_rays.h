@@ -30,7 +30,11 @@ class RayTracer {
 
     // The nearest triangle on origin + t direction, t > 0.
     PLUMB_INLINE RayHit<F> nearest(const vec3<F>& origin, const vec3<F>& direction, const mask_t<F>& active) {
-        set(origin, direction, F(0.0f), F(__builtin_inff()), active);
+        return nearest(origin, direction, F(0.0f), active);
+    }
+    // The same, t > t_near.
+    PLUMB_INLINE RayHit<F> nearest(const vec3<F>& origin, const vec3<F>& direction, F t_near, const mask_t<F>& active) {
+        set(origin, direction, t_near, F(__builtin_inff()), active);
         query_.nearest(active_, packet_);
         I triangle;
         std::memcpy(&triangle, packet_.triangle, sizeof triangle);

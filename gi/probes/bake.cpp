@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/error.h"
+#include "core/host_math.h"
 
 namespace plumb::probes {
 
@@ -85,14 +87,17 @@ std::uint64_t bytes_needed(const Bake& bake, const Part& part) {
     return bytes + 3 * (matrices + receivers * kept * 4) + largest + relight + receivers * (80 + slots * 8);
 }
 
+float told_share(const Bake& b, int receiver) {
+    const std::size_t slots = std::size_t(b.supports.overlaps), coefficients = std::size_t(b.coefficients());
+    double sum = 0;
+    for (std::size_t s = 0; s < slots; ++s) sum += double(b.alpha[(std::size_t(receiver) * slots + s) * coefficients]);
+    return float(sum * std::sqrt(4 * host::pi) / host::pi);
+}
+
 int black_receivers(const Bake& bake) {
-    const std::size_t row = std::size_t(bake.supports.overlaps) * std::size_t(bake.coefficients());
     int black = 0;
-    for (std::size_t i = 0; i < std::size_t(bake.receivers.count()); ++i) {
-        if (bake.supports.probe[i * std::size_t(bake.supports.overlaps)] < 0) continue;
-        const float* alpha = bake.alpha.data() + i * row;
-        black += std::all_of(alpha, alpha + row, [](float a) { return a == 0; }) ? 1 : 0;
-    }
+    for (int i = 0; i < bake.receivers.count(); ++i)
+        black += bake.supports.probe[std::size_t(i) * std::size_t(bake.supports.overlaps)] >= 0 && told_share(bake, i) == 0 ? 1 : 0;
     return black;
 }
 

@@ -72,7 +72,11 @@ struct Part {
 // whole bake, clusters and the file's copy of all. An estimate: how many clusters there will be is not known.
 std::uint64_t bytes_needed(const Bake& bake, const Part& part = {});
 
-// Receivers of a whole bake, with probes, that nothing reaches: all their coefficients are 0.
+// The share of what a receiver of a whole bake sees that probes tell it, by the cosine: the irradiance under a radiance of 1 from
+// everywhere, over pi. 1 to rounding where probes see all; the published weight gives others.
+float told_share(const Bake& bake, int receiver);
+
+// Receivers of a whole bake, with probes, that nothing reaches.
 int black_receivers(const Bake& bake);
 
 class BakeGraph {

@@ -9,7 +9,7 @@ std::vector<Field> fields(BakeParams& p) {
         {"gap", &p.gap, "texels", "between charts (IPR 3.2.1.1)", 0, 64, {}},
         {"chart_angle", &p.chart_angle, "degrees", "by which normals of a planar chart may differ from its own", 1, 80, {}},
         {"test_rays", &p.test_rays, "", "of each receiver, to tell whether it lies inside of something; 0: not asked", 0, 4096, {}},
-        {"back_share", &p.back_share, "", "share of them that meet backs inside of something (IPR 5.1.4)", 0.01, 1, {}},
+        {"back_share", &p.back_share, "", "share of them that start inside of something where the receiver does (IPR 5.1.4: 0.6)", 0.01, 1, {}},
     };
     for (Field& f : fields(p.placement)) all.push_back(f);
     const std::vector<Field> rest = {

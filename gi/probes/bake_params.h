@@ -21,7 +21,7 @@ struct BakeParams {
     int gap = 3;
     float chart_angle = 45;
     int test_rays = 64;
-    float back_share = 0.6f;
+    float back_share = 0.5f;
     PlacementParams placement;
     int relight_rays = 512;
     int receiver_rays = 512;

@@ -272,6 +272,13 @@ std::vector<DebugLayer> debug_layers(const Bake& b, const raster::Surfaces& surf
     if (!b.alpha.empty())
         add("alpha", "probes.coefficients", "alpha of a receiver by direction (longitude, latitude), all probes; blue: negative",
             alpha_picture(b, receiver));
+    if (!b.alpha.empty())
+        add_both("told", "probes.coefficients",
+                 "share of what a receiver sees that probes tell it: white all; red none, the receiver stays black",
+                 on_lightmap(r, [&](int i) {
+                     const float share = told_share(b, i);
+                     return share == 0 ? glm::vec4(1, 0, 0, 1) : glm::vec4(glm::vec3(std::clamp(share, 0.0f, 1.0f)), 1);
+                 }));
     if (!b.clusters.clusters.empty()) {
         add_both("clusters", "probes.clusters", "a colour each cluster; black: no probe",
                  on_lightmap(r, [&](int i) { return b.clusters.cluster_of[i] < 0 ? glm::vec4(0, 0, 0, 1) : colour_of(b.clusters.cluster_of[i]); }));

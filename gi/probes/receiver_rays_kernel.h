@@ -160,15 +160,43 @@ struct TestRaysView {
     raster::SurfaceArgs surfaces;
     float offset;
     std::int32_t rays;
+    std::int32_t crossings;       // surfaces that a ray is followed through; 1: as published
     const float* position;        // [receivers][4]
     const float* normal;
     const float* directions;      // [rays][4]: unit, z along the normal
-    float* shortest;              // out: [receivers][4]: xyz direction of the shortest ray that met a back, w its length, m;
-                                  // 0 where none did
-    std::int32_t* backs;          // out: [receivers]: rays that met a back; -1: a ray met nothing
+    float* shortest;              // out: [receivers][4]: xyz direction of the shortest of the deepest rays, w how long it is till it
+                                  // is out, m; 0 where none starts inside
+    std::int32_t* insides;        // out: [receivers]: rays that start inside; -1: a ray met nothing
 };
 
-// Asks of receivers [first, last).
+// How deep inside a ray starts, and where it is out.
+template <class F>
+struct WayOut {
+    F depth, length;
+};
+
+// Of a ray whose first hit is known. Leaving a solid counts 1, entering one -1: the largest sum on the way is the number of
+// solids that the ray starts in, whatever overlaps them and whatever room is around, and where it is first reached the ray is out
+// of all. `active`: lanes that are followed through more than the first surface.
+template <class F>
+PLUMB_INLINE WayOut<F> way_out(const TestRaysView& in, RayTracer<F>& tracer, const vec3<F>& origin, const vec3<F>& direction,
+                               const RayHit<F>& first, const mask_t<F>& active) {
+    RayHit<F> hit = first;
+    F sum(0.0f);
+    WayOut<F> out{F(0.0f), F(0.0f)};
+    mask_t<F> alive = hit.found;
+    for (int k = 0; k < in.crossings && any(alive); ++k) {
+        if (k > 0) hit = tracer.nearest(origin, direction, hit.t, alive), alive = alive & hit.found;
+        sum = sum + select(alive, select(met_by<F>(in.surfaces, hit, direction).front, F(-1.0f), F(1.0f)), F(0.0f));
+        const mask_t<F> farther = alive & (sum > out.depth);
+        out = {select(farther, sum, out.depth), select(farther, hit.t, out.length)};
+        alive = alive & active;
+    }
+    return out;
+}
+
+// Asks of receivers [first, last). Rays are followed beyond their first surface where an eighth of them meets a back there: most
+// receivers lie inside of nothing.
 template <class F>
 std::uint64_t test_rays(const TestRaysView& in, const RayQuery& query, int first, int last) {
     using N = number<F>;
@@ -181,20 +209,35 @@ std::uint64_t test_rays(const TestRaysView& in, const RayQuery& query, int first
         const reference::Basis<F> frame = reference::basis_of<F>(normal);
         const vec3<F> origin = position + normal * F(in.offset);
         vec4<F> shortest{F(0.0f), F(0.0f), F(0.0f), F(0.0f)};
-        I backs(0), escapes(0);
-        for (int ray = 0; ray < in.rays; ++ray) {
-            const float* local = in.directions + 4 * std::ptrdiff_t(ray);
-            const vec3<F> direction =
-                reference::to_world<F>(frame, vec3<F>{F(local[0]), F(local[1]), F(local[2])});
-            const RayHit<F> hit = tracer.nearest(origin, direction, active);
-            const mask_t<F> back = hit.found & !met_by<F>(in.surfaces, hit, direction).front;
-            const mask_t<F> shorter = back & ((backs == I(0)) | (hit.t < shortest.w));
-            shortest = vec4<F>(select3<F>(shorter, direction, xyz<F>(shortest)), select(shorter, hit.t, shortest.w));
-            backs = backs + select(back, I(1), I(0));
-            escapes = escapes + select(hit.found, I(0), I(1));
+        F depth(0.0f);
+        I insides(0), escapes(0);
+        mask_t<F> followed = active & (F(1.0f) < F(0.0f));
+        // Once to see where backs are, and, where it is worth it, once more to the way out.
+        for (const bool again : {false, true}) {
+            if (again) {
+                followed = active & (escapes == I(0)) & !(insides < I((in.rays + 7) / 8));
+                if (in.crossings == 1 || !any(followed)) break;
+                insides = select(followed, I(0), insides);
+                depth = select(followed, F(0.0f), depth), shortest.w = select(followed, F(0.0f), shortest.w);
+            }
+            for (int ray = 0; ray < in.rays; ++ray) {
+                const float* local = in.directions + 4 * std::ptrdiff_t(ray);
+                const vec3<F> direction =
+                    reference::to_world<F>(frame, vec3<F>{F(local[0]), F(local[1]), F(local[2])});
+                const mask_t<F> asked = again ? followed : active;
+                const RayHit<F> hit = tracer.nearest(origin, direction, asked);
+                const WayOut<F> out = way_out<F>(in, tracer, origin, direction, hit, followed);
+                const mask_t<F> inside = asked & (out.depth > F(0.0f));
+                // Of two surfaces in one place a ray meets one: it misses what it leaves there. So the deepest rays are believed.
+                const mask_t<F> shorter = inside & ((out.depth > depth) | ((out.depth == depth) & (out.length < shortest.w)));
+                depth = max(depth, select(inside, out.depth, F(0.0f)));
+                shortest = vec4<F>(select3<F>(shorter, direction, xyz<F>(shortest)), select(shorter, out.length, shortest.w));
+                insides = insides + select(inside, I(1), I(0));
+                escapes = escapes + select(asked & !hit.found, I(1), I(0));
+            }
         }
         N::store4(in.shortest, receiver, shortest, active);
-        store_lanes<F>(in.backs + x, select(escapes == I(0), backs, I(-1)), last - x);
+        store_lanes<F>(in.insides + x, select(escapes == I(0), insides, I(-1)), last - x);
     }
     return tracer.traced();
 }

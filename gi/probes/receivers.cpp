@@ -56,18 +56,18 @@ int shift_receivers(Receivers& receivers, const raster::SurfaceArgs& surfaces, c
     const Buffer<glm::vec4> directions = receiver_directions(params.rays, Distribution::uniform);
     const int count = receivers.count();
     Buffer<glm::vec4> shortest(std::size_t(count), glm::vec4(0));
-    std::vector<std::int32_t> backs(std::size_t(count), 0);
-    TestRaysView view{surfaces, offset, params.rays, &receivers.position[0].x, &receivers.normal[0].x, &directions[0].x,
-                      &shortest[0].x, backs.data()};
+    std::vector<std::int32_t> insides(std::size_t(count), 0);
+    TestRaysView view{surfaces, offset, params.rays, params.crossings, &receivers.position[0].x, &receivers.normal[0].x, &directions[0].x,
+                      &shortest[0].x, insides.data()};
     dispatch(options.isa, [&](auto isa) {
         parallel_bands(count, 256, options,
                        [&](int first, int last) { ReceiverRays<isa()>::test(view, query, first, last); });
     });
     int moved = 0;
     for (int i = 0; i < count; ++i) {
-        if (!(backs[i] > 0 && double(backs[i]) >= params.share * params.rays)) continue;
+        if (!(insides[i] > 0 && double(insides[i]) >= params.share * params.rays)) continue;
         const glm::dvec3 along(shortest[i]);
-        // It started `offset` above the surface, and ends as far beyond the back that it met.
+        // It started `offset` above the surface, and ends as far beyond the back where it came out.
         const glm::dvec3 by = glm::dvec3(receivers.normal[i]) * double(offset) +
                               along * (double(shortest[i].w) + 2 * double(offset));
         receivers.shift[i] = glm::vec4(glm::vec3(by), 1);

@@ -37,9 +37,14 @@ Receivers place_receivers(const Atlas& atlas, const raster::Surfaces& surfaces, 
 
 struct ShiftParams {
     int rays = 64;       // over the hemisphere of the normal; 0: nothing is moved
-    double share = 0.6;  // of them that must meet backs, IPR 5.1.4; none may meet nothing
+    double share = 0.5;  // of them that must start inside of something; none may meet nothing
+    int crossings = 64;  // surfaces that a ray is followed through to tell; 1: as published, the first alone
 };
-// Moves receivers whose test rays meet backs along the shortest of those, and `offset` m beyond. Returns how many.
+// Moves receivers that lie inside of solids along the shortest test ray that leads out, and `offset` m beyond. Returns how many.
+//
+// differs: IPR 5.1.4 calls a ray inside whose first hit is a back, and asks 60 %. Where solids overlap, as the boxes of a stair,
+// the first hit is the front of another as often, and behind a back may lie the next. Half of the rays may look at a floor that
+// lies in the plane of the solid's underside: of the two they meet one.
 int shift_receivers(Receivers& receivers, const raster::SurfaceArgs& surfaces, const RayQuery& query, float offset,
                     const ShiftParams& params, const RunOptions& options);
 

@@ -11,6 +11,7 @@
 #include "gi/probes/bake.h"
 #include "gi/probes/debug_layers.h"
 #include "gi/probes/kept_steps.h"
+#include "gi/reference/ray_query.h"
 #include "random_scene.h"
 
 namespace {
@@ -261,6 +262,57 @@ TEST_CASE("bake: receivers inside of a box are moved out of it", "[probes][IPR 5
         if (b.receivers.position[std::size_t(i)].y > 0) CHECK(b.receivers.shift[std::size_t(i)].w == 0);
 }
 
+// Four boxes, each a step higher and shorter than the one before, that overlap and share the planes of their sides: as stairs
+// are often built. Of those receivers that lie inside of one, returns how many are left in one.
+struct OnStair {
+    int inside = 0, left = 0, moved = 0, moved_in_the_open = 0;
+};
+OnStair on_stair(int crossings) {
+    Mesh mesh;
+    test::add_box(mesh, glm::vec3(-2), glm::vec3(2), 0, true);
+    std::vector<std::pair<glm::vec3, glm::vec3>> steps;
+    for (int k = 0; k < 4; ++k) {
+        const float step = float(k);
+        steps.push_back({{-1.2f + 0.5f * step, -2, -0.8f}, {1.3f, -1.7f + 0.3f * step, 0.8f}});
+        test::add_box(mesh, steps.back().first, steps.back().second, 1);
+    }
+    const Scene scene = scene_of(std::move(mesh));
+    AtlasParams atlas_params;
+    atlas_params.receivers_per_m2 = 60;
+    const Atlas atlas = make_atlas(scene, flatten(scene), atlas_params);
+    const raster::Surfaces surfaces = raster::prepare(scene, atlas.geometry);
+    const auto query = reference::build_ray_query(atlas.geometry, surfaces, Rays::exact);
+    const auto in_a_step = [&](const glm::vec3& p) {
+        return std::any_of(steps.begin(), steps.end(), [&](const auto& box) {
+            return glm::all(glm::greaterThan(p, box.first + 1e-3f)) && glm::all(glm::lessThan(p, box.second - 1e-3f));
+        });
+    };
+    Receivers r = place_receivers(atlas, surfaces, {});
+    ShiftParams params;
+    params.crossings = crossings;
+    OnStair found;
+    found.moved = shift_receivers(r, raster::surface_args(atlas.geometry, surfaces, View{}), *query,
+                                  offset_of(extent_of(atlas.geometry)), params, {});
+    for (std::size_t i = 0; i < r.position.size(); ++i) {
+        const glm::vec3 at(r.position[i]), was = at - glm::vec3(r.shift[i]);
+        // Where rays begin: faces lie on each other.
+        const bool inside = in_a_step(was + 2e-3f * glm::vec3(r.normal[i]));
+        found.inside += inside ? 1 : 0;
+        found.left += inside && in_a_step(at) ? 1 : 0;
+        found.moved_in_the_open += !inside && r.shift[i].w == 1 && was.y > -1.99f ? 1 : 0;
+    }
+    return found;
+}
+
+TEST_CASE("bake: receivers inside of solids that overlap are moved out of all of them", "[probes][IPR 5.1.4]") {
+    const OnStair all = on_stair(64), published = on_stair(1);
+    CHECK(all.inside > 300);
+    CHECK(all.left == 0);
+    CHECK(all.moved_in_the_open == 0);
+    // The first hit alone is the front of another step too often, and behind a back lies the next.
+    CHECK(published.left > all.inside / 4);
+}
+
 TEST_CASE("bake: border texels hold the mean of the receivers around them", "[probes][IPR 3.2.1.1]") {
     Receivers r;
     r.size = {6, 5};
@@ -315,6 +367,35 @@ class MemoryStore : public graph::Store {
 };
 
 }  // namespace
+
+TEST_CASE("bake: probes tell all that a receiver of an empty room sees, and nothing behind a wall", "[probes]") {
+    Mesh mesh;
+    test::add_box(mesh, glm::vec3(-2), glm::vec3(2), 0, true);
+    const Scene room = scene_of(std::move(mesh));
+    BakeGraph empty(room, small());
+    run_all(empty);
+    for (int i = 0; i < empty.bake().receivers.count(); ++i) CHECK(told_share(empty.bake(), i) == Approx(1).margin(1e-5));
+    CHECK(black_receivers(empty.bake()) == 0);
+    // Two rooms and a probe: it is in one of them, and those of the other stay black.
+    Mesh two;
+    test::add_box(two, {-2, -1, -1}, {-0.05f, 1, 1}, 0, true);
+    test::add_box(two, {0.05f, -1, -1}, {2, 1, 1}, 0, true);
+    BakeParams params = small();
+    params.placement.count = 1, params.placement.radius_of = RadiusOf::largest;
+    const Scene rooms = scene_of(std::move(two));
+    BakeGraph halved(rooms, params);
+    run_all(halved);
+    const Bake& b = halved.bake();
+    const bool left = b.placement.probes.at(0).x < 0;
+    int black = 0;
+    for (int i = 0; i < b.receivers.count(); ++i) {
+        const bool with_probe = (b.receivers.position[std::size_t(i)].x < 0) == left;
+        CHECK(told_share(b, i) == Approx(with_probe ? 1 : 0).margin(1e-5));
+        black += with_probe ? 0 : 1;
+    }
+    CHECK(black > 50);
+    CHECK(black_receivers(b) == black);
+}
 
 TEST_CASE("bake: every step comes back from a store, and then no ray is asked", "[probes][graph]") {
     const Scene scene = furnished();

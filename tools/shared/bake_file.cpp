@@ -100,6 +100,9 @@ void add_receivers(Writer& w, const probes::Bake& b) {
     w.list("receiver_border", r.border, "receiver", "", "neighbours to extend into: 1 left, 2 right, 4 up, 8 down");
     w.array("receiver_probe", b.supports.probe, {n, slots}, {"receiver", "slot"}, "", "supporting probes, nearest first; -1: none");
     w.array("receiver_weight", b.supports.weight, {n, slots}, {"receiver", "slot"}, "", "w(distance / radius) of each; 0: none");
+    std::vector<float> told;
+    for (int i = 0; i < b.receivers.count(); ++i) told.push_back(told_share(b, i));
+    w.list("receiver_told", told, "receiver", "", "share of what it sees that probes tell it; 0: it stays black");
     w.array("receiver_u", b.flat.u, {n, b.flat.singular_values}, {"receiver", "singular value"}, "", "row of U");
     w.list("receiver_cluster", b.flat.cluster_of, "receiver", "", "index of the cluster; -1: no probe supports it");
 }
@@ -182,7 +185,7 @@ void check_bake(const io::DescribedFile& file) {
         array_of(file, name, dtype, {receivers, width});
     for (const auto& [name, dtype] : std::vector<std::pair<const char*, DType>>{
              {"receiver_material", DType::i32}, {"receiver_triangle", DType::i32}, {"receiver_border", DType::u32},
-             {"receiver_cluster", DType::i32}})
+             {"receiver_cluster", DType::i32}, {"receiver_told", DType::f32}})
         array_of(file, name, dtype, {receivers});
     const std::int64_t slots = array_of(file, "receiver_probe", DType::i32, {receivers, any_extent}).shape[1];
     array_of(file, "receiver_weight", DType::f32, {receivers, slots});
