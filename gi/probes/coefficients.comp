@@ -38,14 +38,20 @@ float coefficient(int receiver, int row) {
     vec4 probe = supporting[slot * u.width + receiver];           TAP(probe, probe.xyz);
     TAP(w, probe.w);
     precise float sum = 0.0;
-    for (int k = 0; k < u.rays; ++k) {
-        TAP_SAMPLE(k);
-        int at = k * u.width + receiver;
-        bool sees = ((visible[at] >> slot) & 1) == 1;             TAP(V, sees);
-        precise float weight = sees ? shares[at] * probe.w : 0.0; TAP(weight, weight);
-        vec3 psi = direction_to(seen[at], probe);                 TAP(psi, psi);
-        sum = add_harmonic(l, m, of.w == 1, psi, weight, sum);
-        TAP(sum, sum);
+    for (int first = 0; first < u.rays; first += 128) {
+        precise float part = 0.0;
+        int end = min(first + 128, u.rays);
+        for (int k = first; k < end; ++k) {
+            TAP_SAMPLE(k);
+            int at = k * u.width + receiver;
+            bool sees = ((visible[at] >> slot) & 1) == 1;         TAP(V, sees);
+            precise float weight = sees ? shares[at] * probe.w : 0.0;
+            TAP(weight, weight);
+            vec3 psi = direction_to(seen[at], probe);             TAP(psi, psi);
+            part = add_harmonic(l, m, of.w == 1, psi, weight, part);
+            TAP(part, part);
+        }
+        sum = sum + part;
     }
     TAP_SAMPLE(-1);                                               TAP(alpha, sum);
     return sum;

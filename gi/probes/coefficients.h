@@ -20,6 +20,11 @@ struct CoefficientsInputs {
 // [slots x (degree + 1)^2][4]: slot, l, |m|, 1 where m < 0.
 std::vector<std::int32_t> coefficient_rows(int slots, int degree);
 
+inline constexpr float most_coordinate = 0x1p60f;  // m: squares of differences stay within a float's range
+
+// Refuses coordinates beyond most_coordinate, and shares that are not finite. Throws InputError.
+void check_coefficients(CoefficientsView& view, Buffer<float>& own);
+
 inline StageDescription<CoefficientsView> describe(CoefficientsKernel) {
     using View = CoefficientsView;
     const auto pairs = [](const View& v) { return std::size_t(v.u.rays) * std::size_t(v.u.width); };
@@ -37,14 +42,16 @@ inline StageDescription<CoefficientsView> describe(CoefficientsKernel) {
                     .count = [](const View& v) { return std::size_t(v.u.slots) * std::size_t(v.u.width); },
                     .why = "slots of each receiver"},
                    {.name = "seen", .at = &View::seen, .unit = "m",
-                    .meaning = "[ray][receiver] xyz what the ray met, w 1; or its direction, w 0", .count = pairs, .why = why},
+                    .meaning = "[ray][receiver] xyz what the ray met, w 1; or its direction, w 0", .fixed = 8, .count = pairs,
+                    .why = why},
                    {.name = "visible", .at = &View::visible, .meaning = "[ray][receiver] bit i: probe i sees what was met",
                     .count = pairs, .why = why},
                    {.name = "shares", .at = &View::shares, .unit = "sr", .meaning = "[ray][receiver] of probes.share",
                     .count = pairs, .why = why}},
         .outputs = {{.name = "alpha", .at = &View::alpha, .unit = "sr",
                      .meaning = "[slot][coefficient][receiver] alpha_ij of the supporting probe"}},
-        .uniforms = {{"rays", 0, 1 << 20}, {"slots", 1, 16}},
+        .uniforms = {{"rays", 0, 1 << 15}, {"slots", 1, 16}},
+        .prepare = check_coefficients,
         .cost = {40, "rays x slots"},
     };
 }

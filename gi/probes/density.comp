@@ -24,10 +24,15 @@ float density_term(vec3 p, int i, int j) {
 float density_at(int i) {
     vec3 p = positions[i].xyz;                                    TAP(position, p);
     precise float sum = 0.0;
-    for (int j = 0; j < u.count; ++j) {
-        TAP_SAMPLE(j);
-        float w = density_term(p, i, j);                          TAP(w, w);
-        sum = sum + w;
+    for (int first = 0; first < u.count; first += 64) {
+        precise float part = 0.0;
+        int end = min(first + 64, u.count);
+        for (int j = first; j < end; ++j) {
+            TAP_SAMPLE(j);
+            float w = density_term(p, i, j);                      TAP(w, w);
+            part = part + w;
+        }
+        sum = sum + part;
     }
     TAP_SAMPLE(-1);
     TAP(density, sum);

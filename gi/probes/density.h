@@ -27,7 +27,7 @@ inline StageDescription<DensityView> describe(DensityKernel) {
         .inputs = {{.name = "positions", .at = &View::positions, .unit = "cells", .meaning = "xyz of each candidate; w unused",
                     .fixed = 8, .count = [](const View& v) { return std::size_t(v.u.count); }, .why = "count of them"}},
         .outputs = {{.name = "density", .at = &View::density, .meaning = "K_i of each candidate"}},
-        .uniforms = {{"count", 1, most_candidates}, {"inverse_radius", 1e-30, 1e30}},
+        .uniforms = {{"count", 1, most_candidates}, {"inverse_radius", 1e-15, 1e15}},
         .refuses =
             [](const View& v, glm::ivec2 size) {
                 return std::string(std::int64_t(size.x) * size.y < v.u.count ? "fewer items than candidates" : "");

@@ -1,8 +1,8 @@
 // The kernel density of candidates for probes, K_i = sum over j != i of w(|p_j - p_i| / r) (IPR 3.2.2.1): the algorithm
 // that density.comp mirrors line by line.
 //
-// Plain: every candidate asks all others, in their order. stages_isa.cpp leaves out blocks of candidates that are farther
-// away than r, whose terms are 0: the same sum, to the bit.
+// Plain: every candidate asks all others, in their order, and adds up blocks of them before it adds these: one sum of thousands
+// would lose a digit. stages_isa.cpp leaves out blocks that are farther away than r, whose terms are 0: the same sum, to the bit.
 #pragma once
 
 #include "gi/probes/weight_kernel.h"
@@ -17,13 +17,14 @@ struct DensityUniforms {
 };
 static_assert(sizeof(DensityUniforms) == 16);
 
+inline constexpr int block = 64;  // candidates
+
 struct DensityView {
     DensityUniforms u;
     const float* positions;  // [count][4]: xyz
     const float* blocks;     // of our own: [blocks][6], bounds of `block` candidates each: low xyz, high xyz
     float* density;          // out: [height][width]
 };
-inline constexpr int block = 64;
 
 // What candidate j adds to the density at p.
 template <class F>
@@ -41,10 +42,14 @@ PLUMB_INLINE F density(const DensityView& in, index_t<F> px, index_t<F> py, Tap&
     const I i = min(py * I(in.u.width) + px, I(in.u.count - 1));
     const vec3<F> p = xyz<F>(N::fetch4(in.positions, i));         tap("position", p, "p_i");
     F sum(0.0f);
-    for (int j = 0; j < in.u.count; ++j) {
-        tap.sample(j);
-        const F w = density_term<F>(in, p, i, j);                 tap("w", w, "w(|p_j - p_i| / r), 0 for i itself");
-        sum = sum + w;
+    for (int first = 0; first < in.u.count; first += block) {
+        F part(0.0f);
+        for (int j = first; j < min(first + block, in.u.count); ++j) {
+            tap.sample(j);
+            const F w = density_term<F>(in, p, i, j);             tap("w", w, "w(|p_j - p_i| / r), 0 for i itself");
+            part = part + w;
+        }
+        sum = sum + part;
     }
     tap.sample(-1);
     tap("density", sum, "K_i = sum of w");

@@ -28,7 +28,8 @@ float share_of(int receiver, int ray) {
     }
     TAP_SAMPLE(-1);                                               TAP(sum, sum);
     float x = lengths[at];                                        TAP(length, x);
-    precise float w_x = 1.0 - 1.0 / (6.28318531 * x * x + 1.0);
+    precise float t = 6.28318531 * x * x;
+    precise float w_x = t / (t + 1.0);                            TAP(W, w_x);
     precise float factor = factors[ray] * (u.published == 1 ? w_x : 1.0);
     TAP(factor, factor);
     bool seen = sum > 0.0;

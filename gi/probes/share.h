@@ -17,6 +17,14 @@ struct ShareInputs {
     const float* lengths = nullptr;         // [rays][receivers]
 };
 
+inline constexpr float least_weight = 0x1p-64f;    // 2^-48 is the least that probes.supports gives
+inline constexpr float most_weight = 1.001f;       // 1, and what a device may add to it
+inline constexpr float most_factor = 12.5663706f;  // 4 pi sr
+inline constexpr float most_length = 1e16f;        // m: 1e15 stands for a ray that met nothing
+
+// Refuses weights, factors and lengths that no bake has: shares would leave a float's range. Throws InputError.
+void check_share(ShareView& view, Buffer<float>& own);
+
 inline StageDescription<ShareView> describe(ShareKernel) {
     using View = ShareView;
     const auto pairs = [](const View& v) { return std::size_t(v.u.width) * std::size_t(v.u.height); };
@@ -37,6 +45,7 @@ inline StageDescription<ShareView> describe(ShareKernel) {
         .outputs = {{.name = "share", .at = &View::share, .unit = "sr",
                      .meaning = "weight over the sum of the weights of the probes that see it; 0: none does"}},
         .uniforms = {{"slots", 1, 16}, {"published", 0, 1}},
+        .prepare = check_share,
         .cost = {3, "rays"},
     };
 }

@@ -58,15 +58,19 @@ PLUMB_INLINE void coefficients_of_slot(const CoefficientsView& in, int row, int 
     const int width = in.u.width, count = (degree + 1) * (degree + 1);
     const I receiver = min(N::iota(x), I(width - 1));
     const vec4<F> probe = N::fetch4(in.supporting, I(slot * width) + receiver);
-    F sums[sh::kernel_degrees * sh::kernel_degrees];
+    F sums[sh::kernel_degrees * sh::kernel_degrees], part[sh::kernel_degrees * sh::kernel_degrees];
     for (int j = 0; j < count; ++j) sums[j] = F(0.0f);
     NoTap tap;
-    for (int k = 0; k < in.u.rays; ++k) {
-        const I at = I(k * width) + receiver;
-        const mask_t<F> sees = (shift_right(N::fetch(in.visible, at), slot) & I(1)) == I(1);
-        if (!any(sees)) continue;
-        const F weight = select(sees, N::fetch(in.shares, at) * probe.w, F(0.0f));
-        sh::add_harmonics<F>(in.recurrence, degree, direction_to<F>(N::fetch4(in.seen, at), probe, tap), weight, sums);
+    for (int first = 0; first < in.u.rays; first += rays_a_sum) {
+        for (int j = 0; j < count; ++j) part[j] = F(0.0f);
+        for (int k = first; k < min(first + rays_a_sum, in.u.rays); ++k) {
+            const I at = I(k * width) + receiver;
+            const mask_t<F> sees = (shift_right(N::fetch(in.visible, at), slot) & I(1)) == I(1);
+            if (!any(sees)) continue;
+            const F weight = select(sees, N::fetch(in.shares, at) * probe.w, F(0.0f));
+            sh::add_harmonics<F>(in.recurrence, degree, direction_to<F>(N::fetch4(in.seen, at), probe, tap), weight, part);
+        }
+        for (int j = 0; j < count; ++j) sums[j] = sums[j] + part[j];
     }
     for (int j = 0; j < count; ++j) N::store(in.alpha, I((row + j) * width) + receiver, sums[j], active);
 }
@@ -91,7 +95,9 @@ void Rows<DensityKernel, Isa::PLUMB_ISA>::run(const DensityView& in, int first, 
         F sum(0.0f);
         for (int b = 0; b < blocks; ++b) {
             if (far_apart(around, in.blocks + 6 * std::ptrdiff_t(b), radius)) continue;
-            for (int j = b * block; j < min((b + 1) * block, count); ++j) sum = sum + density_term<F>(in, p, lane, j);
+            F part(0.0f);
+            for (int j = b * block; j < min((b + 1) * block, count); ++j) part = part + density_term<F>(in, p, lane, j);
+            sum = sum + part;
         }
         N::store(in.density, lane, sum, N::iota(i) < I(end));
     }

@@ -1,6 +1,7 @@
 // The coefficients of receivers against closed forms, and the two stages against plain loops in double.
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <limits>
 
 #include "core/error.h"
 #include "core/hash.h"
@@ -227,7 +228,7 @@ namespace {
 
 // Random inputs of both stages, with every kind of ray among them.
 struct Random {
-    int receivers = 37, rays = 29, slots = 10;
+    int receivers = 37, rays = 131, slots = 10;  // a whole part of the sum, and three more
     Buffer<glm::vec4> supporting, seen;
     std::vector<std::int32_t> visible;
     Buffer<float> lengths, factors, shares;
@@ -270,8 +271,60 @@ TEST_CASE("probes: shares against the sum as it is written, and W(x) of the publ
     run(stage<ShareKernel>(), data_of(in), {}, published.data());
     for (std::size_t i = 0; i < published.size(); ++i) {
         const double x = r.lengths[i], w = 1 - 1 / (2 * host::pi * x * x + 1);
-        CHECK(published[i] == Approx(w * double(r.shares[i])).epsilon(2e-5).margin(1e-7));
+        CHECK(published[i] == Approx(w * double(r.shares[i])).epsilon(1e-6).margin(1e-30));
     }
+    // Of short rays W(x) is 2 pi x^2: as it is printed a float has no digit of it below 0.1 mm.
+    Random near = r;
+    for (std::size_t i = 0; i < near.lengths.size(); ++i) near.lengths[i] = 1e-7f * float(1 + i % 1000);
+    in.lengths = near.lengths.data();
+    run(stage<ShareKernel>(), data_of(in), {}, published.data());
+    for (std::size_t i = 0; i < published.size(); ++i) {
+        const double t = 2 * host::pi * double(near.lengths[i]) * double(near.lengths[i]);
+        CHECK(published[i] == Approx(t / (1 + t) * double(r.shares[i])).epsilon(1e-6).margin(1e-30));
+    }
+}
+
+TEST_CASE("probes: weights, factors, lengths and coordinates that no bake has are refused by name", "[probes][malformed]") {
+    const float nan = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
+    const auto refused = [](const StageBinding& binding, const StageData& data) {
+        try {
+            (void)binding.bind(data);
+        } catch (const InputError& e) {
+            return std::string(e.what());
+        }
+        return std::string();
+    };
+    const auto of_share = [&](auto change) {
+        Random r;
+        change(r);
+        return refused(stage<ShareKernel>(), data_of(ShareInputs{r.receivers, r.rays, r.slots, false, r.supporting.data(),
+                                                                 r.factors.data(), r.visible.data(), r.lengths.data()}));
+    };
+    const std::vector<std::int32_t> rows = coefficient_rows(10, 7);
+    const auto of_coefficients = [&](auto change) {
+        Random r;
+        change(r);
+        return refused(stage<CoefficientsKernel>(),
+                       data_of(CoefficientsInputs{r.receivers, r.rays, r.slots, 7, rows.data(), r.supporting.data(), r.seen.data(),
+                                                  r.visible.data(), r.shares.data()}));
+    };
+    CHECK(of_share([](Random&) {}) == "");
+    CHECK(of_coefficients([](Random&) {}) == "");
+    for (const float w : {nan, infinity, -0.5f, 1e-40f, 1.01f}) {
+        CAPTURE(w);
+        CHECK_THAT(of_share([&](Random& r) { r.supporting[2].w = w; }),
+                   Catch::Contains("probes.share: supporting: number 11 is ") && Catch::Contains("2^-64"));
+    }
+    CHECK(of_share([](Random& r) { r.supporting[2].w = 0x1p-48f; }) == "");
+    CHECK(of_share([&](Random& r) { r.supporting[2].x = nan; }) == "");  // is not read
+    for (const float f : {nan, -0.1f, 13.0f}) CHECK_THAT(of_share([&](Random& r) { r.factors[3] = f; }), Catch::Contains("factors: number 3 "));
+    for (const float x : {nan, -1.0f, 2e16f, infinity}) CHECK_THAT(of_share([&](Random& r) { r.lengths[5] = x; }), Catch::Contains("lengths: number 5 "));
+    for (const float x : {nan, infinity, 2e18f, -2e18f}) {
+        CAPTURE(x);
+        CHECK_THAT(of_coefficients([&](Random& r) { r.seen[2].y = x; }), Catch::Contains("probes.coefficients: seen: number 9 is "));
+        CHECK_THAT(of_coefficients([&](Random& r) { r.supporting[2].x = x; }), Catch::Contains("supporting: number 8 "));
+    }
+    CHECK_THAT(of_coefficients([&](Random& r) { r.shares[7] = infinity; }), Catch::Contains("shares: number 7 "));
 }
 
 TEST_CASE("probes: coefficients against the sum as it is written, one at a time and all at once", "[probes][IPR 9]") {

@@ -490,9 +490,10 @@ inline StageData share_case(glm::ivec2 size, bool published, const std::string& 
                            r.lengths.data()};
     return named(owned_data(probes::data_of(in)), id);
 }
-// size.y rows, of all degrees.
+// size.y rows, of all degrees; of few receivers, for there are many rays: a whole part of the sum, and three more.
 inline StageData coefficients_case(glm::ivec2 size, const std::string& id) {
-    const RayInputs r(size.x, 9);
+    size.x = std::min(size.x, 5);
+    const RayInputs r(size.x, 131);
     const std::vector<std::int32_t> all = probes::coefficient_rows(r.slots, 7);
     std::vector<std::int32_t> rows;
     for (int y = 0; y < size.y; ++y)
