@@ -14,6 +14,7 @@
 #include "gi/frame/frame_graph.h"
 #include "gi/frame/rules.h"
 #include "gi/parity/stages.h"
+#include "gi/stability/bake.h"
 #include "gi/stability/cases.h"
 #include "gi/stability/unbound.h"
 
@@ -260,10 +261,16 @@ bool bound(const std::string& stage) {
     return std::any_of(all.begin(), all.end(), [&](const StageBinding& b) { return b.info.name == stage; });
 }
 
+// Whether a filter leaves any stage of a frame, or of a bake.
+bool wants_frame(const Filter& f) { return f.stage.empty() || (bound(f.stage) && !is_of_bake(f.stage)); }
+bool wants_bake(const Filter& f) { return f.stage.empty() || is_of_bake(f.stage); }
+
 std::vector<Cell> run_case(const Case& c, const Filter& filter, const Effort& effort) {
     Writer out{filter, c.name};
     const Scene scene = c.scene();
-    if (filter.stage.empty() || bound(filter.stage)) run_frame(c, scene, effort, out);
+    if (wants_frame(filter)) run_frame(c, scene, effort, out);
+    if (wants_bake(filter) && is_baked(c))
+        for (Cell& cell : bake_cells(scene, filter.stage, effort)) out.add(std::move(cell));
     if ((filter.stage.empty() || !bound(filter.stage)) && !c.edit)
         for (Cell& cell : unbound_cells(c.name, scene, case_settings(c, scene), effort)) out.add(std::move(cell));
     return std::move(out.cells);
@@ -272,6 +279,12 @@ std::vector<Cell> run_case(const Case& c, const Filter& filter, const Effort& ef
 std::vector<Cell> run_unbound(const UnboundCase& c, const Filter& filter, const Effort& effort) {
     Writer out{filter, c.name};
     for (Cell& cell : c.run(effort)) out.add(std::move(cell));
+    return std::move(out.cells);
+}
+
+std::vector<Cell> run_bake(const BakeCase& c, const Filter& filter, const Effort& effort) {
+    Writer out{filter, c.name};
+    for (Cell& cell : bake_cells(c.data(), filter.stage, effort)) out.add(std::move(cell));
     return std::move(out.cells);
 }
 
@@ -296,6 +309,7 @@ const std::vector<CaseInfo>& case_infos() {
         std::vector<CaseInfo> infos;
         for (const Case& c : cases()) infos.push_back({c.name, c.group, c.meaning});
         for (const UnboundCase& c : unbound_cases()) infos.push_back({c.name, c.group, c.meaning});
+        for (const BakeCase& c : bake_cases()) infos.push_back({c.name, c.group, c.meaning});
         return infos;
     }();
     return all;
@@ -326,6 +340,8 @@ std::vector<Cell> run(const Filter& filter, const Effort& effort, const Progress
     for (const Case& c : cases()) want(c.name, [&] { return run_case(c, filter, alone); });
     if (filter.stage.empty() || !bound(filter.stage))
         for (const UnboundCase& c : unbound_cases()) want(c.name, [&] { return run_unbound(c, filter, alone); });
+    if (wants_bake(filter))
+        for (const BakeCase& c : bake_cases()) want(c.name, [&] { return run_bake(c, filter, alone); });
 
     std::vector<std::vector<Cell>> found(wanted.size());
     std::mutex mutex;

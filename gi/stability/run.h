@@ -14,7 +14,7 @@ struct Filter {
     std::string stage, case_name;
 };
 
-// The name of a case and its meaning: those of cases.h, then those that have no frame (unbound.h).
+// The name of a case and its meaning: those of cases.h, then those that have no frame (unbound.h, bake.h).
 struct CaseInfo {
     std::string name, group, meaning;
 };

@@ -1,0 +1,106 @@
+#include "gi/stability/bake.h"
+
+#include <algorithm>
+
+#include "core/error.h"
+#include "gi/lend.h"
+#include "gi/methods.h"
+#include "gi/probes/bake.h"
+#include "gi/probes/coefficients.h"
+#include "gi/probes/density.h"
+#include "gi/probes/share.h"
+
+namespace plumb::stability {
+
+namespace {
+
+probes::BakeParams small_bake() {
+    probes::BakeParams p;
+    p.lightmap_size = 48, p.receiver_rays = 32, p.test_rays = 16;
+    p.placement.count = 6, p.placement.overlaps = 4;
+    p.escapes = probes::Escapes::all_probes;  // so that directions of rays that meet nothing count, too
+    return p;
+}
+
+template <class Kernel>
+StageData owned_by(const StageData& data, const std::string& label) {
+    StageData own = owned(stage<Kernel>(), data);
+    own.label = label;
+    return own;
+}
+
+}  // namespace
+
+bool is_of_bake(const std::string& stage) {
+    return std::any_of(stages().begin(), stages().end(),
+                       [&](const ListedStage& s) { return s.binding && !s.of_frame && s.info.name == stage; });
+}
+
+bool is_baked(const Case& c) {
+    static const std::vector<std::string> groups = {"room", "scale", "offset", "triangles", "normals"};
+    return !c.edit && std::find(groups.begin(), groups.end(), c.group) != groups.end();
+}
+
+std::vector<StageData> bake_data(const Scene& scene, const RunOptions& options) {
+    // Rays of receivers are traced here, so that what follows the supports is not wanted.
+    probes::BakeGraph graph(scene, small_bake());
+    std::vector<const graph::Node*> steps;
+    for (const graph::Node* node : graph.nodes()) {
+        steps.push_back(node);
+        if (node->plan.name == "probes.supports") break;
+    }
+    graph::RunWith with;
+    with.options = options;
+    graph::run(steps, with);
+    const probes::Bake& bake = graph.bake();
+
+    std::vector<StageData> all;
+    const auto radius = float(bake.placement.kernel_radius_m);
+    all.push_back(owned_by<probes::DensityKernel>(probes::data_of(probes::DensityInputs{&bake.placement.candidates, radius}), "probes.density"));
+    for (const StageData& data : steps.back()->dispatches())
+        all.push_back(owned_by<probes::SupportsKernel>(data, "probes.supports"));
+
+    const probes::TracedBlock block = graph.traced(0, options);
+    const Buffer<float> factors = probes::ray_factors(
+        probes::receiver_directions(block.rays, bake.transport.distribution), bake.transport.distribution);
+    probes::ShareInputs share{block.count, block.rays, block.slots, false, block.supporting.data(), factors.data(),
+                              block.visible.data(), block.lengths.data()};
+    all.push_back(owned_by<probes::ShareKernel>(probes::data_of(share), "probes.share"));
+    share.published = true;
+    all.push_back(owned_by<probes::ShareKernel>(probes::data_of(share), "probes.share (published)"));
+    const std::vector<std::int32_t> rows = probes::coefficient_rows(block.slots, bake.params.degree);
+    const probes::CoefficientsInputs coefficients{block.count, block.rays, block.slots, bake.params.degree, rows.data(),
+                                                  block.supporting.data(), block.seen.data(), block.visible.data(),
+                                                  block.shares.data()};
+    all.push_back(owned_by<probes::CoefficientsKernel>(probes::data_of(coefficients), "probes.coefficients"));
+    return all;
+}
+
+std::vector<Cell> bake_cells(const std::vector<StageData>& data, const std::string& stage, const Effort& effort) {
+    std::vector<Cell> cells;
+    for (const StageData& d : data) {
+        if (!stage.empty() && stage != d.stage) continue;
+        for (const ListedStage& s : stages())
+            if (s.info.name == d.stage) cells.push_back(evaluate(*s.binding, d, effort));
+    }
+    return cells;
+}
+
+std::vector<Cell> bake_cells(const Scene& scene, const std::string& stage, const Effort& effort) {
+    std::vector<StageData> data;
+    try {
+        data = bake_data(scene, effort.run);
+    } catch (const InputError& e) {
+        if (std::string(e.what()).compare(0, 6, "atlas:") != 0) throw;
+        std::vector<Cell> cells;
+        for (const ListedStage& s : stages()) {
+            if (!is_of_bake(s.info.name) || (!stage.empty() && stage != s.info.name)) continue;
+            Cell& cell = cells.emplace_back();
+            cell.stage = s.info.name, cell.refused = cell.ok = true, cell.reason = e.what();
+        }
+        return cells;
+    }
+    return bake_cells(data, stage, effort);
+}
+
+}  // namespace plumb::stability

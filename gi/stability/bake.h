@@ -1,0 +1,36 @@
+// Cells of the stages of a bake, which no frame has: probes.density, probes.supports, probes.share, probes.coefficients.
+// Their data are those of a small bake of a case's scene, or made by hand. gi/probes/README.md derives their conditions.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "gi/stability/cases.h"
+#include "gi/stability/stability.h"
+
+namespace plumb::stability {
+
+// Whether the stage binds data of a bake.
+bool is_of_bake(const std::string& stage);
+
+// Whether a bake sees what the case is about: lights, cameras, frames and edits mean nothing to it.
+bool is_baked(const Case& c);
+
+// Dispatches of a bake of the scene, on a lightmap of 48 texels a side with 6 probes: candidates, supports, and of the first
+// block of receivers the shares of 32 rays, both weightings, and all coefficients to degree 7. They own their inputs.
+std::vector<StageData> bake_data(const Scene& scene, const RunOptions& options);
+
+// Data that no scene has: probes in one place, rays of no length, directions at a pole.
+struct BakeCase {
+    std::string name, group, meaning;  // as those of Case
+    std::function<std::vector<StageData>()> data;
+};
+const std::vector<BakeCase>& bake_cases();
+
+// A cell for each stage of the data, or for `stage` alone. What a stage refuses is a cell that is `refused`.
+std::vector<Cell> bake_cells(const std::vector<StageData>& data, const std::string& stage, const Effort& effort);
+// The same of a scene's bake. Where the atlas refuses the scene, each stage is refused.
+std::vector<Cell> bake_cells(const Scene& scene, const std::string& stage, const Effort& effort);
+
+}  // namespace plumb::stability
