@@ -70,23 +70,6 @@ RayCounts Bake::counts() const {
     return all;
 }
 
-std::uint64_t bytes_needed(const Bake& bake, const Part& part) {
-    const std::uint64_t receivers = std::uint64_t(bake.receivers.count()), probes = bake.placement.probes.size();
-    const std::uint64_t coefficients = std::uint64_t(bake.coefficients()), slots = std::uint64_t(bake.supports.overlaps);
-    const std::uint64_t row = slots * coefficients * sizeof(float), kept = std::uint64_t(bake.params.singular_values);
-    const std::uint64_t alpha = receivers * row / std::uint64_t(part.count) + std::uint64_t(block_receivers) * row;
-    const std::uint64_t relight = probes * std::uint64_t(bake.params.relight_rays) * 32;
-    const std::uint64_t block = std::uint64_t(block_receivers) * (std::uint64_t(bake.params.receiver_rays) * 28 + 2 * row);
-    const std::uint64_t lightmap = std::uint64_t(bake.atlas.size.x) * std::uint64_t(bake.atlas.size.y);
-    const std::uint64_t atlas = bake.atlas.geometry.vertices.size() * 2 * sizeof(Vertex) + bake.atlas.geometry.triangles.size() * 60;
-    std::uint64_t bytes = alpha + relight + block + atlas + receivers * (80 + slots * 8) + lightmap * 16;
-    if (part.count > 1) return bytes;
-    // Clusters of 40 receivers and twice the probes of one, as rooms have them; three copies: clusters, as they are kept, the file.
-    const std::uint64_t matrices = receivers / 40 * kept * 2 * std::min(probes, slots) * coefficients * sizeof(float);
-    const std::uint64_t largest = std::uint64_t(bake.params.cluster_receivers) * std::min(probes, 4 * slots) * coefficients * 8 * 4;
-    return bytes + 3 * (matrices + receivers * kept * 4) + largest + relight + receivers * (80 + slots * 8);
-}
-
 float told_share(const Bake& b, int receiver) {
     const std::size_t slots = std::size_t(b.supports.overlaps), coefficients = std::size_t(b.coefficients());
     double sum = 0;

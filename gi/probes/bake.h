@@ -39,6 +39,7 @@ struct Bake {
     BakeParams params;
     TransportParams transport;             // as the scene's sky has it
     std::uint64_t scene_hash = 0;          // scene_hash()
+    std::uint64_t scene_bytes = 0;         // bytes_of_scene()
     Atlas atlas;
     Receivers receivers;
     int shifted = 0;                       // receivers that were moved
@@ -68,10 +69,6 @@ struct Part {
     int index = 0, count = 1;
 };
 
-// What a bake of which receivers and probes are known will hold at once at most, bytes: its share of the transport, and, of a
-// whole bake, clusters and the file's copy of all. An estimate: how many clusters there will be is not known.
-std::uint64_t bytes_needed(const Bake& bake, const Part& part = {});
-
 // The share of what a receiver of a whole bake sees that probes tell it, by the cosine: the irradiance under a radiance of 1 from
 // everywhere, over pi. 1 to rounding where probes see all; the published weight gives others.
 float told_share(const Bake& bake, int receiver);
@@ -81,8 +78,8 @@ int black_receivers(const Bake& bake);
 
 class BakeGraph {
   public:
-    // The scene must outlive it. memory_limit: bytes; a bake that needs more is refused once that is known. Throws InputError
-    // for parameters out of range.
+    // The scene must outlive it. memory_limit: bytes; a bake that needs more (memory.h) is refused once that is known. Throws
+    // InputError for parameters out of range.
     BakeGraph(const Scene& scene, const BakeParams& params, Part part = {}, std::uint64_t memory_limit = ~std::uint64_t(0));
     ~BakeGraph();
 
@@ -98,6 +95,8 @@ class BakeGraph {
     const raster::Surfaces& surfaces() const;
     // Blocks of receivers that this part computes.
     int blocks_here() const { return (bake_.blocks() - part_.index + part_.count - 1) / part_.count; }
+    // bytes_needed(), once it is known.
+    std::uint64_t bytes() const { return bytes_; }
     // Seconds that went into rays, and what probes.share made of them, of the blocks that ran.
     double seconds_of_rays() const { return seconds_of_rays_; }
 
@@ -111,7 +110,7 @@ class BakeGraph {
     graph::Node relight_node(int first, int count);
     graph::Node coefficients_node(int block);
     graph::Node clusters_node();
-    void check_memory() const;
+    void check_memory();
     std::vector<const graph::Node*> add_blocks();
     void read_rays(graph::Reads& reads) const;
 
@@ -122,6 +121,7 @@ class BakeGraph {
     std::deque<graph::Node> nodes_;
     std::vector<const graph::Node*> first_;
     double seconds_of_rays_ = 0;
+    std::uint64_t bytes_ = 0;
     std::function<void(std::uint64_t)> sized_;
 };
 

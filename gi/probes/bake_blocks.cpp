@@ -4,9 +4,10 @@
 #include <algorithm>
 #include <chrono>
 
-#include "core/error.h"
+#include "core/parallel.h"
 #include "gi/probes/bake_world.h"
 #include "gi/probes/kept_steps.h"
+#include "gi/probes/memory.h"
 
 namespace plumb::probes {
 
@@ -31,14 +32,11 @@ TracedBlock BakeGraph::traced(int receiver, const RayQuery& query, const RunOpti
                        bake_.supports, first, std::min(block_receivers, bake_.receivers.count() - first), options);
 }
 
-void BakeGraph::check_memory() const {
-    const std::uint64_t needed = bytes_needed(bake_, part_);
-    if (needed > memory_limit_)
-        throw InputError(fmt::format("probes: {} receivers and {} probes need {:.1f} GB of memory; there are {:.1f} GB: lower "
-                                     "receivers_per_m2, count, relight_rays, overlaps or degree",
-                                     bake_.receivers.count(), bake_.placement.probes.size(), double(needed) / 1e9,
-                                     double(memory_limit_) / 1e9));
-    if (sized_) sized_(needed);
+void BakeGraph::check_memory() {
+    bytes_ = bytes_needed(bake_, part_, thread_count(0));
+    require_memory(fmt::format("{} receivers and {} probes", bake_.receivers.count(), bake_.placement.probes.size()), bytes_, memory_limit_,
+                   "receivers_per_m2, count, relight_rays, overlaps or degree");
+    if (sized_) sized_(bytes_);
 }
 
 // Of a part its own blocks alone, one after the other.

@@ -4,6 +4,7 @@
 #include "core/error.h"
 #include "gi/probes/bake_world.h"
 #include "gi/probes/kept_steps.h"
+#include "gi/probes/memory.h"
 
 namespace plumb::probes {
 
@@ -23,6 +24,7 @@ BakeGraph::BakeGraph(const Scene& scene, const BakeParams& params, Part part, st
     bake_.params = params;
     bake_.transport = transport_params(params, sends_light(scene.environment));
     bake_.scene_hash = probes::scene_hash(scene, world_->geometry);
+    bake_.scene_bytes = bytes_of_scene(scene);
     for (const graph::Node& node : {atlas_node(), receivers_node(), placement_node(), supports_node(), rays_node()})
         nodes_.push_back(node);
     for (const graph::Node& node : nodes_) first_.push_back(&node);
@@ -77,7 +79,9 @@ graph::Node BakeGraph::receivers_node() {
         r.value(b.params.test_rays, b.params.back_share);
         read_rays(r);
     };
-    node.run = [&](const RunOptions& options, graph::NodeRun& run) {
+    node.run = [&, this](const RunOptions& options, graph::NodeRun& run) {
+        require_memory(fmt::format("{} x {} texels", b.atlas.size.x, b.atlas.size.y), bytes_to_draw(b), memory_limit_,
+                       "receivers_per_m2 or lightmap_size");
         b.receivers = place_receivers(b.atlas, w.surfaces(), options);
         b.shifted = shift_receivers(b.receivers, w.args(), w.query(), w.offset, shift_params(b.params), options);
         run.bytes = std::size_t(b.receivers.count()) * 64;

@@ -6,18 +6,17 @@
 #include <cmath>
 #include <limits>
 #include <string>
-#include <tuple>
 #include <utility>
 
 #include "core/error.h"
 #include "core/parallel.h"
+#include "gi/probes/cluster_tree.h"
 
 namespace plumb::probes {
 
 namespace {
 
 constexpr float largest_alpha = 1e36f;  // the root of 4095 squares of it is still a float
-constexpr int most_halvings = 192;      // 64 an axis: more than a double tells apart
 
 // ---- What comes in --------------------------------------------------------------------------------------------------
 
@@ -64,17 +63,10 @@ void validate(const TransportRows& rows) {
     for (int i = 0; i < rows.receivers; ++i) validate_row(rows, i);
 }
 
-bool has_probe(const TransportRows& rows, int i) {
-    const std::int32_t* support = rows.support + std::size_t(i) * rows.overlaps;
-    return std::any_of(support, support + rows.overlaps, [](std::int32_t p) { return p >= 0; });
-}
-
 // ---- The tree -------------------------------------------------------------------------------------------------------
 
-struct Cell {
-    glm::dvec3 low{0}, high{0};
-    std::vector<std::int32_t> receivers;  // ascending
-    int children[2] = {-1, -1};           // in the list of cells; -1: a leaf
+struct Cell : TreeCell {
+    int children[2] = {-1, -1};  // in the list of cells; -1: a leaf
     bool split_at_median = false, coincident = false;
     Verdict verdict = Verdict::rejected;
     bool decomposed = false;
@@ -82,50 +74,10 @@ struct Cell {
     Cluster cluster;  // of a leaf
 };
 
-std::pair<glm::dvec3, glm::dvec3> box_of(const TransportRows& rows, const std::vector<std::int32_t>& receivers) {
-    glm::dvec3 low(rows.position[receivers[0]]), high = low;
-    for (std::int32_t r : receivers) {
-        low = glm::min(low, glm::dvec3(rows.position[r]));
-        high = glm::max(high, glm::dvec3(rows.position[r]));
-    }
-    return {low, high};
-}
-
-int longest_axis(const glm::dvec3& extent) {
-    int axis = 0;
-    for (int a = 1; a < 3; ++a)
-        if (extent[a] > extent[axis]) axis = a;
-    return axis;
-}
-
-// Halves the cell until both sides have receivers. False: no halving came between two of them.
-bool split_at_middle(const TransportRows& rows, Cell cell, Cell (&half)[2]) {
-    for (int halving = 0; halving < most_halvings; ++halving) {
-        const int axis = longest_axis(cell.high - cell.low);
-        const double middle = cell.low[axis] + 0.5 * (cell.high[axis] - cell.low[axis]);
-        for (Cell& h : half) h = {}, h.low = cell.low, h.high = cell.high;
-        half[0].high[axis] = half[1].low[axis] = middle;
-        for (std::int32_t r : cell.receivers) half[rows.position[r][axis] >= middle].receivers.push_back(r);
-        if (!half[0].receivers.empty() && !half[1].receivers.empty()) return true;
-        cell = std::move(half[half[0].receivers.empty()]);
-    }
-    return false;
-}
-
-// Half of the receivers each, along the longest axis of their own box; equals by their number.
-void split_at_median(const TransportRows& rows, const Cell& cell, Cell (&half)[2]) {
-    const auto [low, high] = box_of(rows, cell.receivers);
-    const int axis = longest_axis(high - low);
-    std::vector<std::int32_t> order = cell.receivers;
-    std::stable_sort(order.begin(), order.end(),
-                     [&](std::int32_t a, std::int32_t b) { return rows.position[a][axis] < rows.position[b][axis]; });
-    const auto middle = order.begin() + std::ptrdiff_t(order.size() / 2);
-    for (int side = 0; side < 2; ++side) {
-        auto& receivers = half[side].receivers;
-        side == 0 ? receivers.assign(order.begin(), middle) : receivers.assign(middle, order.end());
-        std::sort(receivers.begin(), receivers.end());
-        std::tie(half[side].low, half[side].high) = box_of(rows, receivers);
-    }
+Cell cell_of(TreeCell of_tree) {
+    Cell cell;
+    static_cast<TreeCell&>(cell) = std::move(of_tree);
+    return cell;
 }
 
 // ---- A cluster ------------------------------------------------------------------------------------------------------
@@ -237,14 +189,10 @@ Clusters make_clusters(const TransportRows& rows, const ClusterParams& params, c
     out.cluster_of.assign(std::size_t(rows.receivers), -1);
     out.u.resize(std::size_t(rows.receivers) * params.singular_values);
 
-    std::vector<Cell> cells(1);
-    for (int i = 0; i < rows.receivers; ++i)
-        if (has_probe(rows, i)) cells[0].receivers.push_back(i);
+    std::vector<Cell> cells;
+    cells.push_back(cell_of(whole_tree(rows)));
     const int all = int(cells[0].receivers.size());
-    if (all > 0)
-        std::tie(cells[0].low, cells[0].high) = box_of(rows, cells[0].receivers);
-    else
-        cells.clear();
+    if (all == 0) cells.clear();
 
     // Generation by generation: within one, cells are independent.
     std::atomic<int> accepted{0};
@@ -260,13 +208,9 @@ Clusters make_clusters(const TransportRows& rows, const ClusterParams& params, c
                 if (options.progress) options.progress(double(now) / all);
                 return;
             }
-            Cell half[2];
-            if (!split_at_middle(rows, cell, half)) {
-                half[0] = half[1] = {};
-                split_at_median(rows, cell, half);
-                cell.split_at_median = true;
-            }
-            born[i] = {std::move(half[0]), std::move(half[1])};
+            TreeCell half[2];
+            cell.split_at_median = !split(rows, cell, half);
+            born[i] = {cell_of(std::move(half[0])), cell_of(std::move(half[1]))};
         });
         for (std::size_t i = 0; i < born.size(); ++i) {
             if (born[i].first.receivers.empty()) continue;

@@ -50,6 +50,10 @@ void check(const FlatClusters& f) {
 FlatClusters flat(const Clusters& clusters) {
     FlatClusters f;
     f.singular_values = clusters.singular_values;
+    // The largest lists do not grow: they would be held twice.
+    std::size_t numbers = 0, values = 0;
+    for (const Cluster& c : clusters.clusters) numbers += c.sigma_vt.size(), values += c.spectrum.size();
+    f.sigma_vt.reserve(numbers), f.spectrum.reserve(values);
     for (const Cluster& c : clusters.clusters) {
         f.receivers.insert(f.receivers.end(), c.receivers.begin(), c.receivers.end());
         f.first_receiver.push_back(next_first(f.receivers.size()));

@@ -207,3 +207,26 @@ TEST_CASE("bake: a picture of every step, a page, and the data textures", "[prog
         CHECK_THAT(page, Contains(step));
     CHECK_THAT(run({"bake", scene, "--verify", folder + "/a.bake"}).out, Contains("receiver_alpha"));
 }
+
+#ifndef PLUMB_SANITIZED
+// Expected: never more than was said beforehand, and where it is much no less than two thirds of it.
+TEST_CASE("bake: the memory that is said beforehand is what is taken at most", "[program][memory]") {
+    const std::string folder = fresh_folder("bake_memory"), scene = scene_in(folder);
+    struct Size {
+        const char *lightmap, *degree, *probes;
+        bool large;
+    };
+    for (const Size& size : {Size{"64", "7", "5", false}, {"256", "7", "40", true}, {"256", "3", "40", false}, {"1024", "0", "5", true}}) {
+        const Result r = run({"bake", scene, "-o", folder + "/a.bake", "--no-cache", "--json", "--threads", "2", "--set", "probes.receiver_rays=16",
+                              "--set", "probes.test_rays=4", "--set", std::string("probes.lightmap_size=") + size.lightmap, "--set",
+                              std::string("probes.degree=") + size.degree, "--set", std::string("probes.count=") + size.probes});
+        REQUIRE(r.exit == 0);
+        const Json json = Json::parse(r.out);
+        const double said = json["bytes_needed"], taken = json["peak_bytes"];
+        CAPTURE(size.lightmap, size.degree, size.probes, said, taken);
+        CHECK(taken > 1e7);
+        CHECK(taken <= said);
+        if (size.large) CHECK(said <= 1.5 * taken);
+    }
+}
+#endif

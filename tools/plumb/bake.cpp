@@ -21,6 +21,7 @@
 #include "tools/shared/bake_textures.h"
 #include "tools/shared/file_store.h"
 #include "tools/shared/outputs.h"
+#include "tools/shared/process_memory.h"
 #include "tools/shared/progress.h"
 #include "tools/shared/reports.h"
 #include "tools/shared/scene_command.h"
@@ -178,7 +179,8 @@ std::string report_text(const std::vector<graph::NodeRun>& runs) {
     return format_table({{"step"}, {"ms", Align::right}, {"MB", Align::right}, {"what came of it"}}, rows);
 }
 
-Json report_json(const probes::BakeGraph& graph, const std::vector<graph::NodeRun>& runs, bool whole) {
+// `memory` was made before the scene was read.
+Json report_json(const probes::BakeGraph& graph, const std::vector<graph::NodeRun>& runs, bool whole, const MemoryPeak& memory) {
     const probes::Bake& b = graph.bake();
     const probes::RayCounts counts = b.counts();
     Json json = {{"version", 1},
@@ -191,7 +193,8 @@ Json report_json(const probes::BakeGraph& graph, const std::vector<graph::NodeRu
                  {"clusters", b.clusters.clusters.size()},
                  {"rays", {{"traced", counts.traced}, {"escaped", counts.escaped}, {"to_backs", counts.back}, {"unseen", counts.unseen}}},
                  {"seconds_of_rays", graph.seconds_of_rays()},
-                 {"bytes_needed", bytes_needed(b)}};
+                 {"bytes_needed", graph.bytes()},
+                 {"peak_bytes", memory.peak_bytes().value_or(0)}};
     if (whole) json["black_receivers"] = black_receivers(b);
     json["steps"] = stage_runs_json(runs);
     return json;
@@ -278,6 +281,7 @@ int bake(const BakeOptions& given) {
     const RunOptions options = given.common.run_options();
     const probes::Part part = part_of(given.part);
     check_options(given);
+    const MemoryPeak memory_taken;
     const Scene scene = load(given.scene);
     const frame::Settings settings = settings_of(scene, given.scene);
     const std::uint64_t memory = given.memory_gb > 0 ? std::uint64_t(given.memory_gb * 1e9) : memory_there();
@@ -325,7 +329,7 @@ int bake(const BakeOptions& given) {
     }
     if (!given.html.empty()) io::write_text(given.html, page_of(scene.name, runs, layers)), written.push_back(given.html);
     if (given.common.json) {
-        std::fputs(json_text(report_json(graph, runs, given.part.empty())).c_str(), stdout);
+        std::fputs(json_text(report_json(graph, runs, given.part.empty(), memory_taken)).c_str(), stdout);
         return success;
     }
     print_notes(scene);

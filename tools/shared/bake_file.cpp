@@ -32,18 +32,37 @@ class Writer {
                const std::string& meaning) {
         using T = typename List::value_type;
         if constexpr (std::is_arithmetic_v<T>) {
-            io::add(file_, name, shape, values.data(), Description{unit, meaning, axes});
+            add(name, shape, values.data(), Description{unit, meaning, axes});
         } else {
             using Component = typename T::value_type;
             shape.push_back(T::length()), axes.push_back("component");
             const Component* data = values.empty() ? nullptr : &values[0].x;
-            io::add(file_, name, shape, data, Description{unit, meaning, axes});
+            add(name, shape, data, Description{unit, meaning, axes});
         }
+    }
+    // The same of what is the file's own: all else is lent, for it is large.
+    template <class List>
+    void copy(const std::string& name, const List& values, const Shape& shape, const Axes& axes, const std::string& unit,
+              const std::string& meaning) {
+        copies_ = true;
+        array(name, values, shape, axes, unit, meaning);
+        copies_ = false;
     }
     void fact(const std::string& name, io::Fact value) { file_.facts.push_back({name, std::move(value)}); }
 
   private:
+    template <class T>
+    void add(const std::string& name, const Shape& shape, const T* data, Description description) {
+        if (copies_) {
+            io::add(file_, name, shape, data, std::move(description));
+        } else {
+            lend(file_.arrays, name, shape, data);
+            file_.descriptions.push_back(std::move(description));
+        }
+    }
+
     io::DescribedFile& file_;
+    bool copies_ = false;
 };
 
 io::Fact fact_of(const Field& field) {
@@ -76,16 +95,17 @@ void add_atlas(Writer& w, const probes::Bake& b) {
     std::vector<glm::vec2> corners;
     for (const glm::uvec3& t : a.geometry.triangles)
         for (const unsigned v : {t.x, t.y, t.z}) corners.push_back(a.uv[v]);
-    w.array("corner_uv", corners, {std::int64_t(a.geometry.triangles.size()), 3}, {"triangle", "corner"}, "",
+    w.copy("corner_uv", corners, {std::int64_t(a.geometry.triangles.size()), 3}, {"triangle", "corner"}, "",
             "lightmap coordinate of each triangle's corners; (0, 0) is the top left corner of the first texel");
     w.list("triangle_chart", a.chart, "triangle", "", "index of the chart; -1: no area");
     std::vector<glm::ivec4> rectangles;
     std::vector<std::int32_t> objects, own;
     for (const probes::Chart& c : a.charts)
         rectangles.push_back({c.origin, c.size}), objects.push_back(c.object), own.push_back(c.own_uv);
-    w.list("chart_rectangle", rectangles, "chart", "texels", "x, y, width, height on the lightmap");
-    w.list("chart_object", objects, "chart", "", "index of the mesh");
-    w.list("chart_own_uv", own, "chart", "", "1: the mesh's own texture coordinates");
+    const std::int64_t charts = std::int64_t(a.charts.size());
+    w.copy("chart_rectangle", rectangles, {charts}, {"chart"}, "texels", "x, y, width, height on the lightmap");
+    w.copy("chart_object", objects, {charts}, {"chart"}, "", "index of the mesh");
+    w.copy("chart_own_uv", own, {charts}, {"chart"}, "", "1: the mesh's own texture coordinates");
 }
 
 void add_receivers(Writer& w, const probes::Bake& b) {
@@ -119,7 +139,7 @@ void add_probes(Writer& w, const probes::Bake& b) {
         weights.insert(weights.end(), of_prefix.begin(), of_prefix.end());
         weights.resize(std::size_t(halvings + 1) * std::size_t(h.rays), 0);
     }
-    w.array("relight_weight", weights, {halvings, h.rays}, {"halving", "ray"}, "sr",
+    w.copy("relight_weight", weights, {halvings, h.rays}, {"halving", "ray"}, "sr",
             "weights of all rays; of the first half; quarter; eighth: lambda_ij = sum of weight f Y_j");
     w.array("relight_harmonic", b.harmonics, {h.rays, b.coefficients()}, {"ray", "coefficient"}, "1/sqrt(sr)",
             "Y_j in the direction of each ray, j = l (l + 1) + m");
@@ -146,7 +166,7 @@ void add_clusters(Writer& w, const probes::Bake& b) {
         if (end > std::numeric_limits<std::int32_t>::max()) throw InputError("bake: matrices of more than 2^31 numbers");
         first_number.push_back(std::int32_t(end));
     }
-    w.list("cluster_first_number", first_number, "cluster, and the end", "", "index into cluster_matrix");
+    w.copy("cluster_first_number", first_number, {n + 1}, {"cluster, and the end"}, "", "index into cluster_matrix");
     w.list("cluster_matrix", f.sigma_vt, "number", "sr", "Sigma V^T of each cluster, [rank][probes][coefficient], one after the other");
     w.list("cluster_first_value", f.first_value, "cluster, and the end", "", "index into cluster_singular_value");
     w.list("cluster_singular_value", f.spectrum, "singular value", "sr", "all of each cluster, descending");

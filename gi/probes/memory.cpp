@@ -1,0 +1,76 @@
+#include "gi/probes/memory.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/error.h"
+#include "gi/probes/cluster_tree.h"
+
+namespace plumb::probes {
+
+namespace {
+
+// Bytes, measured: what is small, and what the program touches of itself; of a triangle in Embree's tree.
+constexpr std::uint64_t of_program = 12 << 20, of_tree = 200;
+
+// Of an element of each list that Receivers, Supports, RelightHits and the texture-space pass have.
+constexpr std::uint64_t of_receiver = 3 * 16 + 8 + 3 * 4, of_slot = 8, of_relight_ray = 4 + 4 + 8 + 16;
+constexpr std::uint64_t of_drawn_texel = 4 * 16 + 12 + 8 + 4 + 4;
+
+// Of the flattened scene and of the atlas, and of what is made of them for rays.
+std::uint64_t of_geometry(const Bake& b) {
+    const Geometry& g = b.atlas.geometry;
+    const std::uint64_t lists = g.vertices.size() * (sizeof(Vertex) + 8) + g.tangents.size() * 16 + g.triangles.size() * (12 + 4 + 4 + 4);
+    return 2 * lists + g.triangles.size() * of_tree;
+}
+
+std::uint64_t of_receivers(const Bake& b) {
+    return std::uint64_t(b.receivers.count()) * (of_receiver + std::uint64_t(b.params.placement.overlaps) * of_slot);
+}
+
+}  // namespace
+
+std::uint64_t bytes_of_scene(const Scene& scene) {
+    std::uint64_t bytes = of_program;
+    for (const Mesh& m : scene.meshes) bytes += m.vertices.size() * (sizeof(Vertex) + 16) + m.triangles.size() * 16;
+    // Texels, and the levels of detail that are made of them.
+    for (const Texture& t : scene.textures) bytes += std::uint64_t(t.texels.size()) * (4 + 6);
+    return bytes;
+}
+
+std::uint64_t bytes_to_draw(const Bake& b) {
+    const std::uint64_t texels = std::uint64_t(b.atlas.size.x) * std::uint64_t(b.atlas.size.y);
+    return b.scene_bytes + of_geometry(b) + texels * of_drawn_texel;
+}
+
+std::uint64_t bytes_needed(const Bake& b, const Part& part, int threads) {
+    const std::uint64_t receivers = std::uint64_t(b.receivers.count()), block = block_receivers;
+    const std::uint64_t row = std::uint64_t(b.supports.overlaps) * std::uint64_t(b.coefficients()) * sizeof(float);
+    const std::uint64_t held = b.scene_bytes + of_geometry(b) + of_receivers(b) +
+                               b.placement.candidates.size() * 16 +
+                               b.placement.probes.size() * std::uint64_t(b.params.relight_rays) * of_relight_ray +
+                               std::uint64_t(b.params.relight_rays) * (20 + 4 * std::uint64_t(b.coefficients()));
+    // A block as it is traced; its transport by rows, by receivers, and on its way into the store.
+    const std::uint64_t while_tracing = block * (std::uint64_t(b.params.receiver_rays) * 28 + 3 * row);
+    if (part.count > 1) {
+        const std::uint64_t blocks = (receivers + block - 1) / block, count = std::uint64_t(part.count);
+        return std::max(bytes_to_draw(b), held + (blocks + count - 1) / count * block * row + while_tracing);
+    }
+    TransportRows rows;
+    rows.receivers = b.receivers.count(), rows.overlaps = b.supports.overlaps, rows.coefficients = b.coefficients();
+    rows.position = b.receivers.position.data(), rows.support = b.supports.probe.data();
+    const ClusterBound c = cluster_bound(rows, cluster_params(b.params));
+    const std::uint64_t u = receivers * std::uint64_t(b.params.singular_values) * sizeof(float);
+    const std::uint64_t once = c.matrices * sizeof(float) + c.spectrum * sizeof(double) + u;
+    const std::uint64_t clusters = 2 * once + c.lists * 4 + c.clusters * 1024 + receivers * 8;
+    return std::max(bytes_to_draw(b), held + receivers * row + std::max(while_tracing, std::uint64_t(threads) * c.workspace + clusters));
+}
+
+void require_memory(const std::string& what, std::uint64_t needed, std::uint64_t there, const std::string& lower) {
+    if (needed > there)
+        throw InputError(fmt::format("probes: {} need {:.1f} GB of memory; there are {:.1f} GB: lower {}", what, double(needed) / 1e9,
+                                     double(there) / 1e9, lower));
+}
+
+}  // namespace plumb::probes
