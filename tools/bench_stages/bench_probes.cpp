@@ -1,0 +1,151 @@
+// The stages of a bake of probes, on the Cornell box: 78 probes, 10 of them a receiver, 512 rays, degree 7. A block of 1024
+// receivers for probes.share and probes.coefficients, a dispatch of 32,767 receivers for probes.supports, the first candidates of
+// the box for probes.density. By instruction set, on one and on two threads.
+//
+//     tools/bench probes
+//
+// Beside the time, by the second: bytes that a stage must move at least (each input read once, each output written once), and
+// operations (a sum, a product, a division, a root are one each) of the sums as they are written, but of what no probe sees.
+#include <benchmark/benchmark.h>
+
+#include <bit>
+#include <string>
+
+#include "core/sh.h"
+#include "gi/frame/settings.h"
+#include "gi/lend.h"
+#include "gi/probes/bake.h"
+#include "gi/probes/coefficients.h"
+#include "gi/probes/density.h"
+#include "gi/probes/share.h"
+#include "io/scene_file.h"
+
+namespace {
+
+using namespace plumb;
+
+// A bake up to its supports, and a block of receivers, traced.
+struct Box {
+    Scene scene = io::load_scene(PLUMB_SOURCE_DIR "/data/scenes/cornell/cornell.toml", frame::method_tables());
+    probes::BakeGraph graph{scene, params()};
+    probes::TracedBlock block;
+    Buffer<float> factors;
+    std::vector<std::int32_t> rows;
+    probes::SupportsInputs supports;
+
+    static probes::BakeParams params() {
+        probes::BakeParams p;
+        p.lightmap_size = 512, p.placement.count = 78;  // 64,436 receivers: column P4 of `plumb experiment probes`
+        return p;
+    }
+    Box() {
+        std::vector<const graph::Node*> steps;
+        for (const graph::Node* node : graph.nodes()) {
+            steps.push_back(node);
+            if (node->plan.name == "probes.supports") break;
+        }
+        graph::run(steps, {});
+        const probes::Bake& bake = graph.bake();
+        block = graph.traced(bake.receivers.count() / 2, {});
+        factors = probes::ray_factors(probes::receiver_directions(block.rays, bake.transport.distribution),
+                                      bake.transport.distribution);
+        rows = probes::coefficient_rows(block.slots, bake.params.degree);
+        supports.receivers = &bake.receivers.position, supports.probes = &bake.placement.probes;
+        supports.radius = float(bake.radius.radius_m), supports.overlaps = bake.params.placement.overlaps;
+    }
+
+    StageData density() const {
+        const probes::Placement& p = graph.bake().placement;
+        return probes::data_of(probes::DensityInputs{&p.candidates, float(p.rho_m)});
+    }
+    StageData supporting() const {
+        return probes::data_of(supports, 0, std::min(graph.bake().receivers.count(), probes::receivers_a_dispatch));
+    }
+    StageData share(bool published) const {
+        return probes::data_of(probes::ShareInputs{block.count, block.rays, block.slots, published, block.supporting.data(),
+                                                   factors.data(), block.visible.data(), block.lengths.data()});
+    }
+    StageData coefficients() const {
+        return probes::data_of(probes::CoefficientsInputs{block.count, block.rays, block.slots, graph.bake().params.degree, rows.data(),
+                                                          block.supporting.data(), block.seen.data(), block.visible.data(),
+                                                          block.shares.data()});
+    }
+};
+const Box& box() {
+    static const Box b;
+    return b;
+}
+
+struct Work {
+    StageData data;
+    double operations;
+};
+
+// Of all pairs of candidates, near or far: 10 for the distance in radii, 6 for the weight and its sum.
+Work density() {
+    const double n = double(box().graph.bake().placement.candidates.size());
+    return {box().density(), n * n * 16};
+}
+// Of each pair 8 for its distance; a slot's weight takes 7.
+Work supports() {
+    const StageData data = box().supporting();
+    return {data, double(data.size.y) * (8.0 * double(box().graph.bake().placement.probes.size()) + 7.0 * data.size.x)};
+}
+// Of each ray a sum over slots, a product and a quotient; W(x) takes 4 more.
+Work share(bool published) {
+    const probes::TracedBlock& b = box().block;
+    return {box().share(published), double(b.rays) * b.count * (b.slots + 2.0 + (published ? 4 : 0))};
+}
+// Of each ray that a probe sees: 16 for direction and weight; 6 for each of 8 powers, 4 for each of 28 steps of the recurrence, 2
+// for each of 64 sums.
+Work coefficients() {
+    double seen = 0;
+    for (const std::int32_t bits : box().block.visible) seen += std::popcount(std::uint32_t(bits));
+    return {box().coefficients(), seen * (16 + 6 * 8 + 4 * 28 + 2 * 64)};
+}
+
+double bytes_of(const StageBinding& binding, const StageData& data) {
+    double bytes = 0;
+    for (const Array& a : data.inputs.arrays) bytes += double(std::as_const(a.bytes).size());
+    for (const Slot& slot : binding.outputs) bytes += 4.0 * slot.channels * data.size.x * data.size.y;
+    return bytes;
+}
+
+void run_stage(benchmark::State& state, const StageBinding& binding, Work (*make)(), Isa isa, int threads) {
+    const Work work = make();
+    RunOptions options;
+    options.isa = isa, options.threads = threads;
+    const auto bound = binding.bind(work.data);
+    Bundle outputs = make_outputs(binding, work.data);
+    for (auto _ : state) {
+        bound->run(options, {}, outputs);
+        benchmark::DoNotOptimize(outputs.arrays[0].bytes.data());
+    }
+    const auto rate = benchmark::Counter::kIsIterationInvariantRate;
+    state.counters["bytes"] = benchmark::Counter(bytes_of(binding, work.data), rate, benchmark::Counter::kIs1000);
+    state.counters["operations"] = benchmark::Counter(work.operations, rate, benchmark::Counter::kIs1000);
+}
+
+[[maybe_unused]] const bool registered = [] {
+    struct Stage {
+        const char* name;
+        const StageBinding& (*binding)();
+        Work (*work)();
+    };
+    static const Stage stages[] = {{"density", stage<probes::DensityKernel>, density},
+                                   {"supports", stage<probes::SupportsKernel>, supports},
+                                   {"share", stage<probes::ShareKernel>, [] { return share(false); }},
+                                   {"share_published", stage<probes::ShareKernel>, [] { return share(true); }},
+                                   {"coefficients", stage<probes::CoefficientsKernel>, coefficients}};
+    for (const Stage& s : stages)
+        for (const Isa isa : supported_isas())
+            for (const int threads : {1, 2}) {
+                const std::string name = std::string("probes.") + s.name + "/" + isa_name(isa) + "/threads:" + std::to_string(threads);
+                benchmark::RegisterBenchmark(name.c_str(), [s, isa, threads](benchmark::State& state) {
+                    run_stage(state, s.binding(), s.work, isa, threads);
+                })->Unit(benchmark::kMillisecond)->UseRealTime()->MinTime(0.2);
+            }
+    return true;
+}();
+
+}  // namespace
