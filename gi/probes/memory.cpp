@@ -63,8 +63,10 @@ std::uint64_t bytes_needed(const Bake& b, const Part& part, int threads) {
     const ClusterBound c = cluster_bound(rows, cluster_params(b.params));
     const std::uint64_t u = receivers * std::uint64_t(b.params.singular_values) * sizeof(float);
     const std::uint64_t once = c.matrices * sizeof(float) + c.spectrum * sizeof(double) + u;
-    const std::uint64_t clusters = 2 * once + c.lists * 4 + c.clusters * 1024 + receivers * 8;
-    return std::max(bytes_to_draw(b), held + receivers * row + std::max(while_tracing, std::uint64_t(threads) * c.workspace + clusters));
+    // Receivers of clusters, and the cluster of each, are held twice, too.
+    const std::uint64_t clusters = 2 * once + c.lists * 4 + c.clusters * 1024 + receivers * 16;
+    const std::uint64_t whole = held + receivers * row + std::max(while_tracing, std::uint64_t(threads) * c.workspace + clusters);
+    return std::max(bytes_to_draw(b), whole + whole / 25);  // and what the allocator keeps: 4 %
 }
 
 void require_memory(const std::string& what, std::uint64_t needed, std::uint64_t there, const std::string& lower) {

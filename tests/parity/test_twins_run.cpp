@@ -151,9 +151,9 @@ TEST_CASE("twins: what a twin does not write is 0", "[twins][vulkan]") {
 TEST_CASE("twins: the taps of a pixel are the kernel's values", "[twins][vulkan][tap]") {
     const vulkan::Device* device = test::lavapipe();
     if (!device) return;
-    const glm::ivec2 pixel(14, 9);
     for (const StageData& data : test::compute_cases({37, 23})) {
         INFO(data.id);
+        const glm::ivec2 pixel = glm::min(glm::ivec2(14, 9), data.size - 1);
         const auto bound = binding_of(data).bind(data);
         if (!bound->writes(pixel)) continue;
         const std::vector<TapValue> ours = bound->explain(pixel);

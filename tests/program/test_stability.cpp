@@ -73,7 +73,13 @@ TEST_CASE("stability: no stage leaves its budget in any case, whatever the numbe
                                            "reference: offset 1e6", "reference: offset 1e7",
                                            "reference: furnace, offset 1e5", "reference: furnace, offset 1e6",
                                            "hemicube: hemicube without a normal",
-                                           "texture_space: chart that is no number"});
+                                           "texture_space: chart that is no number",
+                                           "probes.density: offset 1e7", "probes.supports: offset 1e7",
+                                           "probes.share: offset 1e7", "probes.coefficients: offset 1e7",
+                                           "probes.density: radius of 1e-20", "probes.share: denormal weights",
+                                           "probes.share: weights that are no numbers", "probes.share: hits infinitely far",
+                                           "probes.coefficients: hits 2^61 m from a probe",
+                                           "probes.coefficients: a hit that is no number"});
     CHECK(cases.size() == Json::parse(run({"stability", "--list", "--json"}).out)["cases"].size());
     for (const char* one : {"offset 1e3", "fan of 4096"}) {
         Json alone = cells_of({"--threads", "1", "--case", one}), of_table = Json::array();
