@@ -42,7 +42,8 @@ Times times_of(const std::string& scene, const std::string& folder) {
     const Result r = run(baked(scene, folder + "/timed.bake", {"--no-cache", "--json", "--with-alpha"}));
     REQUIRE(r.exit == 0);
     Times t;
-    for (const Json& step : Json::parse(r.out)["steps"]) {
+    const Json report = Json::parse(r.out);
+    for (const Json& step : report["steps"]) {
         const std::string name = step.at("name");
         const double s = step.at("ms").get<double>() / 1000;
         if (name.starts_with("probes.coefficients")) {
@@ -113,8 +114,9 @@ TEST_CASE("bake: killed at 20 random moments, from its start to the writing of i
         CHECK(resumed.err.empty());
         CHECK(read(out + "/x.bake") == whole);
         // What was kept is believed.
+        const Json report = Json::parse(resumed.out);
         int found = 0;
-        for (const Json& step : Json::parse(resumed.out)["steps"]) found += step["kept"] == true ? 1 : 0;
+        for (const Json& step : report["steps"]) found += step["kept"] == true ? 1 : 0;
         CHECK(found == kept);
         fs::remove_all(out);
     }
@@ -132,8 +134,9 @@ TEST_CASE("bake: what is kept is not made twice, and Ctrl-C leaves nothing", "[p
     const std::string whole = read(folder + "/whole.bake");
     const Result again = run(baked(scene, folder + "/x.bake", {"--resume", "--store", folder + "/store", "--json"}));
     REQUIRE(again.exit == 0);
-    for (const Json& step : Json::parse(again.out)["steps"])
-        if (step.at("name").get<std::string>().starts_with("probes.coefficients")) CHECK(step["kept"] == true);
+    const Json report = Json::parse(again.out);
+    CHECK(report["steps"].size() > 8);
+    for (const Json& step : report["steps"]) CHECK(step["kept"] == true);
     // No file, or all of it where the signal came late.
     fs::remove(folder + "/x.bake"), fs::remove_all(folder + "/store"), fs::create_directories(folder + "/store");
     const Result interrupted = run_and_signal(baked(scene, folder + "/x.bake", {"--store", folder + "/store"}), SIGINT, folder + "/store", "");

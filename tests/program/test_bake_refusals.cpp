@@ -144,17 +144,34 @@ TEST_CASE("bake: a disk that is full leaves the old file and no other", "[progra
     succeed(baked(scene, folder + "/x.bake", {"--no-cache", "--set", "probes.degree=0"}));
     const std::string old = read(folder + "/x.bake");
     const Words before = files_in(folder);
-    // The file, and blocks in a store.
+    // Of a store what fits is kept, and whole; nothing is there in part.
+    const auto check_store = [&](const std::string& store) {
+        for (const std::string& name : files_in(store)) {
+            CAPTURE(name);
+            CHECK(name[0] != '.');
+            CHECK(fs::file_size(store + "/" + name) <= 200000);
+        }
+    };
     for (const Words& more : {Words{"--no-cache"}, Words{"--store", folder + "/store"}}) {
         const Result r = run_on_full_disk(baked(scene, folder + "/x.bake", more), 200000);
         CHECK_THAT(one_line(r), Contains("x.bake: cannot be written: File too large"));
         CHECK(read(folder + "/x.bake") == old);
-        if (fs::exists(folder + "/store")) CHECK(files_in(folder + "/store").empty());
-        CHECK(files_in(folder) == before);
+        Words there = files_in(folder);
+        std::erase_if(there, [](const std::string& name) { return name.starts_with("store/"); });
+        CHECK(there == before);
     }
+    check_store(folder + "/store");
     // A part is nothing but its blocks.
     Words part = {"bake", scene, "--part", "1/2", "--store", folder + "/parts"};
     part.insert(part.end(), few.begin(), few.end());
     CHECK_THAT(one_line(run_on_full_disk(part, 200000)), Contains("--part 1/2: ") && Contains("File too large"));
-    CHECK(files_in(folder + "/parts").empty());
+    check_store(folder + "/parts");
+    // With room again both go on.
+    succeed(baked(scene, folder + "/whole.bake", {"--no-cache"}));
+    for (const char* store : {"/store", "/parts"}) {
+        const Result r = run(baked(scene, folder + "/y.bake", {"--store", folder + store}));
+        CHECK(r.exit == 0);
+        CHECK_THAT(r.out, !Contains("anew"));
+        CHECK(read(folder + "/y.bake") == read(folder + "/whole.bake"));
+    }
 }
