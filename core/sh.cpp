@@ -8,9 +8,9 @@
 namespace plumb::sh {
 namespace {
 
-void require_degree(int degree) {
-    if (degree < 0 || degree > max_degree)
-        throw InputError("spherical harmonics: degree = " + std::to_string(degree) + ": must be 0..7");
+void require_degree(int degree, int most = max_degree) {
+    if (degree < 0 || degree > most)
+        throw InputError("spherical harmonics: degree = " + std::to_string(degree) + ": must be 0.." + std::to_string(most));
 }
 
 // Y_lm = p_lm(z) times the real or imaginary part of (x + i y)^|m|, where p_lm is the normalised associated Legendre
@@ -18,17 +18,17 @@ void require_degree(int degree) {
 //     p_mm = diagonal[m]
 //     p_lm = rise[l][m] (z p_{l-1,m} - fall[l][m] p_{l-2,m})
 struct Recurrence {
-    double diagonal[max_degree + 1];
-    double rise[max_degree + 1][max_degree + 1] = {}, fall[max_degree + 1][max_degree + 1] = {};
+    double diagonal[highest_degree + 1];
+    double rise[highest_degree + 1][highest_degree + 1] = {}, fall[highest_degree + 1][highest_degree + 1] = {};
 
     Recurrence() {
         double zonal = std::sqrt(1 / (4 * host::pi));
         diagonal[0] = zonal;
-        for (int m = 1; m <= max_degree; ++m) {
+        for (int m = 1; m <= highest_degree; ++m) {
             zonal *= std::sqrt((2 * m + 1) / (2. * m));
             diagonal[m] = std::sqrt(2) * zonal;  // cos(m phi) and sin(m phi) have half the square mean of 1
         }
-        for (int l = 1; l <= max_degree; ++l)
+        for (int l = 1; l <= highest_degree; ++l)
             for (int m = 0; m < l; ++m) {
                 const int k = l - 1;
                 rise[l][m] = std::sqrt((4. * l * l - 1) / (l * l - m * m));
@@ -40,6 +40,26 @@ struct Recurrence {
 const Recurrence& table() {
     static const Recurrence table;
     return table;
+}
+
+// All functions up to `degree`, into y[count(degree)].
+void evaluate_all(const glm::dvec3& d, int degree, Phase phase, double* y) {
+    const Recurrence& table = sh::table();
+    double cosine = 1, sine = 0;  // the parts of (d.x + i d.y)^m
+    for (int m = 0; m <= degree; ++m) {
+        const double sign = phase == Phase::condon_shortley && m % 2 ? -1 : 1;
+        double p = table.diagonal[m], previous = 0;
+        for (int l = m; l <= degree; ++l) {
+            if (l > m) {
+                const double next = table.rise[l][m] * (d.z * p - table.fall[l][m] * previous);
+                previous = p, p = next;
+            }
+            y[index(l, m)] = sign * p * cosine;
+            if (m > 0) y[index(l, -m)] = sign * p * sine;
+        }
+        const double next = cosine * d.x - sine * d.y;
+        sine = cosine * d.y + sine * d.x, cosine = next;
+    }
 }
 
 // Nodes and weights of Gauss and Legendre: the roots of P_n, by Newton's method.
@@ -67,24 +87,16 @@ std::vector<GaussNode> gauss_legendre(int n) {
 }  // namespace
 
 Values basis(const glm::dvec3& d, int degree, Phase phase) {
-    const Recurrence& table = sh::table();
     require_degree(degree);
     Values y{};
-    double cosine = 1, sine = 0;  // the parts of (d.x + i d.y)^m
-    for (int m = 0; m <= degree; ++m) {
-        const double sign = phase == Phase::condon_shortley && m % 2 ? -1 : 1;
-        double p = table.diagonal[m], previous = 0;
-        for (int l = m; l <= degree; ++l) {
-            if (l > m) {
-                const double next = table.rise[l][m] * (d.z * p - table.fall[l][m] * previous);
-                previous = p, p = next;
-            }
-            y[index(l, m)] = sign * p * cosine;
-            if (m > 0) y[index(l, -m)] = sign * p * sine;
-        }
-        const double next = cosine * d.x - sine * d.y;
-        sine = cosine * d.y + sine * d.x, cosine = next;
-    }
+    evaluate_all(d, degree, phase, y.data());
+    return y;
+}
+
+std::vector<double> long_basis(const glm::dvec3& d, int degree) {
+    require_degree(degree, highest_degree);
+    std::vector<double> y(std::size_t(count(degree)));
+    evaluate_all(d, degree, Phase::none, y.data());
     return y;
 }
 

@@ -25,6 +25,9 @@ enum class Phase { none, condon_shortley };
 using Values = std::array<double, max_count>;
 Values basis(const glm::dvec3& direction, int degree = max_degree, Phase phase = Phase::none);
 std::array<float, max_count> basis(const glm::vec3& direction, int degree = max_degree, Phase phase = Phase::none);
+// The same to a higher degree, 14 at most: products of two functions up to max_degree are sums of these.
+inline constexpr int highest_degree = 2 * max_degree;
+std::vector<double> long_basis(const glm::dvec3& direction, int degree);
 
 // What kernels compute the functions from (core/sh_kernel.h), each number rounded once: rise[l][m] at 8 l + m, rise[m][m]
 // the factor of (x + i y)^m, then fall[l][m].

@@ -61,7 +61,7 @@ Layout layout_of_density(const std::vector<MeshCharts>& meshes, double area, con
     if (!l.fits())
         throw InputError(
             fmt::format("atlas: {:.4g} m2 of surfaces with {:.4g} receivers a m2: expected what fits {} x {} "
-                        "texels; a lower receivers_per_m2, or a size, does",
+                        "texels; a lower receivers_per_m2, or a lightmap_size, does",
                         area, p.receivers_per_m2, p.max_size, p.max_size));
     return l;
 }
@@ -81,7 +81,8 @@ Layout layout_of_size(const std::vector<MeshCharts>& meshes, double area, const 
     if (tries(0)) return best;
     for (int step = 64; !tries(step); step *= 2)
         if (step > 1 << 14)
-            throw InputError(fmt::format("atlas: size = {}: expected room for {} charts and {} texels between any two",
+            throw InputError(fmt::format("atlas: a lightmap of {0} x {0} texels: expected room for {1} charts and {2} texels "
+                                         "between any two",
                                          p.size, lay_out(meshes, full * 0x1p-60, p).pieces.size(), p.gap));
     while (fits - fits_not > 1) tries((fits + fits_not) / 2);
     return best;

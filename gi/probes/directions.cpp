@@ -48,35 +48,11 @@ Buffer<float> ray_factors(const Buffer<glm::vec4>& directions, Distribution dist
 
 int exact_degree(int n) {
     int degree = 0;
-    while (degree < 14 && 2 * (degree + 2) * (degree + 2) <= n) ++degree;
+    while (degree < sh::highest_degree && 2 * (degree + 2) * (degree + 2) <= n) ++degree;
     return degree;
 }
 
 namespace {
-
-// All harmonics up to `degree` at a unit direction, by the recurrence of core/sh.h, which ends at degree 7.
-std::vector<double> harmonics_at(const glm::dvec3& d, int degree) {
-    std::vector<double> y(std::size_t((degree + 1) * (degree + 1)));
-    double cosine = 1, sine = 0, diagonal = std::sqrt(1 / (4 * host::pi));
-    for (int m = 0; m <= degree; ++m) {
-        double p = diagonal * (m > 0 ? std::sqrt(2.0) : 1), before = 0;
-        for (int l = m; l <= degree; ++l) {
-            if (l > m) {
-                const int k = l - 1;
-                const double rise = std::sqrt((4.0 * l * l - 1) / (l * l - m * m)),
-                             fall = std::sqrt((k * k - m * m) / (4.0 * k * k - 1));
-                const double next = rise * (d.z * p - fall * before);
-                before = p, p = next;
-            }
-            y[std::size_t(l * (l + 1) + m)] = p * cosine;
-            if (m > 0) y[std::size_t(l * (l + 1) - m)] = p * sine;
-        }
-        const double next = cosine * d.x - sine * d.y;
-        sine = cosine * d.y + sine * d.x, cosine = next;
-        diagonal *= std::sqrt((2.0 * m + 3) / (2.0 * m + 2));
-    }
-    return y;
-}
 
 // Solves G x = b for a positive definite G [n][n], by Cholesky's decomposition; G and b are used up.
 void solve(std::vector<double>& g, std::vector<double>& b) {
@@ -105,7 +81,7 @@ Buffer<float> relight_weights(const Buffer<glm::vec4>& directions, int n) {
     std::vector<std::vector<double>> columns;
     for (int r = 0; r < n; ++r) {
         const glm::dvec3 d(directions[std::size_t(r)]);
-        columns.push_back(harmonics_at(d / std::sqrt(glm::dot(d, d)), exact_degree(n)));
+        columns.push_back(sh::long_basis(d / std::sqrt(glm::dot(d, d)), exact_degree(n)));
     }
     const std::size_t rows = columns[0].size();
     const double equal = 4 * host::pi / n;

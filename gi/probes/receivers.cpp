@@ -107,27 +107,37 @@ Image4 extend_published(const Receivers& receivers, const Image4& lightmap) {
     return out;
 }
 
-}  // namespace
-
-Image4 extend_borders(const Receivers& receivers, const Image4& lightmap, bool published) {
-    if (published) return extend_published(receivers, lightmap);
-    Image<std::uint8_t> is_receiver(receivers.size.x, receivers.size.y);
-    for (const glm::ivec2& t : receivers.texel) is_receiver(t.x, t.y) = 1;
-    Image4 out = lightmap;
-    for (int y = 0; y < lightmap.height; ++y)
-        for (int x = 0; x < lightmap.width; ++x) {
-            if (is_receiver(x, y)) continue;
+// Gives texels without a value the mean of those among their 8 neighbours that have one.
+void extend_once(Image4& lightmap, Image<std::uint8_t>& has_value) {
+    const Image4 before = lightmap;
+    const Image<std::uint8_t> had_value = has_value;
+    const glm::ivec2 size(lightmap.width, lightmap.height);
+    for (int y = 0; y < size.y; ++y)
+        for (int x = 0; x < size.x; ++x) {
+            if (had_value(x, y)) continue;
             glm::vec4 sum(0);
             int n = 0;
             for (int dy = -1; dy <= 1; ++dy)
                 for (int dx = -1; dx <= 1; ++dx) {
                     const glm::ivec2 beside(x + dx, y + dy);
-                    if (!inside(beside, receivers.size) || !is_receiver(beside.x, beside.y)) continue;
-                    sum += lightmap(beside.x, beside.y);
+                    if (!inside(beside, size) || !had_value(beside.x, beside.y)) continue;
+                    sum += before(beside.x, beside.y);
                     ++n;
                 }
-            if (n > 0) out(x, y) = sum / float(n);
+            if (n == 0) continue;
+            lightmap(x, y) = sum / float(n);
+            has_value(x, y) = 1;
         }
+}
+
+}  // namespace
+
+Image4 extend_borders(const Receivers& receivers, const Image4& lightmap, bool published) {
+    if (published) return extend_published(receivers, lightmap);
+    Image<std::uint8_t> has_value(receivers.size.x, receivers.size.y);
+    for (const glm::ivec2& t : receivers.texel) has_value(t.x, t.y) = 1;
+    Image4 out = lightmap;
+    for (int ring = 0; ring < border_rings; ++ring) extend_once(out, has_value);
     return out;
 }
 

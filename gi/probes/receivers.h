@@ -57,11 +57,13 @@ float extent_of(const Geometry& geometry);
 // The lightmap of a value of each receiver; other texels are 0.
 Image4 scatter(const Receivers& receivers, const Buffer<glm::vec4>& values);
 
-// Writes into each texel beside a chart the mean of the receivers among its 8 neighbours, added in the order of rows: what a
-// bilinear lookup at the chart's edge reads. w of a receiver is not 0.
+// Writes into each texel beside a chart the mean of the receivers among its 8 neighbours, added in the order of rows, and into
+// those beside them the mean of these: what a bilinear lookup at the chart's edge reads. The second ring is for sharp corners,
+// which reach beyond their last receiver; with a gap of 3 texels it reaches nothing that a lookup in another chart reads.
 //
 // differs: the four bits extend along rows and columns alone, so that a texel at a corner stays black, and two receivers may
 // write one texel: `published` does so, each receiver in the order of the lightmap's rows.
+inline constexpr int border_rings = 2;
 Image4 extend_borders(const Receivers& receivers, const Image4& lightmap, bool published = false);
 
 }  // namespace plumb::probes

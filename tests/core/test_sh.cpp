@@ -1,6 +1,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "core/error.h"
 #include "core/hash.h"
 #include "core/host_math.h"
 #include "core/sequences.h"
@@ -45,6 +46,33 @@ TEST_CASE("sh: the 64 functions are orthonormal", "[sh]") {
     CAPTURE(worst);
     CHECK(worst < 1e-13);
     CHECK(worst > 0);
+}
+
+TEST_CASE("sh: functions to degree 14 begin with the 64, sum up to 1 / 4 pi a function, and integrate to 0", "[sh][analytic]") {
+    for (int i = 0; i < 50; ++i) {
+        const glm::dvec3 d = direction(i);
+        const std::vector<double> y = sh::long_basis(d, sh::highest_degree);
+        REQUIRE(y.size() == 225);
+        const sh::Values first = sh::basis(d);
+        for (int j = 0; j < max_count; ++j) REQUIRE(y[std::size_t(j)] == first[std::size_t(j)]);  // to the bit
+        REQUIRE(sh::long_basis(d, 9) == std::vector<double>(y.begin(), y.begin() + 100));
+        // The addition theorem at one direction: sum over m of Y_lm^2 = (2 l + 1) / 4 pi.
+        for (int l = 0; l <= sh::highest_degree; ++l) {
+            double squares = 0;
+            for (int m = -l; m <= l; ++m) squares += y[std::size_t(index(l, m))] * y[std::size_t(index(l, m))];
+            CHECK(squares == Approx((2 * l + 1) / (4 * pi)).epsilon(1e-13));
+        }
+    }
+    // The quadrature is exact up to degree 14.
+    std::vector<double> integrals(225, 0.0);
+    for (const sh::Node& node : sh::quadrature()) {
+        const std::vector<double> y = sh::long_basis(node.direction, 14);
+        for (std::size_t j = 0; j < y.size(); ++j) integrals[j] += node.weight * y[j];
+    }
+    CHECK(integrals[0] == Approx(std::sqrt(4 * pi)).epsilon(1e-14));
+    for (std::size_t j = 1; j < integrals.size(); ++j) CHECK(std::fabs(integrals[j]) < 1e-13);
+    CHECK_THROWS_AS(sh::long_basis({0, 0, 1}, 15), InputError);
+    CHECK_THROWS_AS(sh::long_basis({0, 0, 1}, -1), InputError);
 }
 
 TEST_CASE("sh: the quadrature integrates monomials exactly", "[sh]") {

@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "core/content_hash.h"
 #include "core/error.h"
 #include "core/hash.h"
 #include "core/host_math.h"
@@ -91,6 +92,16 @@ TEST_CASE("probes: weights of relight rays integrate harmonics exactly, and so t
     }
     CHECK_THROWS_AS(relight_weights(directions, 513), InputError);
     CHECK_THROWS_AS(relight_weights(directions, 0), InputError);
+}
+
+TEST_CASE("probes: directions and weights have the same bits everywhere", "[probes][bits]") {
+    const Buffer<glm::vec4> directions = relight_directions(512);
+    std::uint64_t hash = content_hash(directions.data(), directions.size() * sizeof(glm::vec4));
+    for (const int n : {1, 64, 128, 256, 512}) {
+        const Buffer<float> weights = relight_weights(directions, n);
+        hash = content_hash(weights.data(), weights.size() * sizeof(float), hash);
+    }
+    CHECK(hash_text(hash) == "944049cabc2d7098");
 }
 
 TEST_CASE("probes: factors of a receiver's rays sum to pi", "[probes][analytic]") {

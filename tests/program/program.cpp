@@ -4,6 +4,7 @@
 #include <pty.h>
 #include <signal.h>
 #include <stdlib.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -16,6 +17,7 @@
 #include <thread>
 
 #include "io/image_file.h"
+#include "tests/program/run_until.h"
 
 namespace plumb::program {
 
@@ -125,14 +127,37 @@ Result run_and_signal(const std::vector<std::string>& arguments, int signal, con
 }
 
 Result run_and_kill(const std::vector<std::string>& arguments, double seconds) {
+    return run_and_kill(arguments, seconds, [] { return true; });
+}
+
+Result run_and_kill(const std::vector<std::string>& arguments, double seconds, const std::function<bool()>& reached) {
     const Streams streams;
     const pid_t child = fork();
     if (child == 0) {
         streams.attach();
         execute(arguments);
     }
+    siginfo_t ended = {};
+    while (!reached() && ended.si_pid == 0) {
+        REQUIRE(waitid(P_PID, id_t(child), &ended, WEXITED | WNOHANG | WNOWAIT) == 0);
+        std::this_thread::sleep_for(std::chrono::microseconds(100));
+    }
     std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
     kill(child, SIGKILL);
+    return streams.result(exit_code(child));
+}
+
+Result run_on_full_disk(const std::vector<std::string>& arguments, std::uint64_t bytes) {
+    const Streams streams;
+    const pid_t child = fork();
+    if (child == 0) {
+        streams.attach();
+        // A write beyond the limit is an error then, as it is on a full disk.
+        signal(SIGXFSZ, SIG_IGN);
+        const rlimit limit{bytes, bytes};
+        if (setrlimit(RLIMIT_FSIZE, &limit) != 0) _exit(127);
+        execute(arguments);
+    }
     return streams.result(exit_code(child));
 }
 

@@ -20,6 +20,7 @@
 #include "tools/shared/bake_file.h"
 #include "tools/shared/bake_textures.h"
 #include "tools/shared/file_store.h"
+#include "tools/shared/output_place.h"
 #include "tools/shared/outputs.h"
 #include "tools/shared/process_memory.h"
 #include "tools/shared/progress.h"
@@ -247,7 +248,10 @@ void check_options(const BakeOptions& given) {
         if (fs::equivalent(file, given.scene.file, error)) throw InputError(io::shown(file), "", "is the scene");
         if (!names.insert(fs::weakly_canonical(file, error).string()).second)
             throw InputError(io::shown(file), "", "is asked for twice");
+        require_place(file);
     }
+    for (const std::string& folder : {given.layers, given.textures})
+        if (!folder.empty()) Outputs{folder};  // made, and removed
 }
 
 // A part is nothing but what it leaves in the store.

@@ -219,8 +219,16 @@ void check_bake(const io::DescribedFile& file) {
     for (const char* name : {"relight_material", "relight_triangle"}) array_of(file, name, DType::i32, {probes, rays});
     array_of(file, "relight_uv", DType::f32, {probes, rays, 2});
     array_of(file, "relight_position", DType::f32, {probes, rays, 4});
-    for (const std::int32_t p : io::elements<std::int32_t>(file, "receiver_probe", {receivers, slots}))
-        if (p < -1 || p >= probes) throw InputError(file.path, "receiver_probe", "a probe is out of range");
+    const std::int64_t charts = rows_of("chart_rectangle", DType::i32, {any_extent, 4});
+    const auto within = [&](const char* name, Shape shape, std::int64_t least, std::int64_t end, const char* what) {
+        for (const std::int32_t i : io::elements<std::int32_t>(file, name, shape))
+            if (i < least || i >= end) throw InputError(io::shown(file.path), name, std::string(what) + " is out of range");
+    };
+    within("receiver_probe", {receivers, slots}, -1, probes, "a probe");
+    within("cluster_probe", {any_extent}, 0, probes, "a probe");
+    within("receiver_triangle", {receivers}, 0, triangles, "a triangle");
+    within("relight_triangle", {probes, rays}, -1, triangles, "a triangle");
+    within("triangle_chart", {triangles}, -1, charts, "a chart");
 
     probes::FlatClusters f;
     const Array& u = array_of(file, "receiver_u", DType::f32, {receivers, any_extent});
