@@ -22,6 +22,7 @@ using probes::Place;
 using probes::Seam;
 
 constexpr std::size_t most_rows = 10;  // of a list: the rest is counted
+constexpr probes::CheckParams params;  // as check_user_lightmap() leaves them
 
 const char* name_of(LeakKind kind) { return kind == LeakKind::black ? "no path found light" : "lit less"; }
 const char* name_of(BleedingKind kind) {
@@ -115,9 +116,9 @@ std::vector<std::vector<std::string>> figures(const LightmapReport& r) {
                               r.lightmap.receivers.count(), r.truth.samples, 100 * r.truth.relative_error, c.errors.mean_truth.value_or(0))},
         {"error", fmt::format("rms {} of the mean{}, bias {}", percent(c.errors.rms), c.errors.below_noise ? " (within the noise)" : "",
                               c.errors.mean_error ? fmt::format("{:+.3g} %", 100 * *c.errors.mean_error) : "undefined")},
-        {"told from noise", fmt::format("{} of the receivers differ by more than 4 standard errors (by chance {}), with {} of the squared error",
-                                        percent(c.told), percent(c.told_by_chance), percent(c.told_energy))},
-        {"seams", fmt::format("{} of {} edges between charts differ by more than 5 % beyond the truth; mean {}, worst {}{}", c.seams_off, c.seams.size(),
+        {"told from noise", fmt::format("{} of the receivers differ by more than {:g} standard errors (by chance {}), with {} of the squared error",
+                                        percent(c.told), params.sigmas, percent(c.told_by_chance), percent(c.told_energy))},
+        {"seams", fmt::format("{} of {} edges between charts differ by more than {} beyond the truth; mean {}, worst {}{}", c.seams_off, c.seams.size(), percent(params.seam),
                               percent(c.seam_mean), c.seams.empty() ? "none" : percent(c.seams[0].excess),
                               c.seams_unknown > 0 ? fmt::format("; {} more have no receivers beside them", c.seams_unknown) : "")},
         {"smooth seams", fmt::format("the map differs by {} of the light on both sides, the best one of this layout by {}", percent(c.smooth_user),
@@ -247,7 +248,7 @@ std::string lightmap_page(const LightmapReport& r, const std::vector<probes::Deb
     };
     std::vector<std::vector<page::Cell>> rows = {cells_of({"figure", "value"})};
     for (const std::vector<std::string>& row : figures(r)) rows.push_back(cells_of(row));
-    page.table(rows, "Of luminance; every difference has 4 standard errors of the truth taken off first.");
+    page.table(rows, fmt::format("Of luminance. Nothing is called wrong that {:g} standard errors explain.", params.sigmas));
     for (const Finding& f : findings(r)) {
         page.heading(f.title);
         if (f.rows.empty()) page.paragraph("None.");
