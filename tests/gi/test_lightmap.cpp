@@ -41,7 +41,7 @@ struct Checked {
         params.receivers_per_m2 = 12;
         lightmap = place_lightmap(scene, make_atlas(scene, flatten(scene), atlas_params(params)), params, {});
         reference::PathParams path;
-        path.samples = 128, path.rays = Rays::exact;
+        path.samples = 512, path.rays = Rays::exact;
         const auto prepared = reference::prepare(scene, path.rays);
         truth = receiver_irradiance(lightmap.receivers, *prepared, path, 1, {});
         other = receiver_irradiance(lightmap.receivers, *prepared, path, 2, {});

@@ -44,7 +44,13 @@ std::string refused(const Words& words) {
 // The same scene with other random numbers.
 std::string reseeded(const std::string& scene) {
     const std::string other = scene.substr(0, scene.size() - 5) + "_seed.toml";
-    write(other, "seed = 77\n" + read(scene));
+    std::string text = read(scene);
+    const std::size_t at = text.find("seed = ");
+    if (at == std::string::npos)
+        text = "seed = 77\n" + text;
+    else
+        text.replace(at, text.find('\n', at) - at, "seed = 77");
+    write(other, text);
     return other;
 }
 
