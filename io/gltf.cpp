@@ -60,13 +60,14 @@ class ModelReader {
 
     void add_mesh(const JsonValue& node, std::size_t index, const glm::dmat4& to_world) {
         Cached& cached = cache_[index];
-        if (!cached.read) cached.read = read_gltf_mesh(document_, index, model_, coordinates_);
+        if (!cached.read) cached.read = read_gltf_mesh(document_, index, model_, coordinates_, options_.second_coordinates);
         triangles_ += cached.read->mesh.triangles.size(), vertices_ += cached.read->mesh.vertices.size();
         if (triangles_ > max_gltf_total || vertices_ > max_gltf_total)
             node.fail(fmt::format("more than {} triangles or vertices in all", max_gltf_total));
         if (cached.read->mesh.triangles.empty()) return;
         // The last node takes the mesh, the others a copy of it.
         const bool has_texture_coordinates = cached.read->has_texture_coordinates;
+        if (options_.second_coordinates) model_.second_coordinates.push_back(cached.read->second_coordinates);
         Mesh mesh = --cached.uses == 0 ? std::move(cached.read->mesh) : cached.read->mesh;
         mesh.name = node["name"].text(mesh.name);
         mesh.transform = to_world;

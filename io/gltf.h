@@ -10,12 +10,15 @@ namespace plumb::io {
 
 struct GltfOptions {
     bool photometric_as_is = false;  // keep candela and lux as W/sr and W/m2; otherwise divide them by 683 lm/W
+    bool second_coordinates = false;  // also read TEXCOORD_1
 };
 
 // The default scene of one file, in metres. A node that has a mesh is a Mesh of its own, with the node's transform.
 struct GltfModel {
     std::vector<Mesh> meshes;
     std::vector<bool> has_texture_coordinates;  // of each mesh
+    std::vector<std::vector<glm::vec2>> second_coordinates;  // of each mesh, if asked for: TEXCOORD_1 of each vertex;
+                                                             // empty where a primitive of the mesh has none
     std::vector<Material> materials;            // those of the file; and "default", last, where a primitive has none
     std::vector<Texture> textures;              // those that the materials show
     std::vector<Light> lights;                  // named uniquely, as layers are

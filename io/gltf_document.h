@@ -77,9 +77,10 @@ std::vector<TextureCoordinates> read_gltf_materials(GltfDocument& document, Gltf
 struct GltfMesh {
     Mesh mesh;
     bool has_texture_coordinates = false;
+    std::vector<glm::vec2> second_coordinates;  // GltfModel
 };
 GltfMesh read_gltf_mesh(GltfDocument& document, std::size_t index, GltfModel& model,
-                        const std::vector<TextureCoordinates>& coordinates);
+                        const std::vector<TextureCoordinates>& coordinates, bool second_coordinates);
 
 // The nodes of the default scene, parents first, each with its transform to world space.
 struct GltfNode {

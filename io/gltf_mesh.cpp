@@ -13,6 +13,7 @@ namespace {
 enum Mode : int { triangles = 4, strip = 5, fan = 6 };
 
 constexpr std::uint32_t no_vertex = ~0u;
+constexpr const char* second_set = "TEXCOORD_1";
 
 // The triangle's own normal; +Y where it has no area: it covers no pixel.
 glm::vec3 flat_normal(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
@@ -31,8 +32,8 @@ std::array<std::size_t, 3> corners_of(int mode, std::size_t t) {
 // Puts the primitives of one mesh together. Primitives that name the same attributes share their vertices.
 class MeshReader {
   public:
-    MeshReader(GltfDocument& document, const std::vector<TextureCoordinates>& coordinates, GltfModel& model)
-        : document_(document), coordinates_(coordinates), model_(model) {}
+    MeshReader(GltfDocument& document, const std::vector<TextureCoordinates>& coordinates, GltfModel& model, bool second)
+        : document_(document), coordinates_(coordinates), model_(model), all_have_second_(second) {}
 
     GltfMesh read(const JsonValue& json, const std::string& name) {
         out_.mesh.name = json["name"].text(name);
@@ -40,6 +41,7 @@ class MeshReader {
         for (std::size_t p = 0; p < primitives.size(); ++p) read_primitive(primitives[p]);
         fill_zero_normals();
         if (!all_have_tangents_) out_.mesh.tangents.clear();
+        if (!all_have_second_) out_.second_coordinates.clear();
         if (!order_.empty()) restore_order(json);
         return std::move(out_);
     }
@@ -70,6 +72,7 @@ class MeshReader {
         const std::uint32_t first = has_normals ? shared_block(attributes, coordinates, vertices) : no_vertex;
         const std::vector<Vertex> block =
             has_normals ? std::vector<Vertex>{} : read_vertices(attributes, coordinates, vertices);
+        const std::vector<glm::vec2> second = has_normals ? std::vector<glm::vec2>{} : read_second(attributes, vertices);
         const std::int32_t number = material ? std::int32_t(*material) : default_material();
         for (std::size_t t = 0; t < count; ++t) {
             glm::uvec3 triangle;
@@ -78,7 +81,7 @@ class MeshReader {
                 const std::size_t corner = at[std::size_t(k)];
                 triangle[k] = corners.empty() ? std::uint32_t(corner) : corners[corner];
             }
-            add_triangle(has_normals ? triangle + first : flat_triangle(block, triangle), number);
+            add_triangle(has_normals ? triangle + first : flat_triangle(block, second, triangle), number);
         }
         if (!has_normals) all_have_tangents_ = false;
         const JsonValue order = json.own()["order"];
@@ -91,13 +94,14 @@ class MeshReader {
     }
 
     // Three vertices of the triangle's own, with its normal.
-    glm::uvec3 flat_triangle(const std::vector<Vertex>& block, const glm::uvec3& triangle) {
+    glm::uvec3 flat_triangle(const std::vector<Vertex>& block, const std::vector<glm::vec2>& second, const glm::uvec3& triangle) {
         const std::uint32_t first = std::uint32_t(out_.mesh.vertices.size());
         const glm::vec3 normal =
             flat_normal(block[triangle.x].position, block[triangle.y].position, block[triangle.z].position);
         for (int k = 0; k < 3; ++k) {
             out_.mesh.vertices.push_back(block[triangle[k]]);
             out_.mesh.vertices.back().normal = normal;
+            if (all_have_second_) out_.second_coordinates.push_back(second[triangle[k]]);
         }
         return {first, first + 1, first + 2};
     }
@@ -137,12 +141,23 @@ class MeshReader {
         return block;
     }
 
+    // The lightmap's coordinates, as they are: no material moves them.
+    std::vector<glm::vec2> read_second(const JsonValue& attributes, std::size_t n) {
+        const JsonValue uv = attributes[second_set];
+        all_have_second_ = all_have_second_ && bool(uv);
+        if (!all_have_second_) return {};
+        const std::vector<float> values = attribute(uv, n, {2, {5121, 5123}});
+        std::vector<glm::vec2> second(n);
+        for (std::size_t i = 0; i < n; ++i) second[i] = {values[2 * i], values[2 * i + 1]};
+        return second;
+    }
+
     // Appends vertices that have normals, once, and returns the first.
     std::uint32_t shared_block(const JsonValue& attributes, const TextureCoordinates& c, std::size_t n) {
         Block wanted{{}, c, std::uint32_t(out_.mesh.vertices.size())};
         const std::string uv = fmt::format("TEXCOORD_{}", c.set);
-        const char* const names[] = {"POSITION", "NORMAL", uv.c_str(), "TANGENT"};
-        for (std::size_t i = 0; i < 4; ++i) {
+        const char* const names[] = {"POSITION", "NORMAL", uv.c_str(), "TANGENT", second_set};
+        for (std::size_t i = 0; i < (all_have_second_ ? 5 : 4); ++i) {
             const std::size_t accessors = document_.list("accessors").size();
             wanted.accessors[i] = std::int64_t(attributes[names[i]].index(accessors, "accessors").value_or(accessors));
         }
@@ -152,6 +167,8 @@ class MeshReader {
         const std::vector<Vertex> block = read_vertices(attributes, c, n);
         out_.mesh.vertices.insert(out_.mesh.vertices.end(), block.begin(), block.end());
         read_tangents(attributes["TANGENT"], n);
+        const std::vector<glm::vec2> second = read_second(attributes, n);
+        out_.second_coordinates.insert(out_.second_coordinates.end(), second.begin(), second.end());
         return wanted.first;
     }
 
@@ -213,7 +230,7 @@ class MeshReader {
     }
 
     struct Block {
-        std::array<std::int64_t, 4> accessors;
+        std::array<std::int64_t, 5> accessors;
         TextureCoordinates coordinates;
         std::uint32_t first;
     };
@@ -225,13 +242,14 @@ class MeshReader {
     std::vector<Block> blocks_;
     std::vector<std::uint32_t> order_;
     bool all_have_tangents_ = true;
+    bool all_have_second_;
 };
 
 }  // namespace
 
 GltfMesh read_gltf_mesh(GltfDocument& document, std::size_t index, GltfModel& model,
-                        const std::vector<TextureCoordinates>& coordinates) {
-    return MeshReader(document, coordinates, model)
+                        const std::vector<TextureCoordinates>& coordinates, bool second_coordinates) {
+    return MeshReader(document, coordinates, model, second_coordinates)
         .read(document.list("meshes")[index], fmt::format("mesh{}", index));
 }
 

@@ -13,6 +13,7 @@
 
 #include "core/error.h"
 #include "core/fields.h"
+#include "io/exr_attributes.h"
 #include "io/file.h"
 #include "io/image_decode.h"
 
@@ -87,6 +88,10 @@ std::string channel_name(const std::vector<Layer>& layers, std::size_t layer, st
 }
 
 void write_exr(const std::string& path, int width, int height, const std::vector<Layer>& layers) {
+    write_exr(path, width, height, layers, {});
+}
+
+void write_exr(const std::string& path, int width, int height, const std::vector<Layer>& layers, const Attributes& attributes) {
     std::vector<std::string> names;
     for (std::size_t l = 0; l < layers.size(); ++l)
         for (std::size_t c = 0; c < layers[l].components.size(); ++c) {
@@ -106,6 +111,7 @@ void write_exr(const std::string& path, int width, int height, const std::vector
     // floats are noise to it, and what is constant along a row shrinks by RLE, too.
     spec.attribute("compression", "rle");
     spec.attribute("DateTime", "");  // without it OpenImageIO writes the time of day
+    for (const auto& [name, value] : attributes) spec.attribute(name, value);
     write_encoded(path, encode(path, "openexr", spec, [&](OIIO::ImageOutput& output) {
         std::vector<float> band;
         for (int y = 0; y < height; y += band_rows) {

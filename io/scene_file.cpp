@@ -22,10 +22,34 @@ namespace {
 constexpr int max_frame_side = 32767;  // as the rasterizer
 constexpr std::size_t max_scene_bytes = std::size_t(1) << 24;
 
+// A list for each mesh of the model, before its meshes are moved away.
+void append_second(SceneModel& model, SecondCoordinates& second) {
+    model.second_coordinates.resize(model.scene.meshes.size());
+    for (std::vector<glm::vec2>& of_mesh : model.second_coordinates) second.push_back(std::move(of_mesh));
+}
+
+// Tangents split vertices; triangles keep their order, and with them each corner its coordinate.
+void complete(Scene& scene, SecondCoordinates* second) {
+    if (!second) return complete_tangents(scene);
+    std::vector<std::vector<glm::uvec3>> before;
+    for (const Mesh& mesh : scene.meshes) before.push_back(mesh.triangles);
+    complete_tangents(scene);
+    for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
+        const Mesh& mesh = scene.meshes[m];
+        std::vector<glm::vec2>& of_mesh = (*second)[m];
+        if (of_mesh.empty() || of_mesh.size() == mesh.vertices.size()) continue;
+        std::vector<glm::vec2> split(mesh.vertices.size(), glm::vec2(0));
+        std::copy(of_mesh.begin(), of_mesh.end(), split.begin());
+        for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+            for (int k = 0; k < 3; ++k) split[mesh.triangles[t][k]] = of_mesh[before[m][t][k]];
+        of_mesh = std::move(split);
+    }
+}
+
 class SceneReader {
   public:
-    SceneReader(const std::string& path, const std::vector<std::string>& method_tables)
-        : path_(path), method_tables_(method_tables) {}
+    SceneReader(const std::string& path, const std::vector<std::string>& method_tables, SecondCoordinates* second)
+        : path_(path), method_tables_(method_tables), second_(second) {}
 
     Scene read(const std::string& text) {
         const toml::table root = parse_toml(path_, text);
@@ -42,7 +66,7 @@ class SceneReader {
         read_camera(top);
         read_keyframes(top, path_, named_, scene_);
         top.finish();
-        complete_tangents(scene_);
+        complete(scene_, second_);
         return std::move(scene_);
     }
 
@@ -121,6 +145,7 @@ class SceneReader {
 
     void read_meshes(TomlReader& top) {
         GltfOptions options;
+        options.second_coordinates = second_ != nullptr;
         options.photometric_as_is = top.choice("photometric", 0, {"watt", "as_is"}) == 1;
         for (const toml::table* table : top.tables("mesh")) {
             TomlReader mesh(*table, path_, "[[mesh]]");
@@ -143,6 +168,7 @@ class SceneReader {
                                        mesh.place("material")});
             }
             take_surroundings(model, from);
+            if (second_) append_second(model, *second_);
             append_model(scene_, model);
             has_coordinates_.insert(has_coordinates_.end(), model.has_texture_coordinates.begin(),
                                     model.has_texture_coordinates.end());
@@ -307,6 +333,7 @@ class SceneReader {
 
     const std::string& path_;
     const std::vector<std::string>& method_tables_;
+    SecondCoordinates* const second_;  // null: nobody asks for them
     Scene scene_;
     std::vector<bool> has_coordinates_;  // of each mesh
     std::vector<NamedMesh> named_;
@@ -317,8 +344,11 @@ class SceneReader {
     std::vector<Light> model_lights_;  // of all meshes
 };
 
-Scene load_bare(const std::string& path) {
-    SceneModel model = load_model(path, {});
+Scene load_bare(const std::string& path, SecondCoordinates* second) {
+    GltfOptions options;
+    options.second_coordinates = second != nullptr;
+    SceneModel model = load_model(path, options);
+    if (second) append_second(model, *second);
     Scene scene = std::move(model.scene);
     scene.name = path;
     if (!model.has_camera || scene.lights.empty()) {
@@ -326,18 +356,27 @@ Scene load_bare(const std::string& path) {
         if (!model.has_camera) choose_camera(scene, geometry);
         if (scene.lights.empty()) choose_light(scene, geometry);
     }
-    complete_tangents(scene);
+    complete(scene, second);
     return scene;
+}
+
+Scene load(const std::string& path, const std::vector<std::string>& method_tables, SecondCoordinates* second) {
+    const std::string extension = extension_of(path);
+    if (extension == "obj" || extension == "gltf" || extension == "glb") return load_bare(path, second);
+    if (extension != "toml")
+        throw InputError(shown(path), "", "not a scene by its name; expected .toml, .obj, .gltf or .glb");
+    return SceneReader(path, method_tables, second).read(read_text(path, max_scene_bytes));
 }
 
 }  // namespace
 
 Scene load_scene(const std::string& path, const std::vector<std::string>& method_tables) {
-    const std::string extension = extension_of(path);
-    if (extension == "obj" || extension == "gltf" || extension == "glb") return load_bare(path);
-    if (extension != "toml")
-        throw InputError(shown(path), "", "not a scene by its name; expected .toml, .obj, .gltf or .glb");
-    return SceneReader(path, method_tables).read(read_text(path, max_scene_bytes));
+    return load(path, method_tables, nullptr);
+}
+
+Scene load_scene(const std::string& path, const std::vector<std::string>& method_tables, SecondCoordinates& second) {
+    second.clear();
+    return load(path, method_tables, &second);
 }
 
 }  // namespace plumb::io

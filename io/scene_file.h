@@ -12,4 +12,9 @@ namespace plumb::io {
 // leaves open is chosen and said in Scene::notes. Scene::name is `path`. Throws InputError with file, line and cause.
 Scene load_scene(const std::string& path, const std::vector<std::string>& method_tables);
 
+// Of each mesh of a scene a coordinate for each vertex: TEXCOORD_1 of glTF, where lightmaps lie; empty where the mesh has
+// none. No stage reads them, so they lie beside the scene.
+using SecondCoordinates = std::vector<std::vector<glm::vec2>>;
+Scene load_scene(const std::string& path, const std::vector<std::string>& method_tables, SecondCoordinates& second);
+
 }  // namespace plumb::io

@@ -27,6 +27,7 @@ SceneModel from_obj(ObjModel obj) {
 SceneModel from_gltf(GltfModel gltf) {
     SceneModel model;
     model.has_texture_coordinates = std::move(gltf.has_texture_coordinates);
+    model.second_coordinates = std::move(gltf.second_coordinates);
     model.scene.meshes = std::move(gltf.meshes);
     model.scene.materials = std::move(gltf.materials);
     model.scene.textures = std::move(gltf.textures);

@@ -14,6 +14,7 @@ namespace plumb::io {
 struct SceneModel {
     Scene scene;                                // meshes, materials, textures; lights and camera where it has them
     std::vector<bool> has_texture_coordinates;  // of each mesh
+    std::vector<std::vector<glm::vec2>> second_coordinates;  // of each mesh; empty: not asked for, or none of a format
     bool has_camera = false;
     bool is_whole = false;  // a generated scene: its settings, frame, method and the like are meant too
 };

@@ -8,13 +8,11 @@
 #include "core/hash.h"
 #include "core/host_math.h"
 #include "core/sh.h"
-#include "raster/gbuffer.h"
+#include "gi/probes/scene_view.h"
 
 namespace plumb::probes {
 
 namespace {
-
-const glm::vec4 nothing(0.06f, 0.06f, 0.08f, 1), grey(0.7f, 0.7f, 0.7f, 1);
 
 // A colour for each number, bright enough to be told from nothing.
 glm::vec4 colour_of(int i) {
@@ -47,132 +45,6 @@ Image4 border_picture(const Receivers& r) {
         }
     return picture;
 }
-
-// ---- In the scene ----------------------------------------------------------------------------------------------------
-
-class SceneView {
-  public:
-    SceneView(const Bake& bake, const raster::Surfaces& surfaces, const DebugView& view, const RunOptions& options)
-        : bake_(bake), view_(view), to_world_(glm::inverse(view.view.world_to_clip())) {
-        raster::GBufferWants wants;
-        wants.albedo = wants.emission = false;
-        raster::draw_gbuffer(bake.atlas.geometry, surfaces, view.view, view.size, raster::Layout::fp32, options, seen_, wants);
-    }
-
-    // Surfaces in the colours of a lightmap, shaded by how much they face the camera.
-    Image4 with(const Image4* lightmap) const {
-        Image4 picture(view_.size.x, view_.size.y, nothing);
-        for (int y = 0; y < view_.size.y; ++y)
-            for (int x = 0; x < view_.size.x; ++x) {
-                if (seen_.id(x, y).y < 0) continue;
-                const glm::dvec3 n(seen_.normal(x, y)), p(seen_.position(x, y));
-                const double facing = std::fabs(glm::dot(n, glm::normalize(view_.view.eye - p)));
-                const glm::vec4 base = lightmap ? texel_at(*lightmap, seen_.id(x, y).y, p) : grey;
-                picture(x, y) = glm::vec4(glm::vec3(base) * float(0.4 + 0.6 * facing), 1);
-            }
-        return picture;
-    }
-
-    // A ball, where nothing is in front of it.
-    void ball(Image4& picture, const glm::dvec3& centre, double radius, const glm::vec4& colour) const {
-        glm::ivec2 low, high;
-        if (!pixels_of(centre, radius, low, high)) return;
-        for (int y = low.y; y <= high.y; ++y)
-            for (int x = low.x; x <= high.x; ++x) {
-                const glm::dvec3 direction = ray(x, y), to = centre - view_.view.eye;
-                const double along = glm::dot(to, direction), d2 = glm::dot(to, to) - along * along;
-                if (d2 > radius * radius || along <= 0) continue;
-                const double depth = (along - std::sqrt(radius * radius - d2)) * glm::dot(direction, view_.view.forward);
-                const bool hidden = seen_.id(x, y).y >= 0 && double(seen_.position(x, y).w) < depth;
-                if (!hidden) picture(x, y) = colour * float(1 - 0.7 * d2 / (radius * radius));
-            }
-    }
-
-    // The outline of a sphere, through everything.
-    void outline(Image4& picture, const glm::dvec3& centre, double radius, const glm::vec4& colour) const {
-        for (int k = 0; k < 720; ++k) {
-            const double a = 2 * host::pi * k / 720;
-            const glm::dvec3 side = glm::dvec3(glm::transpose(view_.view.world_to_view) * glm::dvec4(host::cos(a), host::sin(a), 0, 0));
-            glm::dvec2 at;
-            if (pixel_of(centre + radius * side, at)) put(picture, at, colour);
-        }
-    }
-
-    void line(Image4& picture, const glm::dvec3& a, const glm::dvec3& b, const glm::vec4& colour) const {
-        const int steps = 2 * std::max(view_.size.x, view_.size.y);
-        for (int k = 0; k <= steps; ++k) {
-            const glm::dvec3 p = a + (b - a) * (double(k) / steps);
-            glm::dvec2 at;
-            if (!pixel_of(p, at)) continue;
-            if (in_front(p, at)) put(picture, at, colour);
-        }
-    }
-
-    // The probe that is seen nearest to the middle of the picture; the first where none is seen.
-    int probe_in_sight() const {
-        int best = 0;
-        double nearest = 1e30;
-        for (std::size_t i = 0; i < bake_.placement.probes.size(); ++i) {
-            const glm::dvec3 p(bake_.placement.probes[i]);
-            glm::dvec2 at;
-            if (!pixel_of(p, at)) continue;
-            const double off = glm::length(at - 0.5 * glm::dvec2(view_.size));
-            if (off < nearest && in_front(p, at)) nearest = off, best = int(i);
-        }
-        return best;
-    }
-
-  private:
-    // Of a point that is seen at a place of the picture: whether nothing hides it.
-    bool in_front(const glm::dvec3& p, const glm::dvec2& at) const {
-        const int x = int(std::floor(at.x)), y = int(std::floor(at.y));
-        if (x < 0 || y < 0 || x >= view_.size.x || y >= view_.size.y) return false;
-        const double depth = glm::dot(p - view_.view.eye, view_.view.forward);
-        return seen_.id(x, y).y < 0 || double(seen_.position(x, y).w) >= depth * 0.999;
-    }
-    glm::dvec3 ray(int x, int y) const {
-        const glm::dvec4 far = to_world_ * glm::dvec4(2 * (x + 0.5) / view_.size.x - 1, 2 * (y + 0.5) / view_.size.y - 1, 0.5, 1);
-        return glm::normalize(glm::dvec3(far) / far.w - view_.view.eye);
-    }
-    bool pixel_of(const glm::dvec3& p, glm::dvec2& at) const {
-        const glm::dvec4 clip = view_.view.world_to_clip() * glm::dvec4(p, 1);
-        if (clip.w <= 0) return false;
-        at = {(clip.x / clip.w + 1) / 2 * view_.size.x, (clip.y / clip.w + 1) / 2 * view_.size.y};
-        return at.x > -1e6 && at.x < 1e6 && at.y > -1e6 && at.y < 1e6;
-    }
-    bool pixels_of(const glm::dvec3& centre, double radius, glm::ivec2& low, glm::ivec2& high) const {
-        glm::dvec2 at, beside;
-        const glm::dvec3 right(glm::transpose(view_.view.world_to_view) * glm::dvec4(1, 0, 0, 0));
-        if (!pixel_of(centre, at) || !pixel_of(centre + radius * right, beside)) return false;
-        const double reach = 1.5 * glm::length(beside - at) + 1;
-        low = {std::max(0, int(at.x - reach)), std::max(0, int(at.y - reach))};
-        high = {std::min(view_.size.x - 1, int(at.x + reach)), std::min(view_.size.y - 1, int(at.y + reach))};
-        return true;
-    }
-    void put(Image4& picture, const glm::dvec2& at, const glm::vec4& colour) const {
-        const int x = int(at.x), y = int(at.y);
-        if (at.x >= 0 && at.y >= 0 && x < view_.size.x && y < view_.size.y) picture(x, y) = colour;
-    }
-    glm::vec4 texel_at(const Image4& lightmap, int triangle, const glm::dvec3& p) const {
-        const Geometry& g = bake_.atlas.geometry;
-        const glm::uvec3 t = g.triangles[std::size_t(triangle)];
-        const glm::dvec3 a(g.vertices[t.x].position), e1 = glm::dvec3(g.vertices[t.y].position) - a,
-                         e2 = glm::dvec3(g.vertices[t.z].position) - a, n = glm::cross(e1, e2);
-        const double area2 = glm::dot(n, n);
-        if (area2 == 0) return nothing;
-        const double l1 = glm::dot(glm::cross(p - a, e2), n) / area2, l2 = glm::dot(glm::cross(e1, p - a), n) / area2;
-        const glm::dvec2 ua(bake_.atlas.uv[t.x]), ub(bake_.atlas.uv[t.y]), uc(bake_.atlas.uv[t.z]);
-        const glm::dvec2 uv = ua + l1 * (ub - ua) + l2 * (uc - ua);
-        const int x = std::clamp(int(uv.x * lightmap.width), 0, lightmap.width - 1),
-                  y = std::clamp(int(uv.y * lightmap.height), 0, lightmap.height - 1);
-        return lightmap(x, y);
-    }
-
-    const Bake& bake_;
-    const DebugView& view_;
-    const glm::dmat4 to_world_;  // from clip space
-    raster::GBuffer seen_;
-};
 
 // ---- Functions on the sphere, and singular values --------------------------------------------------------------------
 
@@ -225,7 +97,7 @@ std::vector<DebugLayer> debug_layers(const Bake& b, const raster::Surfaces& surf
     const auto add = [&](const char* name, const char* node, const char* meaning, Image4 picture) {
         layers.push_back({name, node, meaning, std::move(picture)});
     };
-    const SceneView scene(b, surfaces, view, options);
+    const SceneView scene(b.atlas, surfaces, view.view, view.size, options);
     const auto add_both = [&](const std::string& name, const char* node, const char* meaning, Image4 lightmap) {
         const Image4 extended = extend_borders(r, lightmap);  // surfaces end between texel centres
         layers.push_back({name, node, meaning, std::move(lightmap)});
@@ -247,7 +119,7 @@ std::vector<DebugLayer> debug_layers(const Bake& b, const raster::Surfaces& surf
     add("candidates", "probes.placement", "all candidates", placed);
     placed = scene.with(nullptr);
     for (const glm::vec4& p : b.placement.probes) scene.ball(placed, glm::dvec3(p), ball, {0.2f, 0.5f, 1, 1});
-    const std::size_t shown = std::size_t(scene.probe_in_sight());
+    const std::size_t shown = std::size_t(scene.in_sight(b.placement.probes));
     const glm::dvec3 from(b.placement.probes[shown]);
     scene.outline(placed, from, b.radius.radius_m, {1, 1, 1, 1});
     add("probes", "probes.placement", "probes; the outline is the reach of the one nearest to the middle", placed);

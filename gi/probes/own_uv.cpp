@@ -100,6 +100,8 @@ bool overlapping(const SurfaceMesh& m, double tolerance) {
     return any_overlap(triangles, tolerance);
 }
 
+}  // namespace
+
 void find_islands(const SurfaceMesh& m, UvIslands& islands) {
     std::vector<std::uint32_t> parent(m.count);
     std::iota(parent.begin(), parent.end(), 0u);
@@ -126,8 +128,6 @@ void find_islands(const SurfaceMesh& m, UvIslands& islands) {
     // v points down: a front whose corners turn counter-clockwise has a negative area.
     for (double a : signed_area) islands.mirrored += a > 0;
 }
-
-}  // namespace
 
 UvIslands judge_own_uv(const SurfaceMesh& mesh) {
     UvIslands islands;

@@ -31,4 +31,7 @@ struct UvIslands {
 // Exact but for a tolerance of 2^-22 of the mesh's largest coordinate, four of its roundings.
 UvIslands judge_own_uv(const SurfaceMesh& mesh);
 
+// Fills `of`, `count` and `mirrored`, of any finite coordinates.
+void find_islands(const SurfaceMesh& mesh, UvIslands& islands);
+
 }  // namespace plumb::probes

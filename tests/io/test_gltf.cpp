@@ -116,6 +116,71 @@ TEST_CASE("gltf: coordinates of bytes are parts of 255", "[io]") {
     CHECK((v[2].u == 1.0f / 255.0f && v[2].v == 254.0f / 255.0f));
 }
 
+TEST_CASE("gltf: the second set of coordinates is read where it is asked for, as it is", "[io]") {
+    GltfSample s = square();
+    const std::vector<glm::vec2> expected = {{0.25f, 0.5f}, {0.75f, 0.5f}, {0.75f, 1}, {0.25f, 1}};
+    primitive(s)["attributes"]["TEXCOORD_1"] = s.add<float>({0.25f, 0.5f, 0.75f, 0.5f, 0.75f, 1, 0.25f, 1}, 5126, "VEC2", 2);
+    CHECK(load(s).second_coordinates.empty());
+    GltfOptions options;
+    options.second_coordinates = true;
+    const GltfModel m = load(s, options);
+    REQUIRE(m.second_coordinates.size() == 1);
+    CHECK(m.second_coordinates[0] == expected);
+    CHECK(m.meshes[0].vertices.size() == 4);
+    // A corner of a flat triangle has its own vertex, and the coordinate of the one that it stands for.
+    GltfSample flat = s;
+    primitive(flat)["attributes"].erase("NORMAL");
+    const GltfModel f = load(flat, options);
+    REQUIRE(f.second_coordinates[0].size() == 6);
+    for (std::size_t t = 0; t < 2; ++t)
+        for (int k = 0; k < 3; ++k)
+            CHECK(f.second_coordinates[0][f.meshes[0].triangles[t][k]] == expected[m.meshes[0].triangles[t][k]]);
+    // A primitive without the set leaves the mesh without; two that differ in it alone share no vertices.
+    GltfSample lacks = s;
+    Json other = primitive(lacks);
+    other["attributes"].erase("TEXCOORD_1");
+    lacks.json["meshes"][0]["primitives"].push_back(other);
+    CHECK(load(lacks, options).second_coordinates[0].empty());
+    GltfSample two = s;
+    other = primitive(two);
+    other["attributes"]["TEXCOORD_1"] = two.add<float>({0, 0, 0, 0, 0, 0, 0, 0}, 5126, "VEC2", 2);
+    two.json["meshes"][0]["primitives"].push_back(other);
+    REQUIRE(load(two, options).second_coordinates[0].size() == 8);
+    CHECK(load(two, options).second_coordinates[0][0] == expected[0]);
+    CHECK(load(two, options).second_coordinates[0][4] == glm::vec2(0));
+    CHECK(load(two).meshes[0].vertices.size() == 4);
+    // As many as there are vertices.
+    GltfSample few = s;
+    primitive(few)["attributes"]["TEXCOORD_1"] = few.add<float>({0, 0}, 5126, "VEC2", 2);
+    CHECK_THROWS_WITH(load(few, options), Catch::Matchers::Contains("TEXCOORD_1"));
+}
+
+TEST_CASE("gltf: second coordinates follow vertices that tangents split, and models their scene", "[io]") {
+    GltfSample s = square();
+    give_picture(s, {0xffff8080u});
+    s.json["materials"][0]["normalTexture"] = {{"index", 0}};
+    // The second triangle shows the picture mirrored, so that the corners they share need two tangents.
+    primitive(s)["attributes"]["TEXCOORD_0"] = s.add<float>({0, 1, 1, 1, 1, 0, 1, 1}, 5126, "VEC2", 2);
+    primitive(s)["attributes"]["TEXCOORD_1"] = s.add<float>({0.25f, 0.5f, 0.75f, 0.5f, 0.75f, 1, 0.25f, 1}, 5126, "VEC2", 2);
+    const std::vector<glm::vec2> expected = {{0.25f, 0.5f}, {0.75f, 0.5f}, {0.75f, 1}, {0.25f, 1}};
+    const glm::uvec3 corners[] = {{0, 1, 2}, {0, 2, 3}};
+    const Folder folder;
+    folder.put("a.gltf", s.gltf());
+    folder.put("plain.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    const std::string scene = folder.put("a.toml", "[[mesh]]\nfile = \"plain.obj\"\n[[mesh]]\nfile = \"a.gltf\"\n");
+    for (const std::string& file : {folder / "a.gltf", scene}) {
+        SecondCoordinates second(7);
+        const Scene loaded = load_scene(file, {}, second);
+        REQUIRE(second.size() == loaded.meshes.size());
+        if (second.size() == 2) CHECK(second[0].empty());  // an OBJ has none
+        const Mesh& mesh = loaded.meshes.back();
+        REQUIRE(mesh.vertices.size() == 6);
+        REQUIRE(second.back().size() == 6);
+        for (std::size_t t = 0; t < 2; ++t)
+            for (int k = 0; k < 3; ++k) CHECK(second.back()[mesh.triangles[t][k]] == expected[corners[t][k]]);
+    }
+}
+
 TEST_CASE("gltf: without normals every triangle is flat; a zero normal is its triangle's", "[io]") {
     GltfSample s = square();
     primitive(s)["attributes"].erase("NORMAL");

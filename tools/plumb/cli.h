@@ -9,6 +9,7 @@ void add_render(CLI::App& program, Action& action);
 void add_plan(CLI::App& program, Action& action);
 void add_graph(CLI::App& program, Action& action);
 void add_bake(CLI::App& program, Action& action);
+void add_lightmap(CLI::App& program, Action& action);
 void add_compare(CLI::App& program, Action& action);
 void add_explain(CLI::App& program, Action& action);
 void add_validate(CLI::App& program, Action& action);

@@ -92,6 +92,7 @@ int run_program(int argc, char** argv) {
     add_plan(program, action);
     add_graph(program, action);
     add_bake(program, action);
+    add_lightmap(program, action);
     add_compare(program, action);
     add_explain(program, action);
     add_validate(program, action);
