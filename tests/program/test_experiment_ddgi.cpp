@@ -45,6 +45,7 @@ TEST_CASE("experiment ddgi: the same numbers in text, JSON and page", "[program]
     CHECK(j["rows"][0]["probes"] == 27);
     CHECK(j["rows"][0]["method"] == "DDGI");
     CHECK(j["rows"][1]["method"] == "clusters");
+    CHECK(j["left_out"] == 0);
     // What the published energy takes away is light.
     const auto bias = [&](const std::string& setting) {
         for (const Json& row : j["rows"])
@@ -89,6 +90,8 @@ TEST_CASE("experiment ddgi: what is refused", "[program]") {
     CHECK_THAT(refused({"--volume", "rays=8"}), Contains("--rays"));
     CHECK_THAT(refused({"--grids", "0"}), Contains("--grids"));
     CHECK_THAT(refused({"--samples", "0"}), Contains("--samples"));
+    CHECK_THAT(refused({"--open", "2"}), Contains("--open"));
+    CHECK_THAT(refused({"--open", "nan"}), Contains("--open"));
     CHECK_THAT(refused({"-o", out, "--set", "probes.degree=9"}), Contains("degree"));
     CHECK(!std::filesystem::exists(out));
     CHECK(run({"experiment", "ddgi", folder + "/none.toml"}).exit == 2);

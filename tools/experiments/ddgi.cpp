@@ -55,6 +55,7 @@ std::string command_line(const DdgiOptions& given) {
     std::string text = fmt::format("plumb experiment ddgi {} --lightmap {} --samples {} --grids {} --sides {} --rays {} --probes {}", given.scene.file,
                                    r.lightmap, r.samples, fmt::join(r.grids, ","), fmt::join(r.sides, ","), fmt::join(r.rays, ","),
                                    fmt::join(r.probes, ","));
+    if (r.open < 1) text += fmt::format(" --open {:g}", r.open);
     for (const std::string& set : given.volume) text += " --volume " + set;
     for (const std::string& set : given.scene.sets) text += " --set " + set;
     return text;
@@ -102,6 +103,9 @@ void add_ddgi(CLI::App& experiment, Action& action) {
     command->add_option("--samples", request.samples, "paths a receiver of the truth; 1024 otherwise")
         ->check(CLI::Range(16, 1 << 24).description(""))
         ->type_name("N");
+    command->add_option("--open", request.open, "leave out receivers more open to the sky than this share, such as outer walls; 1 otherwise: none")
+        ->check(number_within(0, 1))
+        ->type_name("X");
     command->add_flag_callback("--no-variants", [given] { given->request.variants = false; }, "leave out what each part of DDGI is worth");
     command->add_option("--volume", given->volume, "a parameter of DDGI in place of its default; may be repeated")
         ->allow_extra_args(false)

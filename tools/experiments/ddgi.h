@@ -20,6 +20,7 @@ struct DdgiRequest {
     std::vector<int> probes = {8, 30, 78, 300};     // with clustered transport
     int lightmap = 128;                             // texels a side
     int samples = 1024;                             // of the truth, a receiver
+    double open = 1;                                // receivers that are more open to the sky are left out
     bool variants = true;
     ddgi::VolumeParams volume;                      // what the table does not vary
     probes::BakeParams bake;
@@ -50,13 +51,13 @@ inline constexpr double ddgi_dark = 0.01, ddgi_bright = 0.05;
 
 struct DdgiResult {
     std::string scene;
-    int receivers = 0, lightmap = 0;
+    int receivers = 0, left_out = 0, lightmap = 0;
     int truth_samples = 0;
     double truth_mean = 0, truth_noise = 0;  // luminance, W/m2; noise: relative
     double dark_receivers = 0;               // share of them that are dark in truth
     std::uint64_t truth_rays = 0;
     Image4 truth;                            // lightmap
-    Image<std::uint8_t> receiver_texels;
+    Image<std::uint8_t> receiver_texels;     // of those that are judged
     std::vector<DdgiRow> rows;
 };
 

@@ -65,10 +65,27 @@ Truth truth_of(const Scene& scene, const Folded& receivers, int samples, Rays ra
     return t;
 }
 
+// Receivers of which at most the share `open` of the cosine-weighted hemisphere meets nothing. Outer walls of a house are open:
+// no probe within the bounds stands in front of them.
+std::vector<int> judged_receivers(const Scene& scene, const Folded& receivers, int count, double open, Rays rays, const RunOptions& options) {
+    std::vector<int> judged;
+    Image4 openness(receivers.position.width, receivers.position.height);
+    if (open < 1) {
+        reference::PathParams params;
+        params.mode = reference::Mode::ambient_occlusion, params.samples = 64, params.rays = rays;
+        openness = reference::trace_irradiance(params, *reference::prepare(scene, rays), {&receivers.position, &receivers.normal}, 3, options).mean;
+    }
+    for (int i = 0; i < count; ++i)
+        if (double(openness.texels[std::size_t(i)].x) <= open) judged.push_back(i);
+    if (judged.empty()) throw InputError("--open: no receiver is left");
+    return judged;
+}
+
 // What all rows share.
 class Judge {
   public:
-    Judge(const probes::Receivers& receivers, const Truth& truth) : receivers_(receivers), truth_(luminance(truth.mean)), error_(luminance(truth.error)) {
+    Judge(const probes::Receivers& receivers, std::vector<int> judged, const Truth& truth)
+        : receivers_(receivers), judged_(std::move(judged)), truth_(luminance(truth.mean)), error_(luminance(truth.error)) {
         for (const double t : truth_.texels) mean_ += t / double(truth_.size());
     }
 
@@ -102,14 +119,15 @@ class Judge {
     }
 
   private:
-    // One row of the receivers alone.
+    // One row of those that are judged.
     compare::Plane luminance(const Image4& image) const {
-        Image4 row(receivers_.count(), 1);
-        std::copy_n(image.texels.begin(), receivers_.count(), row.texels.begin());
+        Image4 row(int(judged_.size()), 1);
+        for (std::size_t i = 0; i < judged_.size(); ++i) row.texels[i] = image.texels[std::size_t(judged_[i])];
         return compare::luminances(row);
     }
 
     const probes::Receivers& receivers_;
+    std::vector<int> judged_;
     compare::Plane truth_, error_;
     double mean_ = 0;
 };
@@ -259,14 +277,18 @@ DdgiResult measure_ddgi(const Scene& scene, const DdgiRequest& request, const Ru
     const Folded points = folded(receivers);
     tell(fmt::format("truth of {} receivers", receivers.count()));
     const Truth truth = truth_of(scene, points, request.samples, request.bake.rays, options);
-    const Judge judge(receivers, truth);
-    result.receivers = receivers.count(), result.lightmap = receivers.size.x, result.truth_samples = truth.samples;
+    const std::vector<int> judged = judged_receivers(scene, points, receivers.count(), request.open, request.bake.rays, options);
+    const Judge judge(receivers, judged, truth);
+    result.receivers = int(judged.size()), result.left_out = receivers.count() - result.receivers, result.lightmap = receivers.size.x, result.truth_samples = truth.samples;
     result.truth_rays = truth.rays;
     result.truth_mean = judge.mean(), result.truth_noise = judge.noise(), result.dark_receivers = judge.dark();
     if (!(judge.mean() > 0)) throw InputError(scene.name + ": no light reaches a receiver but straight from lamps");
     result.truth = judge.lightmap(truth.mean);
     result.receiver_texels = Image<std::uint8_t>(receivers.size.x, receivers.size.y);
-    for (const glm::ivec2& t : receivers.texel) result.receiver_texels(t.x, t.y) = 1;
+    for (const int i : judged) {
+        const glm::ivec2 t = receivers.texel[std::size_t(i)];
+        result.receiver_texels(t.x, t.y) = 1;
+    }
 
     const DdgiRuns runs(scene, points, judge, request.bake.rays, options);
     for (const int per_axis : request.grids)

@@ -42,9 +42,10 @@ const std::vector<std::string>& heads() {
 }
 
 std::string introduction(const DdgiResult& r) {
-    return fmt::format("{}: {} receivers on a lightmap of {} texels a side; truth: {} paths each, mean {:.4g} W/m2, noise {:.2f} %, "
+    const std::string left_out = r.left_out > 0 ? fmt::format(" ({} more are left out: open to the sky)", r.left_out) : "";
+    return fmt::format("{}: {} receivers{} on a lightmap of {} texels a side; truth: {} paths each, mean {:.4g} W/m2, noise {:.2f} %, "
                        "{:.2f} % of the receivers dark (below {:g} % of the mean)",
-                       r.scene, r.receivers, r.lightmap, r.truth_samples, r.truth_mean, 100 * r.truth_noise, 100 * r.dark_receivers,
+                       r.scene, r.receivers, left_out, r.lightmap, r.truth_samples, r.truth_mean, 100 * r.truth_noise, 100 * r.dark_receivers,
                        100 * ddgi_dark);
 }
 
@@ -75,7 +76,7 @@ Json ddgi_json(const DdgiResult& result) {
                         {"leaking", r.leaking}, {"black", r.black}, {"places", r.places()}, {"rays_traced", r.traced},
                         {"rays_baked", r.baked}, {"bytes", r.bytes}, {"rounds", r.rounds}, {"seconds", r.seconds},
                         {"seconds_of_bake", r.bake_seconds}});
-    return {{"version", 1}, {"scene", result.scene}, {"receivers", result.receivers}, {"lightmap", result.lightmap},
+    return {{"version", 1}, {"scene", result.scene}, {"receivers", result.receivers}, {"left_out", result.left_out}, {"lightmap", result.lightmap},
             {"truth", {{"samples", result.truth_samples}, {"rays", result.truth_rays}, {"mean", result.truth_mean},
                        {"noise", result.truth_noise}, {"dark", result.dark_receivers}}},
             {"rows", rows}};
