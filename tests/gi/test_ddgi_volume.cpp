@@ -5,7 +5,10 @@
 #include "core/content_hash.h"
 #include "core/error.h"
 #include "core/host_math.h"
+#include "gi/ddgi/blend.h"
 #include "gi/ddgi/volume.h"
+#include "gi/probes/directions.h"
+#include "gi/stability/stability.h"
 #include "random_scene.h"
 
 namespace {
@@ -236,6 +239,44 @@ TEST_CASE("ddgi: at any scale", "[ddgi][scale]") {
         Points points;
         points.add({0.3f * half, -half, 0.1f * half}, {0, 1, 0});
         CHECK(sampled(volume, points)(0, 0).x == Approx(6).epsilon(1e-4));
+    }
+}
+
+TEST_CASE("ddgi: float keeps its budget against double, from 0.2 mm to 2000 km", "[ddgi][stability][scale]") {
+    // Volumes of two rooms; points on both sides of the wall, some within a probe's shadow.
+    for (const float scale : {1e-4f, 1.0f, 1e6f}) {
+        Scene scene = two_rooms(0.1f);
+        for (Vertex& v : scene.meshes[0].vertices) v.position *= scale;
+        scene.lights[0].position *= scale, scene.lights[0].intensity *= scale * scale;
+        const auto lit = probes::lit_scene(scene, Rays::exact);
+        VolumeParams params = small();
+        params.rays = 32, params.rounds = 3;
+        Volume volume(*lit, grid_of(*lit, {4, 2, 2}), params);
+        volume.converge({});
+        Points points;
+        for (int i = 0; i < 64; ++i) {
+            test::Dice dice(std::uint32_t(300 + i));
+            const glm::vec3 x = dice.in_box({-1.9f, -1, -0.9f}, {1.9f, 1, 0.9f});
+            points.add(scale * x, dice.direction());
+        }
+        const auto judged = [&](const StageBinding& binding, const StageData& data) {
+            const stability::Cell cell = stability::evaluate(binding, owned(binding, data), {});
+            CAPTURE(scale, cell.stage, cell.used, cell.condition, cell.nonfinite, cell.reason);
+            CHECK(cell.ok);
+            CHECK_FALSE(cell.refused);
+            CHECK(cell.used > 0);
+        };
+        judged(stage<SampleKernel>(), data_of(volume.sample_inputs(points.position, points.normal, points.normal)));
+        const Buffer<glm::vec4> directions = probes::relight_directions(32);
+        Image4 hits(32, int(volume.probes().size()));
+        for (std::size_t i = 0; i < hits.size(); ++i) hits.texels[i] = glm::vec4(1, 2, float(i % 7), scale * (0.1f + 0.1f * float(i % 13)));
+        for (const bool moments : {false, true}) {
+            BlendInputs in;
+            const Image4& atlas = moments ? volume.moments() : volume.irradiance();
+            in.side = moments ? 16 : 8, in.columns = volume.grid().tiles().x, in.moments = moments, in.sharpness = moments ? 50 : 1;
+            in.hysteresis = 0.3f, in.directions = &directions, in.hits = &hits, in.previous = &atlas;
+            judged(stage<BlendKernel>(), data_of(in));
+        }
     }
 }
 
