@@ -1,6 +1,8 @@
 #include "gi/methods.h"
 
 #include "gi/compose/compose.h"
+#include "gi/ddgi/blend.h"
+#include "gi/ddgi/sample.h"
 #include "gi/direct/direct.h"
 #include "gi/direct/log_blur.h"
 #include "gi/filter/filter.h"
@@ -66,6 +68,9 @@ const std::vector<ListedStage>& stages() {
         listed(stage<probes::ShareKernel>(), false),
         listed(stage<probes::CoefficientsKernel>(), false),
         unbound(probes::info_clusters(), false),
+        listed(stage<ddgi::BlendKernel>(), false),
+        listed(stage<ddgi::BorderKernel>(), false),
+        listed(stage<ddgi::SampleKernel>(), false),
         unbound(raster::info_hemicube(), false),
         unbound(raster::info_texture_space(), false),
     };

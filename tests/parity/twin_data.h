@@ -7,6 +7,8 @@
 #include "core/sh.h"
 #include "core/hash.h"
 #include "gi/compose/compose.h"
+#include "gi/ddgi/blend.h"
+#include "gi/ddgi/sample.h"
 #include "gi/direct/direct.h"
 #include "gi/direct/log_blur.h"
 #include "gi/filter/filter.h"
@@ -509,6 +511,44 @@ inline StageData coefficients_case(glm::ivec2 size, const std::string& id) {
     return named(owned_data(d), id);
 }
 
+// ---- DDGI ------------------------------------------------------------------------------------------------------------
+
+// Tiles of half a row; the last tile has no probe, and the atlas ends within tiles.
+inline StageData ddgi_blend_case(glm::ivec2 size, int side, bool moments, float hysteresis, const std::string& id) {
+    const int columns = std::max(1, size.x / (side + 2) - 1), rows = (size.y + side + 1) / (side + 2), rays = 13;
+    Buffer<glm::vec4> directions = scattered(rays, 91);
+    for (glm::vec4& d : directions) d = glm::vec4(normalize3<float>(2.0f * glm::vec3(d) - 1.0f), 0);
+    const Image4 previous = noise_image(size, 92, 0, 3);
+    const Image4 hits = noise_image({rays, std::max(1, columns * rows - 1)}, 93, 0, 4);
+    ddgi::BlendInputs in;
+    in.side = side, in.columns = columns, in.moments = moments, in.sharpness = moments ? 50 : 1, in.hysteresis = hysteresis;
+    in.scale = moments ? 1.0f : 3.14159265f, in.farthest = 3;
+    in.directions = &directions, in.hits = &hits, in.previous = &previous;
+    return named(owned_data(ddgi::data_of(in)), id);
+}
+inline StageData ddgi_border_case(glm::ivec2 size, int side, const std::string& id) {
+    const Image4 atlas = noise_image(size, 94, -1, 1);
+    return named(owned_data(ddgi::data_of(ddgi::BorderInputs{side, &atlas})), id);
+}
+// Points within the grid, beyond it, a kilometre away, and none.
+inline StageData ddgi_sample_case(glm::ivec2 size, bool by_eye, const ddgi::Weighing& weighing, const std::string& id) {
+    const Points p = room(size, 95);
+    ddgi::SampleInputs in;
+    in.grid = {{3, 2, 2}, {-1.5f, -0.3f, -2.6f}, {1.3f, 1.1f, 0.9f}};
+    in.weighing = weighing, in.side = 6, in.depth_side = 8;
+    Image4 view = noise_image(size, 96, -1, 1);
+    for (glm::vec4& v : view.texels) v = glm::vec4(normalize3<float>(glm::vec3(v)), 0);
+    const Image4 irradiance = noise_image(in.grid.atlas_size(in.side), 97, 0, 9);
+    Image4 moments = noise_image(in.grid.atlas_size(in.depth_side), 98, 0, 1);
+    for (glm::vec4& m : moments.texels) {
+        const float mean = 0.3f + 2 * m.x;
+        m = glm::vec4(mean, mean * mean + 0.4f * m.y, 0, 0);
+    }
+    in.position = &p.position, in.normal = &p.normal, in.view = by_eye ? nullptr : &view, in.eye = {1, 2, 3};
+    in.irradiance = &irradiance, in.moments = &moments;
+    return named(owned_data(ddgi::data_of(in)), id);
+}
+
 // Every compute stage, in every variant of it that is a branch of its own.
 inline std::vector<StageData> compute_cases(glm::ivec2 size) {
     using namespace direct;
@@ -563,6 +603,12 @@ inline std::vector<StageData> compute_cases(glm::ivec2 size) {
     cases.push_back(share_case(size, false, "probes.share"));
     cases.push_back(share_case(size, true, "probes.share.published"));
     cases.push_back(coefficients_case(size, "probes.coefficients"));
+    cases.push_back(ddgi_blend_case(size, 4, false, 0.25f, "ddgi.blend"));
+    cases.push_back(ddgi_blend_case(size, 6, true, 0, "ddgi.blend.moments"));
+    cases.push_back(ddgi_border_case(size, 5, "ddgi.border"));
+    cases.push_back(ddgi_sample_case(size, false, {.normal_bias = 0.05f, .view_bias = 0.2f, .scale = 1.5f}, "ddgi.sample"));
+    cases.push_back(ddgi_sample_case(size, true, {.wrapped = false, .root = true, .view_bias = 0.1f}, "ddgi.sample.root"));
+    cases.push_back(ddgi_sample_case(size, true, {.visibility = false}, "ddgi.sample.blind"));
     for (StageData& data : isr_cases(size)) cases.push_back(std::move(data));
     return cases;
 }
