@@ -123,7 +123,7 @@ TEST_CASE("probe-ladder: constant radiance in a closed room is pi L at every ste
         // 128 rays integrate constants times harmonics to degree 7 exactly, 64 to degree 4 alone.
         CHECK(s.errors(probes::relight_weights(s.seen.directions, 128)).step_rms[step_relight] < 1e-6);
         const double at_64 = s.errors(probes::relight_weights(s.seen.directions, 64)).step_rms[step_relight];
-        degree <= 4 ? CHECK(at_64 < 1e-6) : CHECK(at_64 > 1e-3);
+        CHECK((degree <= 4 ? at_64 < 1e-6 : at_64 > 1e-3));
         // With 4 pi / N the first coefficient alone is right.
         const double equal = s.errors(equal_weights(512)).step_rms[step_relight];
         if (degree == 0) CHECK(equal < 1e-6);

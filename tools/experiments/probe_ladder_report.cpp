@@ -23,7 +23,8 @@ int flat_from(const std::vector<std::pair<double, double>>& cost_and_error) {
     for (std::size_t a = 0; a < cost_and_error.size(); ++a) {
         bool pays = false;
         for (std::size_t b = a + 1; b < cost_and_error.size(); ++b) {
-            const auto &[cost_a, error_a] = cost_and_error[a], &[cost_b, error_b] = cost_and_error[b];
+            const auto& [cost_a, error_a] = cost_and_error[a];
+            const auto& [cost_b, error_b] = cost_and_error[b];
             pays = pays || (error_b < error_a && error_a * cost_a >= error_b * cost_b);
         }
         if (!pays) return int(a);
