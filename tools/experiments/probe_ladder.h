@@ -58,6 +58,14 @@ int flat_from(const std::vector<std::pair<double, double>>& cost_and_error);
 // Which rungs no other beats in cost and error.
 std::vector<bool> on_front(const std::vector<std::pair<double, double>>& cost_and_error);
 
+// Where the curve of an axis flattens, in words: by cost, and against the other steps.
+struct LadderFlat {
+    std::string axis, line;
+    std::string seconds, bytes, products;  // the first rung from which on none halves the whole error for twice the cost
+    std::string settled;                   // the first from which on the axis' own step makes less than 5 % of the error
+};
+std::vector<LadderFlat> flats_of(const Ladder& ladder);
+
 std::string ladder_text(const Ladder& ladder);
 std::string ladder_json(const Ladder& ladder);
 std::string ladder_html(const Ladder& ladder, const std::string& command);

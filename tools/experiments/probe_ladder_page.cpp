@@ -40,6 +40,12 @@ constexpr Axis axes[] = {
      "A bilinear lookup of each lightmap where the finest has its receivers. Lookup: what interpolating adds to the finest one's error."},
 };
 
+std::string title_of(const std::string& axis) {
+    for (const Axis& a : axes)
+        if (axis == a.name) return a.title;
+    return "Several at once";
+}
+
 std::string percent(double share) { return fmt::format("{:.3g} %", 100 * share); }
 
 std::vector<std::pair<std::string, std::string>> values_of(const LadderRung& r) {
@@ -56,6 +62,8 @@ std::vector<std::pair<std::string, std::string>> values_of(const LadderRung& r) 
     return values;
 }
 
+constexpr double least_drawn = 1e-4;  // steps below it would stretch the axes: rounding is 1e-6
+
 using Figure = double (*)(const LadderRung&);
 
 class LadderPage {
@@ -66,6 +74,7 @@ class LadderPage {
     std::string html(const std::string& command) {
         introduce();
         add_fronts();
+        add_flats();
         for (const Axis& axis : axes) add_axis(axis);
         page_.heading("How it was measured", "how");
         page_.raw(fmt::format("<p><code>{}</code></p>\n", page::escaped(command)));
@@ -97,7 +106,8 @@ class LadderPage {
                             {about[s]},
                             {percent(d.errors.step_rms[s]), true, most > 0 ? d.errors.step_rms[s] / most : -1},
                             {percent(d.errors.step_bias[s]), true}});
-        page_.table(rows, "The default's error by its steps. They add up with their signs, receiver by receiver.");
+        page_.table(rows, "The default's error by its steps. They add up with their signs, receiver by receiver. Steps below 0.01 % are not "
+                          "drawn in the charts below.");
     }
 
     static ChartPoint point(const LadderRung& r, double x, double share) { return {x, 100 * share, values_of(r)}; }
@@ -134,14 +144,35 @@ class LadderPage {
             chart.lines.push_back({"default", {point(d, front.cost(d), d.errors.rms)}, Line::points});
             for (const LadderRung* r : whole) {
                 if (r->is_default) continue;
-                auto line = std::find_if(chart.lines.begin(), chart.lines.end(), [&](const ChartLine& l) { return l.name == r->axis; });
-                if (line == chart.lines.end()) line = chart.lines.insert(line, {r->axis, {}, Line::points});
+                const std::string name = title_of(r->axis);
+                auto line = std::find_if(chart.lines.begin(), chart.lines.end(), [&](const ChartLine& l) { return l.name == name; });
+                if (line == chart.lines.end()) line = chart.lines.insert(line, {name, {}, Line::points});
                 line->points.push_back(point(*r, front.cost(*r), r->errors.rms));
             }
             whole.push_back(&d), points.push_back({front.cost(d), d.errors.rms});
             chart.lines.push_back(front_line(points));
             page_.chart(chart);
         }
+    }
+
+    void add_flats() {
+        page_.heading("Where each curve flattens", "flat");
+        std::vector<std::vector<Cell>> rows = {{{"number"}, {"default", true}, {"by bytes", true}, {"by seconds", true}, {"by relighting", true},
+                                                {"its own step", true}}};
+        for (const LadderFlat& f : flats_of(ladder_)) {
+            std::string own;
+            for (const LadderRung& r : ladder_.rungs)
+                if (r.axis == f.axis && r.line == f.line && r.is_default) own = fmt::format("{:g}", r.value);
+            rows.push_back({{f.axis + (f.line == f.axis ? "" : ", " + f.line), false, -1, "", "#" + f.axis},
+                            {own, true},
+                            {f.bytes, true},
+                            {f.seconds, true},
+                            {f.products, true},
+                            {f.settled, true}});
+        }
+        page_.table(rows,
+                    "From which rung on no other halves the whole error for at most twice the cost. Its own step: from which rung on what "
+                    "the number governs makes less than 5 % of the whole error.");
     }
 
     static ChartLine front_line(const std::vector<std::pair<double, double>>& points) {
@@ -173,8 +204,9 @@ class LadderPage {
             chart.lines.push_back(whole);
             for (std::size_t s = 0; s < ladder_steps; ++s) {
                 ChartLine step{ladder_step_names[s]};
-                for (const LadderRung* r : rungs) step.points.push_back(point(*r, r->value, r->errors.step_rms[s]));
-                chart.lines.push_back(step);
+                for (const LadderRung* r : rungs)
+                    if (r->errors.step_rms[s] >= least_drawn) step.points.push_back(point(*r, r->value, r->errors.step_rms[s]));
+                if (!step.points.empty()) chart.lines.push_back(step);
             }
             ChartLine others{"other sets", {}, Line::points};
             for (const LadderRung* r : rungs)

@@ -95,28 +95,28 @@ constexpr NamedCost costs[] = {{"seconds", [](const LadderRung& r) { return r.se
                                {"bytes", [](const LadderRung& r) { return double(r.bytes); }},
                                {"products", [](const LadderRung& r) { return r.products; }}};
 
-// "seconds from 64 on, bytes from 8 on"
-std::string flat_text(const std::vector<const LadderRung*>& line) {
-    std::string text;
-    for (const NamedCost& cost : costs) {
-        std::vector<std::pair<double, double>> points;
-        for (const LadderRung* r : line) points.push_back({cost.of(*r), r->errors.rms});
-        const int at = flat_from(points);
-        if (at >= 0) text += fmt::format("{}{} from {:g} on", text.empty() ? "" : ", ", cost.name, line[std::size_t(at)]->value);
-    }
-    return text;
+std::string flat_at(const std::vector<const LadderRung*>& line, const NamedCost& cost) {
+    std::vector<std::pair<double, double>> points;
+    for (const LadderRung* r : line) points.push_back({cost.of(*r), r->errors.rms});
+    return fmt::format("{:g}", line[std::size_t(flat_from(points))]->value);
 }
 
-// The first rung from which on the axis' own step is less than 5 % of the whole error.
-std::string settled_text(const std::string& axis, const std::vector<const LadderRung*>& line) {
+std::string settled_at(const std::string& axis, const std::vector<const LadderRung*>& line) {
     const LadderStep step = own_step(axis);
     if (step == ladder_steps) return "";
     for (const LadderRung* r : line) {
         const double own = r->errors.step_rms[step], all = r->errors.rms;
-        if (own * own <= (1 - 0.95 * 0.95) * all * all)
-            return fmt::format("; without its own step ({}) the error falls by less than 5 % from {:g} on", ladder_step_names[step], r->value);
+        if (own * own <= (1 - 0.95 * 0.95) * all * all) return fmt::format("{:g}", r->value);
     }
-    return fmt::format("; its own step ({}) counts at every rung", ladder_step_names[step]);
+    return "never";
+}
+
+std::string flat_text(const LadderFlat& f) {
+    std::string text = fmt::format("from there on no rung halves the error for twice the cost: {} by seconds, {} by bytes, {} by products",
+                                   f.seconds, f.bytes, f.products);
+    if (!f.settled.empty()) text += fmt::format("; its own step ({}) makes less than 5 % of the error from: {}",
+                                                ladder_step_names[own_step(f.axis)], f.settled);
+    return text + "\n";
 }
 
 std::string front_text(const Ladder& ladder, const NamedCost& cost) {
@@ -147,6 +147,17 @@ std::string front_text(const Ladder& ladder, const NamedCost& cost) {
 
 }  // namespace
 
+std::vector<LadderFlat> flats_of(const Ladder& ladder) {
+    std::vector<LadderFlat> flats;
+    for (const std::string& axis : ladder_axes) {
+        if (axis == "products" || axis == "placement") continue;
+        for (const auto& [line, rungs] : lines_of(ladder, axis))
+            flats.push_back({axis, line, flat_at(rungs, costs[0]), flat_at(rungs, costs[1]), flat_at(rungs, costs[2]),
+                             settled_at(axis, rungs)});
+    }
+    return flats;
+}
+
 std::string ladder_text(const Ladder& ladder) {
     std::string text = fmt::format(
         "{}: {} receivers, {} probes; held against {} receivers of {} rays each, known to {:.2g} %; the step degree to {:.2g} %\n"
@@ -154,13 +165,15 @@ std::string ladder_text(const Ladder& ladder) {
         "M products: multiply-adds of one relighting, a channel; s: wall time of one run\n",
         io::stem_of(ladder.scene), ladder.receivers, ladder.probes, ladder.checked, ladder.request.truth_rays, 100 * ladder.uncertainty,
         100 * ladder.many_uncertainty);
+    const std::vector<LadderFlat> flats = flats_of(ladder);
     for (const std::string& axis : ladder_axes)
         for (const auto& [line, rungs] : lines_of(ladder, axis)) {
             text += fmt::format("\n{}{}\n\n", axis, line == axis ? "" : ", " + line);
             std::vector<std::vector<std::string>> rows;
             for (const LadderRung* r : rungs) rows.push_back(row_of(*r));
             text += format_table(heads(), rows);
-            if (axis != "products" && axis != "placement") text += fmt::format("none halves the error for twice the {}{}\n", flat_text(rungs), settled_text(axis, rungs));
+            for (const LadderFlat& f : flats)
+                if (f.axis == axis && f.line == line) text += flat_text(f);
         }
     for (const NamedCost& cost : costs) text += front_text(ladder, cost);
     for (const std::string& left : ladder.left_out) text += "\nleft out: " + left;
