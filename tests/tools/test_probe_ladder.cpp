@@ -19,7 +19,7 @@ constexpr double pi = host::pi;
 Scene room(bool wall = false) {
     Mesh mesh;
     test::add_box(mesh, glm::vec3(-2), glm::vec3(2), 0, true);
-    if (wall) test::add_box(mesh, {-0.1f, -2.5f, -2.5f}, {0.1f, 2.5f, 2.5f}, 0);
+    if (wall) test::add_box(mesh, {-0.1f, -2, -2}, {0.1f, 2, 2}, 0);
     Scene scene;
     scene.materials.resize(1);
     scene.meshes = {mesh};
@@ -100,7 +100,8 @@ TEST_CASE("probe-ladder: the truth is a closed form's, within its uncertainty", 
     REQUIRE(on_floor > 30);
     // Of two halves the root mean square difference is the standard error's twofold; sets that are uniform do better together.
     CHECK(std::sqrt(squares) < 1.5 * std::sqrt(uncertainty));
-    CHECK(std::sqrt(squares / on_floor) < 1e-3);
+    // Of a step, sets that are uniform know the integral to about N^(-3/4).
+    CHECK(std::sqrt(squares / on_floor) < pi * 1.2e-3);
     CHECK(uncertainty > 0);
 }
 
@@ -249,7 +250,7 @@ TEST_CASE("probe-ladder: full rank loses nothing, and a cut as much as its singu
 
 TEST_CASE("probe-ladder: light that surfaces send is a lamp's, with shadows", "[probe_ladder][analytic]") {
     Scene scene = room();
-    test::add_box(scene.meshes[0], {-0.5f, 0.5f, -0.5f}, {0.5f, 0.6f, 0.5f}, 0);
+    test::add_box(scene.meshes[0], {-0.1f, 0.5f, -0.1f}, {0.1f, 0.6f, 0.1f}, 0);
     scene.materials[0].reflectance = {0.5f, 0.25f, 0.75f}, scene.materials[0].emission = {0.125f, 0.25f, 0};
     scene.environment.radiance = {1, 2, 3};
     Light& lamp = scene.lights.emplace_back();
@@ -293,7 +294,7 @@ TEST_CASE("probe-ladder: a lookup of a linear lightmap is linear", "[probe_ladde
     params.receivers_per_m2 = 37;
     const probes::Bake fine = bake(scene, params);
     REQUIRE(fine.receivers.count() > 4 * coarse.receivers.count());
-    const auto linear = [](const glm::vec4& p) { return 1 + 0.3 * double(p.x) - 0.2 * double(p.y) + 0.1 * double(p.z); };
+    const auto linear = [](const glm::vec4& p) { return 3 + 0.3 * double(p.x) - 0.2 * double(p.y) + 0.1 * double(p.z); };
     std::vector<float> values;
     for (const glm::vec4& p : coarse.receivers.position) values.push_back(float(linear(p)));
     const std::vector<double> found = looked_up(world, coarse, values, fine.receivers);
