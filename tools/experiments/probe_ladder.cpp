@@ -22,6 +22,7 @@ struct LadderOptions {
     LadderRequest request;
     std::vector<std::string> axes;
     std::string output, html;
+    bool without_sky = false;
 };
 
 int run_ladder(LadderOptions given) {
@@ -31,12 +32,14 @@ int run_ladder(LadderOptions given) {
         given.request.axes.insert(axis);
     }
     if (given.request.truth_rays % 2 != 0) throw InputError("--truth-rays: expected an even number");
-    const Scene scene = load(given.scene);
+    Scene scene = load(given.scene);
+    if (given.without_sky) scene.environment = {};
     const probes::BakeParams params = settings_of(scene, given.scene).probes;
     const Ladder ladder = climb(scene, params, given.request, given.common.run_options(), show_progress);
     show_progress("");
     std::string command = "plumb experiment probe-ladder " + given.scene.file;
     for (const std::string& set : given.scene.sets) command += " --set " + set;
+    if (given.without_sky) command += " --without-sky";
     const std::string text = ladder_text(ladder);
     if (!given.output.empty()) io::write_text(given.output, text);
     if (!given.html.empty()) io::write_text(given.html, ladder_html(ladder, command));
@@ -64,6 +67,7 @@ void add_probe_ladder(CLI::App& experiment, Action& action) {
     command->add_option("--most-probes", given->request.most_probes, "the last rung of that axis; 512 otherwise")
         ->check(CLI::Range(1, 1 << 16).description(""))
         ->type_name("N");
+    command->add_flag("--without-sky", given->without_sky, "the environment sends nothing: what surfaces send, alone");
     command->add_option("--set", given->scene.sets, "probes.key=value in place of the scene file's; may be repeated")
         ->allow_extra_args(false)
         ->type_name("T.K=V");

@@ -61,7 +61,7 @@ std::vector<bool> on_front(const std::vector<std::pair<double, double>>& cost_an
 // Where the curve of an axis flattens, in words: by cost, and against the other steps.
 struct LadderFlat {
     std::string axis, line;
-    std::string seconds, bytes, products;  // the first rung from which on none halves the whole error for twice the cost
+    std::string rays, seconds, bytes, products;  // the first rung from which on none halves the whole error for twice the cost
     std::string settled;                   // the first from which on the axis' own step makes less than 5 % of the error
 };
 std::vector<LadderFlat> flats_of(const Ladder& ladder);

@@ -300,28 +300,29 @@ class Climber {
         for (const double more : {0.25, 1.0, 4.0, 16.0}) {
             const int count = int(more * out_.probes);
             if (count < 1 || (more > 1 && count > out_.request.most_probes)) continue;
-            for (const int degree : {3, 5, 7}) {
-                Params p = params_;
-                p.degree = degree;
-                std::string settings = fmt::format("probes.degree={}", degree);
-                if (more != 1) p.placement.count = count, settings = fmt::format("probes.count={} {}", count, settings);
-                const std::string line = fmt::format("{} probes", count);
-                const bool whole = more == 1 && degree == params_.degree;
-                const std::optional<LadderBaked> made = whole ? base() : climb("products", line, degree, p, settings);
-                if (!made) continue;
-                for (const int values : {8, 16, 32}) {
-                    Params other = p;
-                    other.singular_values = values, other.by_size_only = true;
-                    add(measure_.rung_of(measure_.cut_again(*made, other), "products", line + ", by size alone", degree,
-                                fmt::format("{} probes.singular_values={} probes.by_size_only=true", settings, values)));
+            Params p = params_;
+            p.placement.count = count;
+            const std::string probes = fmt::format("probes.count={}", count);
+            for (const int overlaps : {3, params_.placement.overlaps})
+                for (const int degree : {3, 5, 7}) {
+                    p.placement.overlaps = overlaps, p.degree = degree;
+                    climb_cuts(p, fmt::format("{} probes.overlaps={} probes.degree={}", probes, overlaps, degree));
                 }
-            }
-            for (const int rays : {128, 2048}) {
-                Params p = params_;
-                p.receiver_rays = rays, p.placement.count = count;
-                climb("products", fmt::format("{} rays", rays), count, p, fmt::format("probes.count={} probes.receiver_rays={}", count, rays));
-            }
+            p.placement.overlaps = 3, p.degree = params_.degree, p.receiver_rays = 128;
+            climb_cuts(p, probes + " probes.overlaps=3 probes.receiver_rays=128");
         }
+    }
+
+    // One transport, cut in three ways.
+    void climb_cuts(const Params& params, const std::string& settings) {
+        const std::optional<LadderBaked> made = climb("products", "products", 0, params, settings);
+        if (!made) return;
+        Params cut = params;
+        cut.threshold = std::min(1.0f, 6 * params.threshold);
+        add(measure_.rung_of(measure_.cut_again(*made, cut), "products", "products", 0,
+                             fmt::format("{} probes.threshold={:g}", settings, cut.threshold)));
+        cut.by_size_only = true;
+        add(measure_.rung_of(measure_.cut_again(*made, cut), "products", "products", 0, settings + " probes.by_size_only=true"));
     }
 
     const Params& params_;

@@ -128,6 +128,7 @@ class LadderPage {
         };
         const Front fronts[] = {
             {"Error against the file's size", "MB", [](const LadderRung& r) { return double(r.bytes) / 1e6; }},
+            {"Error against the rays of the bake", "million rays", [](const LadderRung& r) { return double(r.rays) / 1e6; }},
             {"Error against the bake's time", "s, one run", [](const LadderRung& r) { return r.seconds; }},
             {"Error against the cost of a relighting", "million multiply-adds, a channel", [](const LadderRung& r) { return r.products / 1e6; }}};
         page_.heading("Is the default on the front?", "fronts");
@@ -157,7 +158,7 @@ class LadderPage {
 
     void add_flats() {
         page_.heading("Where each curve flattens", "flat");
-        std::vector<std::vector<Cell>> rows = {{{"number"}, {"default", true}, {"by bytes", true}, {"by seconds", true}, {"by relighting", true},
+        std::vector<std::vector<Cell>> rows = {{{"number"}, {"default", true}, {"by bytes", true}, {"by rays", true}, {"by seconds", true}, {"by relighting", true},
                                                 {"its own step", true}}};
         for (const LadderFlat& f : flats_of(ladder_)) {
             std::string own;
@@ -166,6 +167,7 @@ class LadderPage {
             rows.push_back({{f.axis + (f.line == f.axis ? "" : ", " + f.line), false, -1, "", "#" + f.axis},
                             {own, true},
                             {f.bytes, true},
+                            {f.rays, true},
                             {f.seconds, true},
                             {f.products, true},
                             {f.settled, true}});

@@ -65,8 +65,7 @@ std::vector<Column> heads() {
 }
 
 std::vector<std::string> row_of(const LadderRung& r) {
-    std::vector<std::string> row = {fmt::format("{}{}{}", r.axis == "default" ? "" : fmt::format("{:g}", r.value),
-                                                r.is_default ? " (default)" : "", r.axis == "products" ? " " + r.settings : "")};
+    std::vector<std::string> row = {fmt::format("{}{}", r.axis == "products" ? r.settings : fmt::format("{:g}", r.value), r.is_default ? " (default)" : "")};
     const LadderErrors& e = r.errors;
     row.push_back(percent(e.rms)), row.push_back(fmt::format("{:+.2f}", 100 * e.bias));
     row.push_back(percent(e.p95)), row.push_back(percent(e.black));
@@ -91,7 +90,8 @@ struct NamedCost {
     const char* name;
     Cost of;
 };
-constexpr NamedCost costs[] = {{"seconds", [](const LadderRung& r) { return r.seconds; }},
+constexpr NamedCost costs[] = {{"rays", [](const LadderRung& r) { return double(r.rays); }},
+                               {"seconds", [](const LadderRung& r) { return r.seconds; }},
                                {"bytes", [](const LadderRung& r) { return double(r.bytes); }},
                                {"products", [](const LadderRung& r) { return r.products; }}};
 
@@ -112,8 +112,8 @@ std::string settled_at(const std::string& axis, const std::vector<const LadderRu
 }
 
 std::string flat_text(const LadderFlat& f) {
-    std::string text = fmt::format("from there on no rung halves the error for twice the cost: {} by seconds, {} by bytes, {} by products",
-                                   f.seconds, f.bytes, f.products);
+    std::string text = fmt::format("from there on no rung halves the error for twice the cost: {} by rays, {} by seconds, {} by bytes, {} by products",
+                                   f.rays, f.seconds, f.bytes, f.products);
     if (!f.settled.empty()) text += fmt::format("; its own step ({}) makes less than 5 % of the error from: {}",
                                                 ladder_step_names[own_step(f.axis)], f.settled);
     return text + "\n";
@@ -136,11 +136,11 @@ std::string front_text(const Ladder& ladder, const NamedCost& cost) {
     for (const std::size_t i : order) {
         const LadderRung& r = *whole[i];
         rows.push_back({r.axis == "default" ? "default" : r.settings, percent(r.errors.rms), percent(r.errors.black),
-                        fmt::format("{:.2f}", r.seconds), fmt::format("{:.2f}", double(r.bytes) / 1e6),
+                        fmt::format("{:.2f}", double(r.rays) / 1e6), fmt::format("{:.2f}", r.seconds), fmt::format("{:.2f}", double(r.bytes) / 1e6),
                         fmt::format("{:.2f}", r.products / 1e6), front[i] ? "" : "beaten"});
     }
     return fmt::format("\nerror against {}: what nothing beats, and the default\n\n", cost.name) +
-           format_table({{"setting"}, {"rms %", Align::right}, {"black %", Align::right}, {"s", Align::right}, {"MB", Align::right},
+           format_table({{"setting"}, {"rms %", Align::right}, {"black %", Align::right}, {"M rays", Align::right}, {"s", Align::right}, {"MB", Align::right},
                          {"M products", Align::right}, {""}},
                         rows);
 }
@@ -152,7 +152,7 @@ std::vector<LadderFlat> flats_of(const Ladder& ladder) {
     for (const std::string& axis : ladder_axes) {
         if (axis == "products" || axis == "placement") continue;
         for (const auto& [line, rungs] : lines_of(ladder, axis))
-            flats.push_back({axis, line, flat_at(rungs, costs[0]), flat_at(rungs, costs[1]), flat_at(rungs, costs[2]),
+            flats.push_back({axis, line, flat_at(rungs, costs[0]), flat_at(rungs, costs[1]), flat_at(rungs, costs[2]), flat_at(rungs, costs[3]),
                              settled_at(axis, rungs)});
     }
     return flats;
