@@ -33,8 +33,8 @@ struct LadderRung {
     double products = 0;                 // multiply-adds of the run time a relighting, a channel
     LadderErrors errors;
     double tail = -1;                    // Frobenius error of the clusters, as their singular values say; -1: not asked
-    std::vector<double> others;          // the axis' own step, rms, by other sets of directions
-    double lookup = -1;                  // of a lightmap of another size: rms of what interpolating adds; -1: none
+    std::vector<double> others;          // the axis' own step, local, by other sets of directions
+    double lookup = -1;                  // of a lightmap of another size: local, what interpolating adds; -1: none
 };
 
 struct Ladder {
@@ -42,8 +42,8 @@ struct Ladder {
     LadderRequest request;
     probes::BakeParams params;
     int receivers = 0, probes = 0, checked = 0;  // of the default
-    double mean = 0, uncertainty = 0;    // of the truth, W/m2; relative
-    double many_uncertainty = 0;         // of the step `degree` by the many relight rays, relative
+    double mean = 0, uncertainty = 0;    // of the truth, W/m2; local
+    double many_uncertainty = 0;         // of the step `degree` by the many relight rays, local
     std::vector<LadderRung> rungs;       // the default alone is the first
     std::vector<std::string> left_out;   // "probes = 512: ..."
 };

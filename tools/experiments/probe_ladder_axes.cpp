@@ -49,7 +49,7 @@ class Climber {
         const LadderTransport& transport = measure_.transport_of(b);
         const std::vector<double> half = lambda_in_double(placed.light, measure_.weights(placed.light.rays() / 2), options_);
         out_.many_uncertainty =
-            relative_rms(checked(), minus(uncut(transport, placed.many, params_.degree), uncut(transport, half, params_.degree)));
+            local_rms(checked(), minus(uncut(transport, placed.many, params_.degree), uncut(transport, half, params_.degree)));
         if (asked("probes")) climb_probes();
         if (asked("overlaps")) climb_overlaps();
         if (asked("degree")) climb_degree();
@@ -154,7 +154,7 @@ class Climber {
                 LadderRung r = measure_.rung_of(baked, "relight", quadrature ? "quadrature weights" : "4 pi / N", n, settings, quadrature);
                 for (const ProbeLight& light : turned) {
                     const Buffer<float> w = quadrature ? probes::relight_weights(light.directions, n) : equal_weights(n);
-                    r.others.push_back(relative_rms(
+                    r.others.push_back(local_rms(
                         checked(), minus(uncut(transport, lambda_in_double(light, w, options_), params_.degree), by_many)));
                 }
                 r.is_default = quadrature && n == params_.relight_rays;
@@ -190,7 +190,7 @@ class Climber {
             for (std::size_t i = 0; i < prefixes.size(); ++i)
                 for (LadderRung& r : out_.rungs)
                     if (r.axis == "rays" && int(r.value) == prefixes[i])
-                        r.others.push_back(relative_rms(checked(), minus(by[i], checked().truth)));
+                        r.others.push_back(local_rms(checked(), minus(by[i], checked().truth)));
         }
     }
 
@@ -258,7 +258,7 @@ class Climber {
                 steps.value = looked_up(measure_.world(), made.bake, irradiance, fine.receivers);
                 for (std::vector<double>& added : steps.added) added.assign(steps.value.size(), 0);
                 r.errors = errors_of(fine, steps);
-                r.lookup = relative_rms(fine, minus(steps.value, own));
+                r.lookup = local_rms(fine, minus(steps.value, own));
                 rungs.push_back(r);
             } catch (const InputError& e) {
                 out_.left_out.push_back(fmt::format("{}: {}", settings, e.what()));

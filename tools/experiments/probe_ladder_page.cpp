@@ -50,11 +50,12 @@ std::string percent(double share) { return fmt::format("{:.3g} %", 100 * share);
 
 std::vector<std::pair<std::string, std::string>> values_of(const LadderRung& r) {
     std::vector<std::pair<std::string, std::string>> values = {{"setting", r.is_default ? "default" : r.settings},
-                                                               {"rms", percent(r.errors.rms)},
+                                                               {"error, local", percent(r.errors.local)},
+                                                               {"rms of the mean", percent(r.errors.rms)},
                                                                {"bias", percent(r.errors.bias)},
                                                                {"black though lit", percent(r.errors.black)}};
     if (r.axis != "receivers")
-        for (std::size_t s = 0; s < ladder_steps; ++s) values.push_back({ladder_step_names[s], percent(r.errors.step_rms[s])});
+        for (std::size_t s = 0; s < ladder_steps; ++s) values.push_back({ladder_step_names[s], percent(r.errors.step_local[s])});
     if (r.bytes == 0) return values;
     values.push_back({"bake", fmt::format("{:.3g} s, {:.3g} M rays", r.seconds, double(r.rays) / 1e6)});
     values.push_back({"file", fmt::format("{:.3g} MB", double(r.bytes) / 1e6)});
@@ -91,20 +92,20 @@ class LadderPage {
     void introduce() {
         const LadderRung& d = ladder_.rungs.front();
         page_.paragraph(fmt::format(
-            "Errors of the irradiance that probes bring, against a sum over rays that knows no probes: root mean square over receivers, in "
-            "% of the mean irradiance. The default has {} probes, {} clusters, {:.3g} MB, and errs by {}; {} of what is lit is black.",
-            d.probes, d.clusters, double(d.bytes) / 1e6, percent(d.errors.rms), percent(d.errors.black)));
-        std::vector<std::vector<Cell>> rows = {{{"step"}, {"what it leaves out"}, {"rms of what it adds", true}, {"bias", true}}};
+            "Errors of the irradiance that probes bring, against a sum over rays that knows no probes: root mean square over receivers of "
+            "the error over the receiver's own truth plus the mean, so that a few that are very bright do not stand for all. The default has {} probes, {} clusters, {:.3g} MB, and errs by {}; {} of what is lit is black.",
+            d.probes, d.clusters, double(d.bytes) / 1e6, percent(d.errors.local), percent(d.errors.black)));
+        std::vector<std::vector<Cell>> rows = {{{"step"}, {"what it leaves out"}, {"what it adds", true}, {"bias", true}}};
         const char* about[ladder_steps] = {
             "all directions but those of the receiver's rays", "what no supporting probe sees",
             "what harmonics of this degree do not show", "what a probe's relight rays do not meet",
             "singular values beyond those that are kept", "digits beyond those of a float"};
         double most = 0;
-        for (const double rms : d.errors.step_rms) most = std::max(most, rms);
+        for (const double rms : d.errors.step_local) most = std::max(most, rms);
         for (std::size_t s = 0; s < ladder_steps; ++s)
             rows.push_back({{ladder_step_names[s]},
                             {about[s]},
-                            {percent(d.errors.step_rms[s]), true, most > 0 ? d.errors.step_rms[s] / most : -1},
+                            {percent(d.errors.step_local[s]), true, most > 0 ? d.errors.step_local[s] / most : -1},
                             {percent(d.errors.step_bias[s]), true}});
         page_.table(rows, "The default's error by its steps. They add up with their signs, receiver by receiver. Steps below 0.01 % are not "
                           "drawn in the charts below.");
@@ -116,7 +117,7 @@ class LadderPage {
     static void add_default(Chart& chart, const std::vector<const LadderRung*>& rungs, Figure x) {
         for (const LadderRung* r : rungs)
             if (r->is_default) {
-                chart.lines.insert(chart.lines.begin(), {"default", {point(*r, x(*r), r->errors.rms)}, Line::points});
+                chart.lines.insert(chart.lines.begin(), {"default", {point(*r, x(*r), r->errors.local)}, Line::points});
                 return;
             }
     }
@@ -134,23 +135,23 @@ class LadderPage {
         page_.heading("Is the default on the front?", "fronts");
         page_.paragraph("Every setting that was measured, by what it costs. The dashed line is the front: no setting below it was found.");
         for (const Front& front : fronts) {
-            Chart chart{front.title, front.x, "rms, % of the mean irradiance", true, true, {}};
+            Chart chart{front.title, front.x, "error, % of local truth + mean", true, true, {}};
             std::vector<std::pair<double, double>> points;
             std::vector<const LadderRung*> whole;
             for (const LadderRung& r : ladder_.rungs) {
                 if (r.bytes == 0 || r.axis == "receivers" || r.axis == "default" || (r.axis == "relight" && r.line != "quadrature weights")) continue;
-                whole.push_back(&r), points.push_back({front.cost(r), r.errors.rms});
+                whole.push_back(&r), points.push_back({front.cost(r), r.errors.local});
             }
             const LadderRung& d = ladder_.rungs.front();
-            chart.lines.push_back({"default", {point(d, front.cost(d), d.errors.rms)}, Line::points});
+            chart.lines.push_back({"default", {point(d, front.cost(d), d.errors.local)}, Line::points});
             for (const LadderRung* r : whole) {
                 if (r->is_default) continue;
                 const std::string name = title_of(r->axis);
                 auto line = std::find_if(chart.lines.begin(), chart.lines.end(), [&](const ChartLine& l) { return l.name == name; });
                 if (line == chart.lines.end()) line = chart.lines.insert(line, {name, {}, Line::points});
-                line->points.push_back(point(*r, front.cost(*r), r->errors.rms));
+                line->points.push_back(point(*r, front.cost(*r), r->errors.local));
             }
-            whole.push_back(&d), points.push_back({front.cost(d), d.errors.rms});
+            whole.push_back(&d), points.push_back({front.cost(d), d.errors.local});
             chart.lines.push_back(front_line(points));
             page_.chart(chart);
         }
@@ -199,15 +200,15 @@ class LadderPage {
                 continue;
             }
             const std::string more = name == axis.name ? "" : ", " + name;
-            Chart chart{axis.title + more, axis.x, "rms, % of the mean irradiance", axis.log_x, true, {}};
+            Chart chart{axis.title + more, axis.x, "error, % of local truth + mean", axis.log_x, true, {}};
             add_default(chart, rungs, [](const LadderRung& r) { return r.value; });
             ChartLine whole{"whole error"};
-            for (const LadderRung* r : rungs) whole.points.push_back(point(*r, r->value, r->errors.rms));
+            for (const LadderRung* r : rungs) whole.points.push_back(point(*r, r->value, r->errors.local));
             chart.lines.push_back(whole);
             for (std::size_t s = 0; s < ladder_steps; ++s) {
                 ChartLine step{ladder_step_names[s]};
                 for (const LadderRung* r : rungs)
-                    if (r->errors.step_rms[s] >= least_drawn) step.points.push_back(point(*r, r->value, r->errors.step_rms[s]));
+                    if (r->errors.step_local[s] >= least_drawn) step.points.push_back(point(*r, r->value, r->errors.step_local[s]));
                 if (!step.points.empty()) chart.lines.push_back(step);
             }
             ChartLine others{"other sets", {}, Line::points};
@@ -229,12 +230,12 @@ class LadderPage {
             "As placed: evenly, as the bake does it. Chosen: of a dense placement, one after the other, whichever sees most of what "
             "receivers see and no other does. Both before clusters.");
         add_black("Probes", "probes", chosen);
-        Chart chart{"Probes: unseen, and the whole error", "probes", "rms, % of the mean irradiance", true, true, {}};
+        Chart chart{"Probes: unseen, and the whole error", "probes", "error, % of local truth + mean", true, true, {}};
         for (const auto& [name, rungs] : chosen) {
             ChartLine whole{name + ": whole error"}, unseen{name + ": unseen"};
             for (const LadderRung* r : rungs) {
-                whole.points.push_back(point(*r, r->value, r->errors.rms));
-                unseen.points.push_back(point(*r, r->value, r->errors.step_rms[step_unseen]));
+                whole.points.push_back(point(*r, r->value, r->errors.local));
+                unseen.points.push_back(point(*r, r->value, r->errors.step_local[step_unseen]));
             }
             chart.lines.push_back(whole), chart.lines.push_back(unseen);
         }
@@ -252,11 +253,11 @@ class LadderPage {
     }
 
     void add_receivers(const Axis& axis, const std::vector<const LadderRung*>& rungs) {
-        Chart chart{axis.title, axis.x, "rms, % of the mean irradiance", true, true, {}};
+        Chart chart{axis.title, axis.x, "error, % of local truth + mean", true, true, {}};
         add_default(chart, rungs, [](const LadderRung& r) { return r.value; });
         ChartLine whole{"whole error"}, lookup{"lookup"};
         for (const LadderRung* r : rungs) {
-            whole.points.push_back(point(*r, r->value, r->errors.rms));
+            whole.points.push_back(point(*r, r->value, r->errors.local));
             lookup.points.push_back(point(*r, r->value, r->lookup));
         }
         chart.lines.push_back(whole), chart.lines.push_back(lookup);

@@ -58,7 +58,7 @@ std::string percent(double share) { return share < 0 ? "" : fmt::format("{:.3g}"
 
 std::vector<Column> heads() {
     std::vector<Column> columns = {{"rung"}};
-    for (const char* head : {"rms %", "bias %", "95 % err less, %", "black %"}) columns.push_back({head, Align::right});
+    for (const char* head : {"rms %", "local %", "bias %", "95 % err less, %", "black %"}) columns.push_back({head, Align::right});
     for (const char* step : ladder_step_names) columns.push_back({step, Align::right});
     for (const char* head : {"other sets", "lookup", "M rays", "s", "MB", "M products"}) columns.push_back({head, Align::right});
     return columns;
@@ -67,9 +67,9 @@ std::vector<Column> heads() {
 std::vector<std::string> row_of(const LadderRung& r) {
     std::vector<std::string> row = {fmt::format("{}{}", r.axis == "products" ? r.settings : fmt::format("{:g}", r.value), r.is_default ? " (default)" : "")};
     const LadderErrors& e = r.errors;
-    row.push_back(percent(e.rms)), row.push_back(fmt::format("{:+.2f}", 100 * e.bias));
+    row.push_back(percent(e.rms)), row.push_back(percent(e.local)), row.push_back(fmt::format("{:+.2f}", 100 * e.bias));
     row.push_back(percent(e.p95)), row.push_back(percent(e.black));
-    for (const double step : e.step_rms) row.push_back(r.axis == "receivers" ? "" : percent(step));
+    for (const double step : e.step_local) row.push_back(r.axis == "receivers" ? "" : percent(step));
     std::string others;
     if (!r.others.empty()) {
         const auto [low, high] = std::minmax_element(r.others.begin(), r.others.end());
@@ -97,7 +97,7 @@ constexpr NamedCost costs[] = {{"rays", [](const LadderRung& r) { return double(
 
 std::string flat_at(const std::vector<const LadderRung*>& line, const NamedCost& cost) {
     std::vector<std::pair<double, double>> points;
-    for (const LadderRung* r : line) points.push_back({cost.of(*r), r->errors.rms});
+    for (const LadderRung* r : line) points.push_back({cost.of(*r), r->errors.local});
     return fmt::format("{:g}", line[std::size_t(flat_from(points))]->value);
 }
 
@@ -105,7 +105,7 @@ std::string settled_at(const std::string& axis, const std::vector<const LadderRu
     const LadderStep step = own_step(axis);
     if (step == ladder_steps) return "";
     for (const LadderRung* r : line) {
-        const double own = r->errors.step_rms[step], all = r->errors.rms;
+        const double own = r->errors.step_local[step], all = r->errors.local;
         if (own * own <= (1 - 0.95 * 0.95) * all * all) return fmt::format("{:g}", r->value);
     }
     return "never";
@@ -125,7 +125,7 @@ std::string front_text(const Ladder& ladder, const NamedCost& cost) {
     for (const LadderRung& r : ladder.rungs) {
         if (r.bytes == 0 || r.axis == "receivers" || (r.is_default && r.axis != "default") || (r.axis == "relight" && r.line != "quadrature weights"))
             continue;
-        whole.push_back(&r), points.push_back({cost.of(r), r.errors.rms});
+        whole.push_back(&r), points.push_back({cost.of(r), r.errors.local});
     }
     const std::vector<bool> front = on_front(points);
     std::vector<std::vector<std::string>> rows;
@@ -135,12 +135,12 @@ std::string front_text(const Ladder& ladder, const NamedCost& cost) {
     std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return points[a].first < points[b].first; });
     for (const std::size_t i : order) {
         const LadderRung& r = *whole[i];
-        rows.push_back({r.axis == "default" ? "default" : r.settings, percent(r.errors.rms), percent(r.errors.black),
+        rows.push_back({r.axis == "default" ? "default" : r.settings, percent(r.errors.rms), percent(r.errors.local), percent(r.errors.black),
                         fmt::format("{:.2f}", double(r.rays) / 1e6), fmt::format("{:.2f}", r.seconds), fmt::format("{:.2f}", double(r.bytes) / 1e6),
                         fmt::format("{:.2f}", r.products / 1e6), front[i] ? "" : "beaten"});
     }
-    return fmt::format("\nerror against {}: what nothing beats, and the default\n\n", cost.name) +
-           format_table({{"setting"}, {"rms %", Align::right}, {"black %", Align::right}, {"M rays", Align::right}, {"s", Align::right}, {"MB", Align::right},
+    return fmt::format("\nlocal error against {}: what nothing beats, and the default\n\n", cost.name) +
+           format_table({{"setting"}, {"rms %", Align::right}, {"local %", Align::right}, {"black %", Align::right}, {"M rays", Align::right}, {"s", Align::right}, {"MB", Align::right},
                          {"M products", Align::right}, {""}},
                         rows);
 }
@@ -161,7 +161,8 @@ std::vector<LadderFlat> flats_of(const Ladder& ladder) {
 std::string ladder_text(const Ladder& ladder) {
     std::string text = fmt::format(
         "{}: {} receivers, {} probes; held against {} receivers of {} rays each, known to {:.2g} %; the step degree to {:.2g} %\n"
-        "rms, bias, 95 %: of the mean irradiance; black: of what is lit; steps: rms of what each adds\n"
+        "rms, bias, 95 %: of the mean irradiance; local: root mean square of error / (truth + mean), and so what each step adds; black: of "
+        "what is lit\n"
         "M products: multiply-adds of one relighting, a channel; s: wall time of one run\n",
         io::stem_of(ladder.scene), ladder.receivers, ladder.probes, ladder.checked, ladder.request.truth_rays, 100 * ladder.uncertainty,
         100 * ladder.many_uncertainty);
@@ -186,10 +187,10 @@ std::string ladder_json(const Ladder& ladder) {
         const LadderErrors& e = r.errors;
         Json steps = Json::object();
         for (std::size_t s = 0; s < ladder_steps; ++s)
-            steps[ladder_step_names[s]] = {{"rms", e.step_rms[s]}, {"bias", e.step_bias[s]}};
+            steps[ladder_step_names[s]] = {{"rms", e.step_rms[s]}, {"local", e.step_local[s]}, {"bias", e.step_bias[s]}};
         Json rung = {{"axis", r.axis}, {"line", r.line}, {"value", r.value}, {"settings", r.settings}, {"is_default", r.is_default},
                      {"probes", r.probes}, {"receivers", r.receivers}, {"clusters", r.clusters}, {"seconds", r.seconds}, {"rays", r.rays},
-                     {"bytes", r.bytes}, {"products", r.products}, {"rms", e.rms}, {"bias", e.bias}, {"p95", e.p95},
+                     {"bytes", r.bytes}, {"products", r.products}, {"rms", e.rms}, {"local", e.local}, {"bias", e.bias}, {"p95", e.p95},
                      {"black", e.black}};
         if (r.axis == "receivers")
             rung["lookup"] = r.lookup;

@@ -195,7 +195,17 @@ double relative_rms(const CheckedReceivers& checked, const std::vector<double>& 
     return std::sqrt(sum / double(difference.size())) / checked.mean();
 }
 
-double CheckedReceivers::relative_uncertainty() const { return relative_rms(*this, uncertainty); }
+double local_rms(const CheckedReceivers& checked, const std::vector<double>& difference) {
+    const double mean = checked.mean();
+    double sum = 0;
+    for (std::size_t i = 0; i < difference.size(); ++i) {
+        const double d = difference[i] / (checked.truth[i] + mean);
+        sum += d * d;
+    }
+    return std::sqrt(sum / double(difference.size()));
+}
+
+double CheckedReceivers::relative_uncertainty() const { return local_rms(*this, uncertainty); }
 
 LadderErrors errors_of(const CheckedReceivers& checked, const LadderSteps& steps) {
     const double mean = checked.mean(), n = double(checked.count());
@@ -213,12 +223,12 @@ LadderErrors errors_of(const CheckedReceivers& checked, const LadderSteps& steps
         ++lit;
         black += steps.value[i] < 0.01 * truth ? 1 : 0;
     }
-    e.rms = relative_rms(checked, difference);
+    e.rms = relative_rms(checked, difference), e.local = local_rms(checked, difference);
     e.black = lit > 0 ? black / lit : 0;
     std::sort(magnitude.begin(), magnitude.end());
     e.p95 = magnitude[std::min(magnitude.size() - 1, magnitude.size() * 95 / 100)];
     for (std::size_t s = 0; s < ladder_steps; ++s) {
-        e.step_rms[s] = relative_rms(checked, steps.added[s]);
+        e.step_rms[s] = relative_rms(checked, steps.added[s]), e.step_local[s] = local_rms(checked, steps.added[s]);
         for (const double d : steps.added[s]) e.step_bias[s] += d / mean / n;
     }
     return e;

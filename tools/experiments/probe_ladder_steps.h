@@ -69,7 +69,7 @@ struct CheckedReceivers {
 
     int count() const { return int(index.size()); }
     double mean() const;              // of the truth
-    double relative_uncertainty() const;  // root mean square over the mean
+    double relative_uncertainty() const;  // local_rms()
 };
 // Irradiance of the receivers by the first n directions, for each n of `prefixes`, the set turned about each normal: [prefix][receiver].
 std::vector<std::vector<double>> irradiance_by(const LadderWorld& world, const Radiance& radiance, const probes::Receivers& receivers,
@@ -129,15 +129,17 @@ struct LadderSteps {
 LadderSteps steps_of(const CheckedReceivers& checked, const LadderTransport& transport, const probes::Bake& bake,
                      const std::vector<double>& many, const std::vector<double>& lambda, const std::vector<float>& rounded);
 
-// Shares of the truth's mean.
+// rms, bias, p95: shares of the truth's mean. local: root mean square of the error of each receiver over its own truth plus the
+// mean, so that a few that are very bright do not stand for all.
 struct LadderErrors {
-    double rms = 0, bias = 0, p95 = 0;  // p95: 95 % of the receivers err less
-    double black = 0;                   // share of lit receivers that are black: below 1 % of their truth
-    std::array<double, ladder_steps> step_rms{}, step_bias{};
+    double rms = 0, local = 0, bias = 0, p95 = 0;  // p95: 95 % of the receivers err less
+    double black = 0;                              // share of lit receivers that are black: below 1 % of their truth
+    std::array<double, ladder_steps> step_rms{}, step_local{}, step_bias{};
 };
 // Lit: above 1 % of the mean. Throws InputError where the truth is black.
 LadderErrors errors_of(const CheckedReceivers& checked, const LadderSteps& steps);
 double relative_rms(const CheckedReceivers& checked, const std::vector<double>& difference);
+double local_rms(const CheckedReceivers& checked, const std::vector<double>& difference);
 
 // A bilinear lookup of that lightmap, its borders extended, at receivers of another.
 std::vector<double> looked_up(const LadderWorld& world, const probes::Bake& bake, const std::vector<float>& irradiance,
