@@ -127,6 +127,10 @@ TEST_CASE("probe-ladder: constant radiance in a closed room is pi L at every ste
         CHECK((degree <= 4 ? at_64 < 1e-6 : at_64 > 1e-3));
         // With 4 pi / N the first coefficient alone is right.
         const double equal = s.errors(equal_weights(512)).step_rms[step_relight];
+        // The truth is its mean everywhere: over itself plus the mean, errors are half of those over the mean.
+        const LadderErrors by_equal = s.errors(equal_weights(512));
+        CHECK(by_equal.step_local[step_relight] == Approx(equal / 2).margin(1e-9));
+        CHECK(by_equal.local == Approx(by_equal.rms / 2).margin(1e-9));
         if (degree == 0) CHECK(equal < 1e-6);
         if (degree == 7) CHECK((equal > 0.002 && equal < 0.03));  // gi/probes/README.md: 2 %
     }
