@@ -43,7 +43,7 @@ probes::Bake bake(const Scene& scene, const probes::BakeParams& params) {
 struct Subject {
     Subject(const Scene& scene, const probes::BakeParams& params, const std::function<Radiance(const probes::Bake&)>& radiance)
         : world(scene, params.rays), made(bake(scene, params)), light(radiance(made)),
-          checked(check_receivers(world, light, made.receivers, 100, 4096, params.receiver_rays, params.distribution, {})),
+          checked(check_receivers(world, light, made.receivers, {100, 4096, 1}, params.receiver_rays, params.distribution, {})),
           transport(transport_in_double(world, checked, made.placement.probes, made.radius.radius_m, params.placement.overlaps,
                                         made.transport, {})),
           seen(probe_light(world, light, made.placement.probes, probes::relight_directions(4096), {})),
@@ -85,7 +85,7 @@ TEST_CASE("probe-ladder: the truth is a closed form's, within its uncertainty", 
     const LadderWorld world(scene, Rays::exact);
     const probes::Bake made = bake(scene, small(1));
     const Radiance ceiling = [](const RayEnd& end) { return end.found && end.position.y > 1.9999f ? 1.0 : 0.0; };
-    const CheckedReceivers c = check_receivers(world, ceiling, made.receivers, 400, 8192, 1, probes::Distribution::cosine, {});
+    const CheckedReceivers c = check_receivers(world, ceiling, made.receivers, {400, 8192, 1}, 1, probes::Distribution::cosine, {});
     int on_floor = 0;
     double squares = 0, uncertainty = 0;
     for (int i = 0; i < c.count(); ++i) {
@@ -318,6 +318,41 @@ TEST_CASE("probe-ladder: a lookup of a linear lightmap is linear", "[probe_ladde
     CHECK(inner > 1000);
 }
 
+TEST_CASE("probe-ladder: receivers that see too much sky are left out", "[probe_ladder]") {
+    // A floor under a table: from the table's top and the floor's far corners the sky is seen, from below the table little.
+    Mesh mesh;
+    test::add_quad(mesh, {-1, 0, 1}, {1, 0, 1}, {-1, 0, -1}, 0);
+    test::add_box(mesh, {-0.9f, 0.1f, -0.9f}, {0.9f, 0.2f, 0.9f}, 0);
+    Scene scene;
+    scene.materials.resize(1);
+    scene.meshes = {mesh};
+    scene.environment.radiance = glm::vec3(1);
+    const LadderWorld world(scene, Rays::exact);
+    probes::BakeParams params = small(1);
+    params.receivers_per_m2 = 25;
+    const probes::Bake made = bake(scene, params);
+    const Radiance light = direct_light(world);
+    const CheckedReceivers all = check_receivers(world, light, made.receivers, {1000, 256, 1}, 16, probes::Distribution::cosine, {});
+    const CheckedReceivers some = check_receivers(world, light, made.receivers, {1000, 256, 0.5}, 16, probes::Distribution::cosine, {});
+    CHECK(all.before_sky == 0);
+    CHECK(all.count() == made.receivers.count());
+    CHECK(some.count() + some.before_sky == all.count());
+    REQUIRE(some.count() > 50);
+    REQUIRE(some.before_sky > 50);
+    // Surfaces send nothing: truth is the share of the sky times pi.
+    for (int i = 0; i < some.count(); ++i) {
+        const std::size_t at = std::size_t(some.index[std::size_t(i)]);
+        CHECK(some.truth[std::size_t(i)] <= pi * 0.5 + 1e-9);
+        CHECK(some.truth[std::size_t(i)] == all.truth[at]);
+        CHECK(some.receivers.position[std::size_t(i)] == made.receivers.position[at]);
+        CHECK(some.radiance[std::size_t(i) * 16 + 5] == all.radiance[at * 16 + 5]);
+    }
+    scene.meshes[0].triangles.resize(2), scene.meshes[0].material.resize(2);
+    const LadderWorld open(scene, Rays::exact);
+    const probes::Bake floor = bake(scene, params);
+    CHECK_THROWS_AS(check_receivers(open, light, floor.receivers, {9, 64, 0.5}, 1, probes::Distribution::cosine, {}), InputError);
+}
+
 TEST_CASE("probe-ladder: where a curve flattens, and what no setting beats", "[probe_ladder]") {
     // Error as 1 / cost pays to the end; as cost^-1/2 never.
     CHECK(flat_from({{1, 8}, {2, 4}, {4, 2}, {8, 1}}) == 3);
@@ -332,7 +367,7 @@ TEST_CASE("probe-ladder: where a curve flattens, and what no setting beats", "[p
 
 TEST_CASE("probe-ladder: a scene without light is refused", "[probe_ladder][refusals]") {
     LadderRequest request;
-    request.receivers = 8, request.truth_rays = 64, request.axes = {"degree"};
+    request.check = {8, 64, 1}, request.axes = {"degree"};
     const Scene scene = room();
     CHECK_THROWS_AS(climb(scene, small(1), request, {}, [](const std::string&) {}), InputError);
 }

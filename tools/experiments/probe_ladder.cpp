@@ -31,7 +31,7 @@ int run_ladder(LadderOptions given) {
             throw InputError(fmt::format("--axes {}: expected {}", io::printable(axis), fmt::join(ladder_axes, ", ")));
         given.request.axes.insert(axis);
     }
-    if (given.request.truth_rays % 2 != 0) throw InputError("--truth-rays: expected an even number");
+    if (given.request.check.truth_rays % 2 != 0) throw InputError("--truth-rays: expected an even number");
     Scene scene = load(given.scene);
     if (given.without_sky) scene.environment = {};
     const probes::BakeParams params = settings_of(scene, given.scene).probes;
@@ -39,6 +39,7 @@ int run_ladder(LadderOptions given) {
     show_progress("");
     std::string command = "plumb experiment probe-ladder " + given.scene.file;
     for (const std::string& set : given.scene.sets) command += " --set " + set;
+    if (given.request.check.most_sky < 1) command += fmt::format(" --most-sky {:g}", given.request.check.most_sky);
     if (given.without_sky) command += " --without-sky";
     const std::string text = ladder_text(ladder);
     if (!given.output.empty()) io::write_text(given.output, text);
@@ -58,12 +59,16 @@ void add_probe_ladder(CLI::App& experiment, Action& action) {
     command->add_option("--axes", given->axes, fmt::format("some of {}; all otherwise", fmt::join(ladder_axes, ", ")))
         ->delimiter(',')
         ->type_name("A,A");
-    command->add_option("--receivers", given->request.receivers, "held against the truth; 1024 otherwise")
+    command->add_option("--receivers", given->request.check.receivers, "held against the truth; 1024 otherwise")
         ->check(CLI::Range(1, 1 << 20).description(""))
         ->type_name("N");
-    command->add_option("--truth-rays", given->request.truth_rays, "of each of them; 8192 otherwise")
+    command->add_option("--truth-rays", given->request.check.truth_rays, "of each of them; 8192 otherwise")
         ->check(CLI::Range(64, 1 << 20).description(""))
         ->type_name("N");
+    command->add_option("--most-sky", given->request.check.most_sky,
+                        "receivers of which more than this share of the rays meets nothing are not held against it; 1 otherwise")
+        ->check(number_within(0, 1))
+        ->type_name("S");
     command->add_option("--most-probes", given->request.most_probes, "the last rung of that axis; 512 otherwise")
         ->check(CLI::Range(1, 1 << 16).description(""))
         ->type_name("N");

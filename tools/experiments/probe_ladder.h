@@ -12,8 +12,7 @@
 namespace plumb::cli {
 
 struct LadderRequest {
-    int receivers = 1024;                // checked
-    int truth_rays = 8192;
+    CheckRequest check;
     int most_probes = 512;
     std::set<std::string> axes;          // empty: all
 };
@@ -41,7 +40,7 @@ struct Ladder {
     std::string scene;
     LadderRequest request;
     probes::BakeParams params;
-    int receivers = 0, probes = 0, checked = 0;  // of the default
+    int receivers = 0, probes = 0, checked = 0, before_sky = 0;  // of the default
     double mean = 0, uncertainty = 0;    // of the truth, W/m2; local
     double many_uncertainty = 0;         // of the step `degree` by the many relight rays, local
     std::vector<LadderRung> rungs;       // the default alone is the first

@@ -42,6 +42,7 @@ class Climber {
     Ladder run() {
         const probes::Bake& b = base().bake;
         out_.receivers = b.receivers.count(), out_.probes = int(b.placement.probes.size()), out_.checked = checked().count();
+        out_.before_sky = checked().before_sky;
         add(measure_.rung_of(base(), "default", "", 0, ""));
         out_.rungs.front().is_default = true;
         out_.mean = checked().mean(), out_.uncertainty = checked().relative_uncertainty();
@@ -246,7 +247,7 @@ class Climber {
                 const LadderBaked made = factor == 1 ? base() : measure_.bake(p);
                 const std::vector<float> irradiance = measure_.shown(made.bake);
                 if (fine.count() == 0) {
-                    fine = check_receivers(measure_.world(), measure_.radiance(), made.bake.receivers, out_.request.receivers, out_.request.truth_rays, 1,
+                    fine = check_receivers(measure_.world(), measure_.radiance(), made.bake.receivers, out_.request.check, 1,
                                            params_.distribution, options_);
                     for (const int i : fine.index) own.push_back(double(irradiance[std::size_t(i)]));
                 }

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/error.h"
 #include "core/host_math.h"
 #include "core/parallel.h"
 #include "core/sequences.h"
@@ -31,10 +32,13 @@ class Fetcher {
         if (hit.found) {
             const probes::Met<float> met = probes::met_by<float>(surfaces_, hit, direction);
             end.found = true, end.front = met.front;
+            ++found;
             end.triangle = hit.triangle, end.barycentrics = hit.barycentrics, end.position = met.point;
         }
         return radiance_(end);
     }
+
+    std::int64_t found = 0;  // rays that met something
 
   private:
     raster::SurfaceArgs surfaces_;
@@ -128,12 +132,31 @@ probes::Receivers some_of(const probes::Receivers& all, const std::vector<int>& 
     return r;
 }
 
+// Leaves out receivers that see too much of the sky.
+void leave_out(const std::vector<bool>& out, CheckedReceivers& c) {
+    CheckedReceivers kept;
+    std::vector<int> index;
+    for (std::size_t i = 0; i < out.size(); ++i) {
+        if (out[i]) continue;
+        index.push_back(int(i));
+        kept.index.push_back(c.index[i]), kept.truth.push_back(c.truth[i]), kept.uncertainty.push_back(c.uncertainty[i]);
+        const auto first = c.radiance.begin() + std::ptrdiff_t(i) * c.rays;
+        kept.radiance.insert(kept.radiance.end(), first, first + c.rays);
+    }
+    if (index.empty()) throw InputError("probe-ladder: every receiver sees more of the sky than --most-sky allows");
+    kept.receivers = some_of(c.receivers, index), kept.rays = c.rays, kept.directions = c.directions;
+    kept.before_sky = c.count() - kept.count();
+    c = std::move(kept);
+}
+
 }  // namespace
 
-CheckedReceivers check_receivers(const LadderWorld& world, const Radiance& radiance, const probes::Receivers& all, int wanted,
-                                 int truth_rays, int bake_rays, probes::Distribution distribution, const RunOptions& options) {
+CheckedReceivers check_receivers(const LadderWorld& world, const Radiance& radiance, const probes::Receivers& all,
+                                 const CheckRequest& request, int bake_rays, probes::Distribution distribution,
+                                 const RunOptions& options) {
     CheckedReceivers c;
-    const int n = std::min(wanted, all.count());
+    const int n = std::min(request.receivers, all.count()), truth_rays = request.truth_rays;
+    std::vector<char> before_sky(std::size_t(n), 0);
     for (int i = 0; i < n; ++i) c.index.push_back(int((2 * std::int64_t(i) + 1) * all.count() / (2 * n)));
     c.receivers = some_of(all, c.index);
     c.rays = bake_rays;
@@ -155,6 +178,7 @@ CheckedReceivers check_receivers(const LadderWorld& world, const Radiance& radia
             const double turn = 2 * host::pi * van_der_corput(std::uint64_t(i), 3);
             const float cosine = float(host::cos(turn)), sine = float(host::sin(turn));
             double half[2] = {0, 0};
+            fetch.found = 0;
             for (int k = 0; k < truth_rays; ++k) {
                 const glm::vec3 d = of_truth[std::size_t(k)];
                 const glm::vec3 turned(cosine * d.x - sine * d.y, sine * d.x + cosine * d.y, d.z);
@@ -162,8 +186,10 @@ CheckedReceivers check_receivers(const LadderWorld& world, const Radiance& radia
             }
             c.truth[std::size_t(i)] = host::pi * (half[0] + half[1]) / truth_rays;
             c.uncertainty[std::size_t(i)] = host::pi * std::fabs(half[0] - half[1]) / truth_rays;
+            before_sky[std::size_t(i)] = double(truth_rays - fetch.found) > request.most_sky * truth_rays;
         }
     });
+    leave_out({before_sky.begin(), before_sky.end()}, c);
     return c;
 }
 

@@ -80,10 +80,10 @@ class LadderPage {
         page_.heading("How it was measured", "how");
         page_.raw(fmt::format("<p><code>{}</code></p>\n", page::escaped(command)));
         page_.paragraph(fmt::format(
-            "{} receivers of {} are held against {} rays each, which know their irradiance to {}; the harmonics' coefficients of the step "
+            "{} receivers of {} are held against {} rays each ({} more see more of the sky than was allowed), which know their irradiance to {}; the harmonics' coefficients of the step "
             "degree are known to {}. The radiance that leaves a surface is direct light with shadow rays, the same for all. Seconds are of "
             "one run, on a machine that may have been busy.",
-            ladder_.checked, ladder_.receivers, ladder_.request.truth_rays, percent(ladder_.uncertainty), percent(ladder_.many_uncertainty)));
+            ladder_.checked, ladder_.receivers, ladder_.request.check.truth_rays, ladder_.before_sky, percent(ladder_.uncertainty), percent(ladder_.many_uncertainty)));
         for (const std::string& left : ladder_.left_out) page_.paragraph("Left out: " + left + ".");
         return page_.html();
     }

@@ -160,11 +160,11 @@ std::vector<LadderFlat> flats_of(const Ladder& ladder) {
 
 std::string ladder_text(const Ladder& ladder) {
     std::string text = fmt::format(
-        "{}: {} receivers, {} probes; held against {} receivers of {} rays each, known to {:.2g} %; the step degree to {:.2g} %\n"
+        "{}: {} receivers, {} probes; held against {} receivers ({} more see too much sky) of {} rays each, known to {:.2g} %; the step degree to {:.2g} %\n"
         "rms, bias, 95 %: of the mean irradiance; local: root mean square of error / (truth + mean), and so what each step adds; black: of "
         "what is lit\n"
         "M products: multiply-adds of one relighting, a channel; s: wall time of one run\n",
-        io::stem_of(ladder.scene), ladder.receivers, ladder.probes, ladder.checked, ladder.request.truth_rays, 100 * ladder.uncertainty,
+        io::stem_of(ladder.scene), ladder.receivers, ladder.probes, ladder.checked, ladder.before_sky, ladder.request.check.truth_rays, 100 * ladder.uncertainty,
         100 * ladder.many_uncertainty);
     const std::vector<LadderFlat> flats = flats_of(ladder);
     for (const std::string& axis : ladder_axes)
@@ -200,7 +200,7 @@ std::string ladder_json(const Ladder& ladder) {
         rungs.push_back(rung);
     }
     return json_text({{"version", 1}, {"scene", io::stem_of(ladder.scene)}, {"receivers", ladder.receivers}, {"probes", ladder.probes},
-                      {"checked", ladder.checked}, {"truth_rays", ladder.request.truth_rays}, {"mean_irradiance", ladder.mean},
+                      {"checked", ladder.checked}, {"left_out_for_sky", ladder.before_sky}, {"truth_rays", ladder.request.check.truth_rays}, {"mean_irradiance", ladder.mean},
                       {"truth_uncertainty", ladder.uncertainty}, {"degree_uncertainty", ladder.many_uncertainty},
                       {"rungs", rungs}, {"left_out", ladder.left_out}});
 }

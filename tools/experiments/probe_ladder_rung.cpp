@@ -52,7 +52,7 @@ LadderMeasure::LadderMeasure(const Scene& scene, const probes::BakeParams& param
     progress("the default");
     base_ = bake(params);
     progress("truth");
-    checked_ = check_receivers(world_, radiance_, base_.bake.receivers, request.receivers, request.truth_rays,
+    checked_ = check_receivers(world_, radiance_, base_.bake.receivers, request.check,
                                std::max(most_bake_rays, params.receiver_rays), params.distribution, options);
 }
 

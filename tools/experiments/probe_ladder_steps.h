@@ -66,6 +66,7 @@ struct CheckedReceivers {
     int rays = 0;                     // of the bake's kind that have a radiance
     std::vector<float> radiance;      // [receiver][rays]
     Buffer<glm::vec4> directions;     // of these rays
+    int before_sky = 0;               // receivers that were left out because they see too much of it
 
     int count() const { return int(index.size()); }
     double mean() const;              // of the truth
@@ -75,9 +76,14 @@ struct CheckedReceivers {
 std::vector<std::vector<double>> irradiance_by(const LadderWorld& world, const Radiance& radiance, const probes::Receivers& receivers,
                                                const Buffer<glm::vec4>& directions, const std::vector<int>& prefixes,
                                                probes::Distribution distribution, double turn_rad, const RunOptions& options);
-// Every k-th of all receivers. truth_rays: an even number; each receiver turns them about its normal by an angle of its own.
-CheckedReceivers check_receivers(const LadderWorld& world, const Radiance& radiance, const probes::Receivers& all, int wanted,
-                                 int truth_rays, int bake_rays, probes::Distribution distribution, const RunOptions& options);
+struct CheckRequest {
+    int receivers = 1024;   // every k-th of all
+    int truth_rays = 8192;  // an even number; each receiver turns them about its normal by an angle of its own
+    double most_sky = 1;    // receivers of which more than this share of the rays meets nothing are left out
+};
+CheckedReceivers check_receivers(const LadderWorld& world, const Radiance& radiance, const probes::Receivers& all,
+                                 const CheckRequest& request, int bake_rays, probes::Distribution distribution,
+                                 const RunOptions& options);
 
 // ---- Transport and probes in double -----------------------------------------------------------------------------------
 
