@@ -133,7 +133,8 @@ class LadderPage {
             {"Error against the bake's time", "s, one run", [](const LadderRung& r) { return r.seconds; }},
             {"Error against the cost of a relighting", "million multiply-adds, a channel", [](const LadderRung& r) { return r.products / 1e6; }}};
         page_.heading("Is the default on the front?", "fronts");
-        page_.paragraph("Every setting that was measured, by what it costs. The dashed line is the front: no setting below it was found.");
+        page_.paragraph("Every setting that was measured, by what it costs. The dashed line is the front: no setting below it was found. What lies in the "
+                        "shaded part and left of the default is better and cheaper.");
         for (const Front& front : fronts) {
             Chart chart{front.title, front.x, "error, % of local truth + mean", true, true, {}};
             std::vector<std::pair<double, double>> points;
@@ -153,6 +154,7 @@ class LadderPage {
             }
             whole.push_back(&d), points.push_back({front.cost(d), d.errors.local});
             chart.lines.push_back(front_line(points));
+            chart.lines.push_back({"the default's error", {{front.cost(d), 100 * d.errors.local}}, Line::level});
             page_.chart(chart);
         }
     }
