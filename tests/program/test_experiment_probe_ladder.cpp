@@ -10,8 +10,9 @@ using Catch::Matchers::Contains;
 namespace {
 
 Result ladder(const std::string& scene, Words more) {
-    Words words = {"experiment",      "probe-ladder", scene,           "--receivers", "32",    "--truth-rays", "256", "--most-probes", "4",
-                   "--set", "probes.lightmap_size=24", "--set", "probes.count=2", "--set", "probes.receiver_rays=64"};
+    Words words = {"experiment", "probe-ladder", scene, "--receivers", "32", "--truth-rays", "256", "--most-probes", "4"};
+    for (const char* set : {"probes.lightmap_size=24", "probes.count=2", "probes.receiver_rays=64"})
+        words.insert(words.end(), {"--set", set});
     words.insert(words.end(), more.begin(), more.end());
     return run(words);
 }
@@ -27,7 +28,8 @@ TEST_CASE("experiment probe-ladder: the same rungs in JSON, tables and page, the
     const std::string folder = fresh_folder("probe_ladder"), scene = small_scene(folder);
     const Words axes = {"--axes", "probes,degree,relight,clusters,receivers"};
     Words first = axes, second = axes;
-    first.insert(first.end(), {"--json", "--threads", "1", "--isa", "scalar", "-o", folder + "/tables.txt", "--html", folder + "/page.html"});
+    first.insert(first.end(), {"--json", "--threads", "1", "--isa", "scalar", "-o", folder + "/tables.txt", "--html",
+                               folder + "/page.html"});
     second.insert(second.end(), {"--json", "--threads", "3"});
     const Result r = ladder(scene, first);
     INFO(r.err);
@@ -46,13 +48,14 @@ TEST_CASE("experiment probe-ladder: the same rungs in JSON, tables and page, the
         if (rung["axis"] != "receivers") CHECK_THAT(page, Contains(settings));
     }
     CHECK(rungs["default"] == 1);
-    CHECK(rungs["probes"] == 3);    // 1, 2, 4
+    CHECK(rungs["probes"] == 3);  // 1, 2, 4
     CHECK(rungs["degree"] == 8);
-    CHECK(rungs["relight"] == 12);  // 64 to 2048, two kinds of weights
-    CHECK(rungs["clusters"] == 21); // seven numbers of singular values, three ways to split
+    CHECK(rungs["relight"] == 12);   // 64 to 2048, two kinds of weights
+    CHECK(rungs["clusters"] == 21);  // seven numbers of singular values, three ways to split
     CHECK(rungs["receivers"] >= 3);
     CHECK(rungs.count("products") == 0);
-    for (const char* head : {"probes", "degree", "relight, quadrature weights", "relight, 4 pi / N", "clusters, by size alone", "receivers"})
+    for (const char* head :
+         {"probes", "degree", "relight, quadrature weights", "relight, 4 pi / N", "clusters, by size alone", "receivers"})
         CHECK_THAT(tables, Contains(head));
     CHECK_THAT(page, Contains("Is the default on the front?"));
 }

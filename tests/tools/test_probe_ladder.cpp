@@ -42,7 +42,9 @@ probes::Bake bake(const Scene& scene, const probes::BakeParams& params) {
 // Everything that steps_of() needs, of one bake and one radiance.
 struct Subject {
     Subject(const Scene& scene, const probes::BakeParams& params, const std::function<Radiance(const probes::Bake&)>& radiance)
-        : world(scene, params.rays), made(bake(scene, params)), light(radiance(made)),
+        : world(scene, params.rays),
+          made(bake(scene, params)),
+          light(radiance(made)),
           checked(check_receivers(world, light, made.receivers, {100, 4096, 1}, params.receiver_rays, params.distribution, {})),
           transport(transport_in_double(world, checked, made.placement.probes, made.radius.radius_m, params.placement.overlaps,
                                         made.transport, {})),
@@ -85,7 +87,8 @@ TEST_CASE("probe-ladder: the truth is a closed form's, within its uncertainty", 
     const LadderWorld world(scene, Rays::exact);
     const probes::Bake made = bake(scene, small(1));
     const Radiance ceiling = [](const RayEnd& end) { return end.found && end.position.y > 1.9999f ? 1.0 : 0.0; };
-    const CheckedReceivers c = check_receivers(world, ceiling, made.receivers, {400, 8192, 1}, 1, probes::Distribution::cosine, {});
+    const CheckedReceivers c =
+        check_receivers(world, ceiling, made.receivers, {400, 8192, 1}, 1, probes::Distribution::cosine, {});
     int on_floor = 0;
     double squares = 0, uncertainty = 0;
     for (int i = 0; i < c.count(); ++i) {
@@ -136,7 +139,8 @@ TEST_CASE("probe-ladder: constant radiance in a closed room is pi L at every ste
     }
 }
 
-TEST_CASE("probe-ladder: a field of degree 4 is exact from degree 4 on, and better by each degree before", "[probe_ladder][analytic]") {
+TEST_CASE("probe-ladder: a field of degree 4 is exact from degree 4 on, and better by each degree before",
+          "[probe_ladder][analytic]") {
     // As the one probe sees it: radiance is a polynomial of the direction from there.
     const auto of_degree_4 = [](const probes::Bake& b) -> Radiance {
         const glm::dvec3 probe(glm::vec3(b.placement.probes[0]));
@@ -173,8 +177,8 @@ TEST_CASE("probe-ladder: steps add up to the error", "[probe_ladder]") {
     params.singular_values = 4, params.by_size_only = true, params.relight_rays = 64, params.degree = 4;
     const Subject s(room(true), params, stripes);
     const Buffer<float> w = probes::relight_weights(s.seen.directions, 64);
-    const LadderSteps steps = steps_of(s.checked, s.transport, s.made, s.many, lambda_in_double(s.seen, w, {}),
-                                       lambda_in_float(s.seen, w, 4, {}));
+    const LadderSteps steps =
+        steps_of(s.checked, s.transport, s.made, s.many, lambda_in_double(s.seen, w, {}), lambda_in_float(s.seen, w, 4, {}));
     const LadderErrors e = errors_of(s.checked, steps);
     for (std::size_t i = 0; i < steps.value.size(); ++i) {
         double sum = s.checked.truth[i];
@@ -205,7 +209,8 @@ TEST_CASE("probe-ladder: receivers behind a closed wall are black though lit", "
     CHECK(s.errors().step_bias[step_unseen] < -0.2);
 }
 
-TEST_CASE("probe-ladder: full rank loses nothing, and a cut as much as its singular values say", "[probe_ladder][IPR 3.2.4.2]") {
+TEST_CASE("probe-ladder: full rank loses nothing, and a cut as much as its singular values say",
+          "[probe_ladder][IPR 3.2.4.2]") {
     probes::BakeParams params = small(3);
     params.degree = 2, params.singular_values = 32, params.by_size_only = true, params.cluster_receivers = 4096;
     const probes::Bake b = bake(room(), params);
@@ -248,7 +253,9 @@ TEST_CASE("probe-ladder: full rank loses nothing, and a cut as much as its singu
             CHECK(std::sqrt(lost / all) < 1e-6);
         }
     }
-    const Subject s(room(), params, [](const probes::Bake&) -> Radiance { return [](const RayEnd& end) { return 1 + double(end.position.x) / 4; }; });
+    const Subject s(room(), params, [](const probes::Bake&) -> Radiance {
+        return [](const RayEnd& end) { return 1 + double(end.position.x) / 4; };
+    });
     CHECK(s.errors().step_rms[step_truncation] < 1e-6);
 }
 
@@ -332,8 +339,10 @@ TEST_CASE("probe-ladder: receivers that see too much sky are left out", "[probe_
     params.receivers_per_m2 = 25;
     const probes::Bake made = bake(scene, params);
     const Radiance light = direct_light(world);
-    const CheckedReceivers all = check_receivers(world, light, made.receivers, {1000, 256, 1}, 16, probes::Distribution::cosine, {});
-    const CheckedReceivers some = check_receivers(world, light, made.receivers, {1000, 256, 0.5}, 16, probes::Distribution::cosine, {});
+    const CheckedReceivers all =
+        check_receivers(world, light, made.receivers, {1000, 256, 1}, 16, probes::Distribution::cosine, {});
+    const CheckedReceivers some =
+        check_receivers(world, light, made.receivers, {1000, 256, 0.5}, 16, probes::Distribution::cosine, {});
     CHECK(all.before_sky == 0);
     CHECK(all.count() == made.receivers.count());
     CHECK(some.count() + some.before_sky == all.count());
@@ -350,7 +359,8 @@ TEST_CASE("probe-ladder: receivers that see too much sky are left out", "[probe_
     scene.meshes[0].triangles.resize(2), scene.meshes[0].material.resize(2);
     const LadderWorld open(scene, Rays::exact);
     const probes::Bake floor = bake(scene, params);
-    CHECK_THROWS_AS(check_receivers(open, light, floor.receivers, {9, 64, 0.5}, 1, probes::Distribution::cosine, {}), InputError);
+    CHECK_THROWS_AS(check_receivers(open, light, floor.receivers, {9, 64, 0.5}, 1, probes::Distribution::cosine, {}),
+                    InputError);
 }
 
 TEST_CASE("probe-ladder: where a curve flattens, and what no setting beats", "[probe_ladder]") {

@@ -52,7 +52,8 @@ int run_ladder(LadderOptions given) {
 
 void add_probe_ladder(CLI::App& experiment, Action& action) {
     auto given = std::make_shared<LadderOptions>();
-    CLI::App* command = experiment.add_subcommand("probe-ladder", "what each number of a bake buys: error against cost, a curve a number");
+    CLI::App* command =
+        experiment.add_subcommand("probe-ladder", "what each number of a bake buys: error against cost, a curve a number");
     command->add_option("scene", given->scene.file, "the scene")->required()->type_name("SCENE");
     command->add_option("-o,--output", given->output, "the tables, as text")->check(some_word())->type_name("FILE");
     command->add_option("--html", given->html, "one page with the curves")->check(some_word())->type_name("FILE");
@@ -65,8 +66,9 @@ void add_probe_ladder(CLI::App& experiment, Action& action) {
     command->add_option("--truth-rays", given->request.check.truth_rays, "of each of them; 8192 otherwise")
         ->check(CLI::Range(64, 1 << 20).description(""))
         ->type_name("N");
-    command->add_option("--most-sky", given->request.check.most_sky,
-                        "receivers of which more than this share of the rays meets nothing are not held against it; 1 otherwise")
+    command
+        ->add_option("--most-sky", given->request.check.most_sky,
+                     "receivers of which more than this share of the rays meets nothing are not held against it; 1 otherwise")
         ->check(number_within(0, 1))
         ->type_name("S");
     command->add_option("--most-probes", given->request.most_probes, "the last rung of that axis; 512 otherwise")
@@ -78,9 +80,12 @@ void add_probe_ladder(CLI::App& experiment, Action& action) {
         ->type_name("T.K=V");
     add_common(*command, given->common);
     command->footer(
-        "The truth is a sum over the rays of each receiver, in double, without probes; the radiance that leaves a surface is direct\n"
-        "light with shadow rays. One number at a time is changed about the scene's [probes]. Every rung is a whole bake: choose a\n"
-        "lightmap of some thousand receivers (--set probes.lightmap_size=128). Errors have the same bits every time, seconds have not.");
+        "The truth is a sum over the rays of each receiver, in double, without probes; the radiance that leaves a surface is "
+        "direct\n"
+        "light with shadow rays. One number at a time is changed about the scene's [probes]. Every rung is a whole bake: "
+        "choose a\n"
+        "lightmap of some thousand receivers (--set probes.lightmap_size=128). Errors have the same bits every time, seconds "
+        "have not.");
     command->callback([given, &action] { action = [=] { return run_ladder(*given); }; });
 }
 

@@ -15,13 +15,14 @@ namespace {
 
 using Params = probes::BakeParams;
 
-constexpr int turned_sets = 3;      // other sets of directions
+constexpr int turned_sets = 3;  // other sets of directions
 constexpr int most_turned_rays = 1024;
 
 // A rotation of the sphere, another one for each k: about an axis anywhere, by an angle that is not small.
 glm::dmat3 rotation(int k) {
     const glm::dvec3 axis = sample_sphere(halton(std::uint64_t(k) + 1));
-    const double angle = host::pi * (0.3 + 0.5 * van_der_corput(std::uint64_t(k) + 1, 5)), c = host::cos(angle), s = host::sin(angle);
+    const double angle = host::pi * (0.3 + 0.5 * van_der_corput(std::uint64_t(k) + 1, 5)), c = host::cos(angle),
+                 s = host::sin(angle);
     glm::dmat3 r;
     for (int column = 0; column < 3; ++column) {
         glm::dvec3 e(0);
@@ -71,7 +72,7 @@ class Climber {
 
     // Bakes and adds the rung; what cannot be baked is left out with the reason.
     std::optional<LadderBaked> climb(const std::string& axis, const std::string& line, double value, const Params& params,
-                               const std::string& settings) {
+                                     const std::string& settings) {
         progress_(fmt::format("{}: {}", axis, settings));
         try {
             LadderBaked made = measure_.bake(params);
@@ -145,14 +146,16 @@ class Climber {
             const glm::dmat3 r = rotation(k);
             for (int i = 0; i < std::max(2048, params_.relight_rays); ++i)
                 directions.emplace_back(glm::vec3(r * glm::dvec3(measure_.directions()[std::size_t(i)])), 0);
-            turned.push_back(probe_light(measure_.world(), measure_.radiance(), base().bake.placement.probes, directions, options_));
+            turned.push_back(
+                probe_light(measure_.world(), measure_.radiance(), base().bake.placement.probes, directions, options_));
         }
         const LadderTransport& transport = measure_.transport_of(base().bake);
         const std::vector<double> by_many = uncut(transport, measure_.placed_of(base().bake).many, params_.degree);
         const auto add_lines = [&](const LadderBaked& baked, const std::string& settings) {
             const int n = baked.bake.params.relight_rays;
             for (const bool quadrature : {true, false}) {
-                LadderRung r = measure_.rung_of(baked, "relight", quadrature ? "quadrature weights" : "4 pi / N", n, settings, quadrature);
+                LadderRung r =
+                    measure_.rung_of(baked, "relight", quadrature ? "quadrature weights" : "4 pi / N", n, settings, quadrature);
                 for (const ProbeLight& light : turned) {
                     const Buffer<float> w = quadrature ? probes::relight_weights(light.directions, n) : equal_weights(n);
                     r.others.push_back(local_rms(
@@ -163,7 +166,8 @@ class Climber {
             }
         };
         std::vector<int> values = {64, 128, 256, 512, 1024, 2048};
-        if (std::find(values.begin(), values.end(), params_.relight_rays) == values.end()) values.push_back(params_.relight_rays);
+        if (std::find(values.begin(), values.end(), params_.relight_rays) == values.end())
+            values.push_back(params_.relight_rays);
         std::sort(values.begin(), values.end());
         for (const int n : values) {
             const std::string settings = fmt::format("probes.relight_rays={}", n);
@@ -186,8 +190,9 @@ class Climber {
         if (prefixes.empty()) return;
         for (int k = 0; k < turned_sets; ++k) {
             progress_("rays: turned about the normals");
-            const auto by = irradiance_by(measure_.world(), measure_.radiance(), checked().receivers, checked().directions, prefixes, params_.distribution,
-                                          2 * host::pi * van_der_corput(std::uint64_t(k) + 1, 5), options_);
+            const auto by =
+                irradiance_by(measure_.world(), measure_.radiance(), checked().receivers, checked().directions, prefixes,
+                              params_.distribution, 2 * host::pi * van_der_corput(std::uint64_t(k) + 1, 5), options_);
             for (std::size_t i = 0; i < prefixes.size(); ++i)
                 for (LadderRung& r : out_.rungs)
                     if (r.axis == "rays" && int(r.value) == prefixes[i])
@@ -265,7 +270,8 @@ class Climber {
                 out_.left_out.push_back(fmt::format("{}: {}", settings, e.what()));
             }
         }
-        std::stable_sort(rungs.begin(), rungs.end(), [](const LadderRung& a, const LadderRung& b) { return a.value < b.value; });
+        std::stable_sort(rungs.begin(), rungs.end(),
+                         [](const LadderRung& a, const LadderRung& b) { return a.value < b.value; });
         for (LadderRung& r : rungs) add(std::move(r));
     }
 
@@ -291,7 +297,8 @@ class Climber {
                 own.count = n;
                 Buffer<glm::vec4> some;
                 for (int k = 0; by_sight && k < n; ++k) some.push_back(places[std::size_t(chosen[std::size_t(k)])]);
-                if (!by_sight) some = probes::place_probes(measure_.world().geometry, *measure_.world().query, own, options_).probes;
+                if (!by_sight)
+                    some = probes::place_probes(measure_.world().geometry, *measure_.world().query, own, options_).probes;
                 add(measure_.uncut_rung(some, own, by_sight ? "chosen by what they see" : "as placed"));
             }
     }
@@ -323,7 +330,8 @@ class Climber {
         add(measure_.rung_of(measure_.cut_again(*made, cut), "products", "products", 0,
                              fmt::format("{} probes.threshold={:g}", settings, cut.threshold)));
         cut.by_size_only = true;
-        add(measure_.rung_of(measure_.cut_again(*made, cut), "products", "products", 0, settings + " probes.by_size_only=true"));
+        add(measure_.rung_of(measure_.cut_again(*made, cut), "products", "products", 0,
+                             settings + " probes.by_size_only=true"));
     }
 
     const Params& params_;

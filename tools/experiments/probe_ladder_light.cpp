@@ -53,7 +53,8 @@ class DirectLight {
           surfaces_(world.args()),
           sky_(reference::environment_table(world.scene.environment)),
           table_(reference::light_table(world.scene, world.geometry, world.surfaces, sky_)) {
-        sky_args_ = {sky_.width, sky_.height, sky_.radiance.data(), sky_.row_cdf.data(), sky_.column_cdf.data(), sky_.pdf.data()};
+        sky_args_ = {sky_.width,     sky_.height, sky_.radiance.data(), sky_.row_cdf.data(), sky_.column_cdf.data(),
+                     sky_.pdf.data()};
         lights_ = {};
         lights_.count = table_.count, lights_.rows = table_.rows.data(), lights_.cdf = table_.cdf.data();
         lights_.triangle_pdf = table_.triangle_pdf.data(), lights_.any_radius = table_.any_radius ? 1 : 0;
@@ -80,12 +81,13 @@ class DirectLight {
         for (int i = 0; i < lights_.count; ++i) {
             const auto kind = reference::LightKind(int(lights_.rows[16 * i + 11]));
             if (kind != reference::LightKind::lamp && kind != reference::LightKind::directional) continue;
-            const reference::LightSample<float> l = reference::sample_light<float>(lights_, surfaces_, sky_args_, {i, 1.0f, 0.0f}, 0.0f,
-                                                                                  s.position);
+            const reference::LightSample<float> l =
+                reference::sample_light<float>(lights_, surfaces_, sky_args_, {i, 1.0f, 0.0f}, 0.0f, s.position);
             const float cosine = dot3(s.normal, l.direction);
             if (!(cosine > 0) || !(dot3(face, l.direction) > 0) || l.radiance == glm::vec3(0)) continue;
             const glm::vec3 towards = l.infinite ? l.direction : l.target - start;
-            if (tracer.visible(start, towards, 0, l.infinite ? __builtin_inff() : 1.0f, true)) irradiance += l.radiance * cosine;
+            if (tracer.visible(start, towards, 0, l.infinite ? __builtin_inff() : 1.0f, true))
+                irradiance += l.radiance * cosine;
         }
         return irradiance;
     }
@@ -193,9 +195,10 @@ CheckedReceivers check_receivers(const LadderWorld& world, const Radiance& radia
     return c;
 }
 
-std::vector<std::vector<double>> irradiance_by(const LadderWorld& world, const Radiance& radiance, const probes::Receivers& receivers,
-                                               const Buffer<glm::vec4>& directions, const std::vector<int>& prefixes,
-                                               probes::Distribution distribution, double turn_rad, const RunOptions& options) {
+std::vector<std::vector<double>> irradiance_by(const LadderWorld& world, const Radiance& radiance,
+                                               const probes::Receivers& receivers, const Buffer<glm::vec4>& directions,
+                                               const std::vector<int>& prefixes, probes::Distribution distribution,
+                                               double turn_rad, const RunOptions& options) {
     const float cosine = float(host::cos(turn_rad)), sine = float(host::sin(turn_rad));
     std::vector<std::vector<double>> irradiance(prefixes.size(), std::vector<double>(std::size_t(receivers.count()), 0));
     std::vector<Buffer<float>> factors;
@@ -275,8 +278,8 @@ std::vector<MetPoint> met_points(const LadderWorld& world, const CheckedReceiver
 
 }  // namespace
 
-std::vector<int> places_that_see_most(const LadderWorld& world, const CheckedReceivers& checked, const Buffer<glm::vec4>& places,
-                                      int wanted, const RunOptions& options) {
+std::vector<int> places_that_see_most(const LadderWorld& world, const CheckedReceivers& checked,
+                                      const Buffer<glm::vec4>& places, int wanted, const RunOptions& options) {
     const std::vector<MetPoint> points = met_points(world, checked, 512, 32);
     std::vector<std::vector<std::uint8_t>> sees(places.size(), std::vector<std::uint8_t>(points.size(), 0));
     parallel_bands(int(places.size()), 1, options, [&](int first, int last) {

@@ -28,7 +28,8 @@ struct Axis {
 };
 constexpr Axis axes[] = {
     {"probes", "Probes", "probes", true, "More probes see more of what receivers see. The radius follows from their number."},
-    {"overlaps", "Probes of a receiver", "probes of a receiver", true, "How many of the nearest probes a receiver gathers from."},
+    {"overlaps", "Probes of a receiver", "probes of a receiver", true,
+     "How many of the nearest probes a receiver gathers from."},
     {"degree", "Degree of the harmonics", "degree", false, "(degree + 1)² coefficients tell what a probe sees."},
     {"relight", "Relight rays", "rays of a probe", true,
      "How often a probe looks, whenever light changes. Other sets: the same directions, turned as one."},
@@ -37,7 +38,8 @@ constexpr Axis axes[] = {
     {"clusters", "Singular values", "singular values kept", true,
      "Of each cluster. A lower threshold makes more and smaller clusters; by size alone they have up to 1023 receivers."},
     {"receivers", "Receivers", "receivers of the lightmap", true,
-     "A bilinear lookup of each lightmap where the finest has its receivers. Lookup: what interpolating adds to the finest one's error."},
+     "A bilinear lookup of each lightmap where the finest has its receivers. Lookup: what interpolating adds to the finest "
+     "one's error."},
 };
 
 std::string title_of(const std::string& axis) {
@@ -55,7 +57,8 @@ std::vector<std::pair<std::string, std::string>> values_of(const LadderRung& r) 
                                                                {"bias", percent(r.errors.bias)},
                                                                {"black though lit", percent(r.errors.black)}};
     if (r.axis != "receivers")
-        for (std::size_t s = 0; s < ladder_steps; ++s) values.push_back({ladder_step_names[s], percent(r.errors.step_local[s])});
+        for (std::size_t s = 0; s < ladder_steps; ++s)
+            values.push_back({ladder_step_names[s], percent(r.errors.step_local[s])});
     if (r.bytes == 0) return values;
     values.push_back({"bake", fmt::format("{:.3g} s, {:.3g} M rays", r.seconds, double(r.rays) / 1e6)});
     values.push_back({"file", fmt::format("{:.3g} MB", double(r.bytes) / 1e6)});
@@ -79,11 +82,14 @@ class LadderPage {
         for (const Axis& axis : axes) add_axis(axis);
         page_.heading("How it was measured", "how");
         page_.raw(fmt::format("<p><code>{}</code></p>\n", page::escaped(command)));
-        page_.paragraph(fmt::format(
-            "{} receivers of {} are held against {} rays each ({} more see more of the sky than was allowed), which know their irradiance to {}; the harmonics' coefficients of the step "
-            "degree are known to {}. The radiance that leaves a surface is direct light with shadow rays, the same for all. Seconds are of "
-            "one run, on a machine that may have been busy.",
-            ladder_.checked, ladder_.receivers, ladder_.request.check.truth_rays, ladder_.before_sky, percent(ladder_.uncertainty), percent(ladder_.many_uncertainty)));
+        page_.paragraph(
+            fmt::format("{} receivers of {} are held against {} rays each ({} more see more of the sky than was allowed), "
+                        "which know their irradiance to {}; the harmonics' coefficients of the step "
+                        "degree are known to {}. The radiance that leaves a surface is direct light with shadow rays, the same "
+                        "for all. Seconds are of "
+                        "one run, on a machine that may have been busy.",
+                        ladder_.checked, ladder_.receivers, ladder_.request.check.truth_rays, ladder_.before_sky,
+                        percent(ladder_.uncertainty), percent(ladder_.many_uncertainty)));
         for (const std::string& left : ladder_.left_out) page_.paragraph("Left out: " + left + ".");
         return page_.html();
     }
@@ -92,14 +98,16 @@ class LadderPage {
     void introduce() {
         const LadderRung& d = ladder_.rungs.front();
         page_.paragraph(fmt::format(
-            "Errors of the irradiance that probes bring, against a sum over rays that knows no probes: root mean square over receivers of "
-            "the error over the receiver's own truth plus the mean, so that a few that are very bright do not stand for all. The default has {} probes, {} clusters, {:.3g} MB, and errs by {}; {} of what is lit is black.",
+            "Errors of the irradiance that probes bring, against a sum over rays that knows no probes: root mean square over "
+            "receivers of "
+            "the error over the receiver's own truth plus the mean, so that a few that are very bright do not stand for all. "
+            "The default has {} probes, {} clusters, {:.3g} MB, and errs by {}; {} of what is lit is black.",
             d.probes, d.clusters, double(d.bytes) / 1e6, percent(d.errors.local), percent(d.errors.black)));
         std::vector<std::vector<Cell>> rows = {{{"step"}, {"what it leaves out"}, {"what it adds", true}, {"bias", true}}};
         const char* about[ladder_steps] = {
             "all directions but those of the receiver's rays", "what no supporting probe sees",
-            "what harmonics of this degree do not show", "what a probe's relight rays do not meet",
-            "singular values beyond those that are kept", "digits beyond those of a float"};
+            "what harmonics of this degree do not show",       "what a probe's relight rays do not meet",
+            "singular values beyond those that are kept",      "digits beyond those of a float"};
         double most = 0;
         for (const double rms : d.errors.step_local) most = std::max(most, rms);
         for (std::size_t s = 0; s < ladder_steps; ++s)
@@ -107,8 +115,10 @@ class LadderPage {
                             {about[s]},
                             {percent(d.errors.step_local[s]), true, most > 0 ? d.errors.step_local[s] / most : -1},
                             {percent(d.errors.step_bias[s]), true}});
-        page_.table(rows, "The default's error by its steps. They add up with their signs, receiver by receiver. Steps below 0.01 % are not "
-                          "drawn in the charts below.");
+        page_.table(
+            rows,
+            "The default's error by its steps. They add up with their signs, receiver by receiver. Steps below 0.01 % are not "
+            "drawn in the charts below.");
     }
 
     static ChartPoint point(const LadderRung& r, double x, double share) { return {x, 100 * share, values_of(r)}; }
@@ -131,16 +141,21 @@ class LadderPage {
             {"Error against the file's size", "MB", [](const LadderRung& r) { return double(r.bytes) / 1e6; }},
             {"Error against the rays of the bake", "million rays", [](const LadderRung& r) { return double(r.rays) / 1e6; }},
             {"Error against the bake's time", "s, one run", [](const LadderRung& r) { return r.seconds; }},
-            {"Error against the cost of a relighting", "million multiply-adds, a channel", [](const LadderRung& r) { return r.products / 1e6; }}};
+            {"Error against the cost of a relighting", "million multiply-adds, a channel",
+             [](const LadderRung& r) { return r.products / 1e6; }}};
         page_.heading("Is the default on the front?", "fronts");
-        page_.paragraph("Every setting that was measured, by what it costs. The dashed line is the front: no setting below it was found. What lies in the "
-                        "shaded part and left of the default is better and cheaper.");
+        page_.paragraph(
+            "Every setting that was measured, by what it costs. The dashed line is the front: no setting below it was found. "
+            "What lies in the "
+            "shaded part and left of the default is better and cheaper.");
         for (const Front& front : fronts) {
             Chart chart{front.title, front.x, "error, % of local truth + mean", true, true, {}};
             std::vector<std::pair<double, double>> points;
             std::vector<const LadderRung*> whole;
             for (const LadderRung& r : ladder_.rungs) {
-                if (r.bytes == 0 || r.axis == "receivers" || r.axis == "default" || (r.axis == "relight" && r.line != "quadrature weights")) continue;
+                if (r.bytes == 0 || r.axis == "receivers" || r.axis == "default" ||
+                    (r.axis == "relight" && r.line != "quadrature weights"))
+                    continue;
                 whole.push_back(&r), points.push_back({front.cost(r), r.errors.local});
             }
             const LadderRung& d = ladder_.rungs.front();
@@ -148,7 +163,8 @@ class LadderPage {
             for (const LadderRung* r : whole) {
                 if (r->is_default) continue;
                 const std::string name = title_of(r->axis);
-                auto line = std::find_if(chart.lines.begin(), chart.lines.end(), [&](const ChartLine& l) { return l.name == name; });
+                auto line =
+                    std::find_if(chart.lines.begin(), chart.lines.end(), [&](const ChartLine& l) { return l.name == name; });
                 if (line == chart.lines.end()) line = chart.lines.insert(line, {name, {}, Line::points});
                 line->points.push_back(point(*r, front.cost(*r), r->errors.local));
             }
@@ -161,7 +177,12 @@ class LadderPage {
 
     void add_flats() {
         page_.heading("Where each curve flattens", "flat");
-        std::vector<std::vector<Cell>> rows = {{{"number"}, {"default", true}, {"by bytes", true}, {"by rays", true}, {"by seconds", true}, {"by relighting", true},
+        std::vector<std::vector<Cell>> rows = {{{"number"},
+                                                {"default", true},
+                                                {"by bytes", true},
+                                                {"by rays", true},
+                                                {"by seconds", true},
+                                                {"by relighting", true},
                                                 {"its own step", true}}};
         for (const LadderFlat& f : flats_of(ladder_)) {
             std::string own;
@@ -176,7 +197,8 @@ class LadderPage {
                             {f.settled, true}});
         }
         page_.table(rows,
-                    "From which rung on no other halves the whole error for at most twice the cost. Its own step: from which rung on what "
+                    "From which rung on no other halves the whole error for at most twice the cost. Its own step: from which "
+                    "rung on what "
                     "the number governs makes less than 5 % of the whole error.");
     }
 
@@ -210,7 +232,8 @@ class LadderPage {
             for (std::size_t s = 0; s < ladder_steps; ++s) {
                 ChartLine step{ladder_step_names[s]};
                 for (const LadderRung* r : rungs)
-                    if (r->errors.step_local[s] >= least_drawn) step.points.push_back(point(*r, r->value, r->errors.step_local[s]));
+                    if (r->errors.step_local[s] >= least_drawn)
+                        step.points.push_back(point(*r, r->value, r->errors.step_local[s]));
                 if (!step.points.empty()) chart.lines.push_back(step);
             }
             ChartLine others{"other sets", {}, Line::points};
@@ -229,7 +252,8 @@ class LadderPage {
         const auto chosen = lines_of(ladder_, "placement");
         if (chosen.empty()) return add_black("Probes", "probes", lines_of(ladder_, "probes"));
         page_.paragraph(
-            "As placed: evenly, as the bake does it. Chosen: of a dense placement, one after the other, whichever sees most of what "
+            "As placed: evenly, as the bake does it. Chosen: of a dense placement, one after the other, whichever sees most of "
+            "what "
             "receivers see and no other does. Both before clusters.");
         add_black("Probes", "probes", chosen);
         Chart chart{"Probes: unseen, and the whole error", "probes", "error, % of local truth + mean", true, true, {}};
@@ -244,7 +268,8 @@ class LadderPage {
         page_.chart(chart);
     }
 
-    void add_black(const std::string& title, const std::string& x, const std::vector<std::pair<std::string, std::vector<const LadderRung*>>>& lines) {
+    void add_black(const std::string& title, const std::string& x,
+                   const std::vector<std::pair<std::string, std::vector<const LadderRung*>>>& lines) {
         Chart chart{title + ": black though lit", x, "% of lit receivers", true, true, {}};
         for (const auto& [name, rungs] : lines) {
             ChartLine line{lines.size() == 1 ? "black" : name};

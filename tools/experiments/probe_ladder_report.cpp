@@ -12,9 +12,9 @@
 namespace plumb::cli {
 
 LadderStep own_step(const std::string& axis) {
-    static const std::map<std::string, LadderStep> steps = {{"probes", step_unseen},   {"overlaps", step_unseen}, {"placement", step_unseen},
-                                                            {"degree", step_degree},   {"relight", step_relight},
-                                                            {"rays", step_rays},       {"clusters", step_truncation}};
+    static const std::map<std::string, LadderStep> steps = {
+        {"probes", step_unseen},   {"overlaps", step_unseen}, {"placement", step_unseen},   {"degree", step_degree},
+        {"relight", step_relight}, {"rays", step_rays},       {"clusters", step_truncation}};
     const auto at = steps.find(axis);
     return at == steps.end() ? ladder_steps : at->second;
 }
@@ -58,14 +58,17 @@ std::string percent(double share) { return share < 0 ? "" : fmt::format("{:.3g}"
 
 std::vector<Column> heads() {
     std::vector<Column> columns = {{"rung"}};
-    for (const char* head : {"rms %", "local %", "bias %", "95 % err less, %", "black %"}) columns.push_back({head, Align::right});
+    for (const char* head : {"rms %", "local %", "bias %", "95 % err less, %", "black %"})
+        columns.push_back({head, Align::right});
     for (const char* step : ladder_step_names) columns.push_back({step, Align::right});
-    for (const char* head : {"other sets", "lookup", "M rays", "s", "MB", "M products"}) columns.push_back({head, Align::right});
+    for (const char* head : {"other sets", "lookup", "M rays", "s", "MB", "M products"})
+        columns.push_back({head, Align::right});
     return columns;
 }
 
 std::vector<std::string> row_of(const LadderRung& r) {
-    std::vector<std::string> row = {fmt::format("{}{}", r.axis == "products" ? r.settings : fmt::format("{:g}", r.value), r.is_default ? " (default)" : "")};
+    std::vector<std::string> row = {fmt::format("{}{}", r.axis == "products" ? r.settings : fmt::format("{:g}", r.value),
+                                                r.is_default ? " (default)" : "")};
     const LadderErrors& e = r.errors;
     row.push_back(percent(e.rms)), row.push_back(percent(e.local)), row.push_back(fmt::format("{:+.2f}", 100 * e.bias));
     row.push_back(percent(e.p95)), row.push_back(percent(e.black));
@@ -112,10 +115,12 @@ std::string settled_at(const std::string& axis, const std::vector<const LadderRu
 }
 
 std::string flat_text(const LadderFlat& f) {
-    std::string text = fmt::format("from there on no rung halves the error for twice the cost: {} by rays, {} by seconds, {} by bytes, {} by products",
-                                   f.rays, f.seconds, f.bytes, f.products);
-    if (!f.settled.empty()) text += fmt::format("; its own step ({}) makes less than 5 % of the error from: {}",
-                                                ladder_step_names[own_step(f.axis)], f.settled);
+    std::string text = fmt::format(
+        "from there on no rung halves the error for twice the cost: {} by rays, {} by seconds, {} by bytes, {} by products",
+        f.rays, f.seconds, f.bytes, f.products);
+    if (!f.settled.empty())
+        text += fmt::format("; its own step ({}) makes less than 5 % of the error from: {}",
+                            ladder_step_names[own_step(f.axis)], f.settled);
     return text + "\n";
 }
 
@@ -123,7 +128,8 @@ std::string front_text(const Ladder& ladder, const NamedCost& cost) {
     std::vector<const LadderRung*> whole;
     std::vector<std::pair<double, double>> points;
     for (const LadderRung& r : ladder.rungs) {
-        if (r.bytes == 0 || r.axis == "receivers" || (r.is_default && r.axis != "default") || (r.axis == "relight" && r.line != "quadrature weights"))
+        if (r.bytes == 0 || r.axis == "receivers" || (r.is_default && r.axis != "default") ||
+            (r.axis == "relight" && r.line != "quadrature weights"))
             continue;
         whole.push_back(&r), points.push_back({cost.of(r), r.errors.local});
     }
@@ -132,16 +138,25 @@ std::string front_text(const Ladder& ladder, const NamedCost& cost) {
     std::vector<std::size_t> order;
     for (std::size_t i = 0; i < whole.size(); ++i)
         if (front[i] || i == 0) order.push_back(i);
-    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return points[a].first < points[b].first; });
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return points[a].first < points[b].first; });
     for (const std::size_t i : order) {
         const LadderRung& r = *whole[i];
-        rows.push_back({r.axis == "default" ? "default" : r.settings, percent(r.errors.rms), percent(r.errors.local), percent(r.errors.black),
-                        fmt::format("{:.2f}", double(r.rays) / 1e6), fmt::format("{:.2f}", r.seconds), fmt::format("{:.2f}", double(r.bytes) / 1e6),
-                        fmt::format("{:.2f}", r.products / 1e6), front[i] ? "" : "beaten"});
+        rows.push_back({r.axis == "default" ? "default" : r.settings, percent(r.errors.rms), percent(r.errors.local),
+                        percent(r.errors.black), fmt::format("{:.2f}", double(r.rays) / 1e6), fmt::format("{:.2f}", r.seconds),
+                        fmt::format("{:.2f}", double(r.bytes) / 1e6), fmt::format("{:.2f}", r.products / 1e6),
+                        front[i] ? "" : "beaten"});
     }
     return fmt::format("\nlocal error against {}: what nothing beats, and the default\n\n", cost.name) +
-           format_table({{"setting"}, {"rms %", Align::right}, {"local %", Align::right}, {"black %", Align::right}, {"M rays", Align::right}, {"s", Align::right}, {"MB", Align::right},
-                         {"M products", Align::right}, {""}},
+           format_table({{"setting"},
+                         {"rms %", Align::right},
+                         {"local %", Align::right},
+                         {"black %", Align::right},
+                         {"M rays", Align::right},
+                         {"s", Align::right},
+                         {"MB", Align::right},
+                         {"M products", Align::right},
+                         {""}},
                         rows);
 }
 
@@ -152,20 +167,22 @@ std::vector<LadderFlat> flats_of(const Ladder& ladder) {
     for (const std::string& axis : ladder_axes) {
         if (axis == "products" || axis == "placement") continue;
         for (const auto& [line, rungs] : lines_of(ladder, axis))
-            flats.push_back({axis, line, flat_at(rungs, costs[0]), flat_at(rungs, costs[1]), flat_at(rungs, costs[2]), flat_at(rungs, costs[3]),
-                             settled_at(axis, rungs)});
+            flats.push_back({axis, line, flat_at(rungs, costs[0]), flat_at(rungs, costs[1]), flat_at(rungs, costs[2]),
+                             flat_at(rungs, costs[3]), settled_at(axis, rungs)});
     }
     return flats;
 }
 
 std::string ladder_text(const Ladder& ladder) {
     std::string text = fmt::format(
-        "{}: {} receivers, {} probes; held against {} receivers ({} more see too much sky) of {} rays each, known to {:.2g} %; the step degree to {:.2g} %\n"
-        "rms, bias, 95 %: of the mean irradiance; local: root mean square of error / (truth + mean), and so what each step adds; black: of "
+        "{}: {} receivers, {} probes; held against {} receivers ({} more see too much sky) of {} rays each, known to {:.2g} %; "
+        "the step degree to {:.2g} %\n"
+        "rms, bias, 95 %: of the mean irradiance; local: root mean square of error / (truth + mean), and so what each step "
+        "adds; black: of "
         "what is lit\n"
         "M products: multiply-adds of one relighting, a channel; s: wall time of one run\n",
-        io::stem_of(ladder.scene), ladder.receivers, ladder.probes, ladder.checked, ladder.before_sky, ladder.request.check.truth_rays, 100 * ladder.uncertainty,
-        100 * ladder.many_uncertainty);
+        io::stem_of(ladder.scene), ladder.receivers, ladder.probes, ladder.checked, ladder.before_sky,
+        ladder.request.check.truth_rays, 100 * ladder.uncertainty, 100 * ladder.many_uncertainty);
     const std::vector<LadderFlat> flats = flats_of(ladder);
     for (const std::string& axis : ladder_axes)
         for (const auto& [line, rungs] : lines_of(ladder, axis)) {
@@ -188,9 +205,22 @@ std::string ladder_json(const Ladder& ladder) {
         Json steps = Json::object();
         for (std::size_t s = 0; s < ladder_steps; ++s)
             steps[ladder_step_names[s]] = {{"rms", e.step_rms[s]}, {"local", e.step_local[s]}, {"bias", e.step_bias[s]}};
-        Json rung = {{"axis", r.axis}, {"line", r.line}, {"value", r.value}, {"settings", r.settings}, {"is_default", r.is_default},
-                     {"probes", r.probes}, {"receivers", r.receivers}, {"clusters", r.clusters}, {"seconds", r.seconds}, {"rays", r.rays},
-                     {"bytes", r.bytes}, {"products", r.products}, {"rms", e.rms}, {"local", e.local}, {"bias", e.bias}, {"p95", e.p95},
+        Json rung = {{"axis", r.axis},
+                     {"line", r.line},
+                     {"value", r.value},
+                     {"settings", r.settings},
+                     {"is_default", r.is_default},
+                     {"probes", r.probes},
+                     {"receivers", r.receivers},
+                     {"clusters", r.clusters},
+                     {"seconds", r.seconds},
+                     {"rays", r.rays},
+                     {"bytes", r.bytes},
+                     {"products", r.products},
+                     {"rms", e.rms},
+                     {"local", e.local},
+                     {"bias", e.bias},
+                     {"p95", e.p95},
                      {"black", e.black}};
         if (r.axis == "receivers")
             rung["lookup"] = r.lookup;
@@ -199,10 +229,18 @@ std::string ladder_json(const Ladder& ladder) {
         if (!r.others.empty()) rung["other_directions"] = r.others;
         rungs.push_back(rung);
     }
-    return json_text({{"version", 1}, {"scene", io::stem_of(ladder.scene)}, {"receivers", ladder.receivers}, {"probes", ladder.probes},
-                      {"checked", ladder.checked}, {"left_out_for_sky", ladder.before_sky}, {"truth_rays", ladder.request.check.truth_rays}, {"mean_irradiance", ladder.mean},
-                      {"truth_uncertainty", ladder.uncertainty}, {"degree_uncertainty", ladder.many_uncertainty},
-                      {"rungs", rungs}, {"left_out", ladder.left_out}});
+    return json_text({{"version", 1},
+                      {"scene", io::stem_of(ladder.scene)},
+                      {"receivers", ladder.receivers},
+                      {"probes", ladder.probes},
+                      {"checked", ladder.checked},
+                      {"left_out_for_sky", ladder.before_sky},
+                      {"truth_rays", ladder.request.check.truth_rays},
+                      {"mean_irradiance", ladder.mean},
+                      {"truth_uncertainty", ladder.uncertainty},
+                      {"degree_uncertainty", ladder.many_uncertainty},
+                      {"rungs", rungs},
+                      {"left_out", ladder.left_out}});
 }
 
 }  // namespace plumb::cli

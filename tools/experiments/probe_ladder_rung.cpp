@@ -110,7 +110,8 @@ const LadderTransport& LadderMeasure::transport_of(const probes::Bake& b) {
 }
 
 std::vector<float> LadderMeasure::shown(const probes::Bake& b) {
-    return clustered_in_float(b, lambda_in_float(placed_of(b).light, weights(b.params.relight_rays), b.params.degree, options_));
+    return clustered_in_float(b,
+                              lambda_in_float(placed_of(b).light, weights(b.params.relight_rays), b.params.degree, options_));
 }
 
 void LadderMeasure::add_costs(const LadderBaked& baked, LadderRung& r) const {
@@ -134,21 +135,27 @@ LadderRung LadderMeasure::rung_of(const LadderBaked& baked, const std::string& a
     const LadderPlaced& placed = placed_of(b);
     const int n = b.params.relight_rays;
     const Buffer<float> w = quadrature ? weights(n) : equal_weights(n);
-    r.errors = errors_of(checked_, steps_of(checked_, transport_of(b), b, placed.many, lambda_in_double(placed.light, w, options_),
-                                            lambda_in_float(placed.light, w, b.params.degree, options_)));
+    r.errors =
+        errors_of(checked_, steps_of(checked_, transport_of(b), b, placed.many, lambda_in_double(placed.light, w, options_),
+                                     lambda_in_float(placed.light, w, b.params.degree, options_)));
     return r;
 }
 
 LadderRung LadderMeasure::uncut_rung(const Buffer<glm::vec4>& probes, const probes::PlacementParams& placement,
                                      const std::string& line) {
     const double radius = probes::probe_radius(probes, base_.bake.receivers.position, placement, options_).radius_m;
-    const LadderTransport t = transport_in_double(world_, checked_, probes, radius, placement.overlaps, base_.bake.transport, options_);
+    const LadderTransport t =
+        transport_in_double(world_, checked_, probes, radius, placement.overlaps, base_.bake.transport, options_);
     const ProbeLight light = probe_light(world_, radiance_, probes, directions_, options_);
     const std::vector<double> degree = uncut(t, lambda_in_double(light, weights(light.rays()), options_), params_.degree);
     LadderSteps steps;
     steps.value = uncut(t, lambda_in_double(light, weights(params_.relight_rays), options_), params_.degree);
     const std::vector<double> none(t.rays.size(), 0);
-    steps.added = {minus(t.rays, checked_.truth), minus(t.unseen, t.rays), minus(degree, t.unseen), minus(steps.value, degree), none,
+    steps.added = {minus(t.rays, checked_.truth),
+                   minus(t.unseen, t.rays),
+                   minus(degree, t.unseen),
+                   minus(steps.value, degree),
+                   none,
                    none};
     LadderRung r;
     r.axis = "placement", r.line = line, r.value = double(probes.size());

@@ -65,7 +65,8 @@ LadderTransport transport_in_double(const LadderWorld& world, const CheckedRecei
     constexpr int block_size = 256;
     for (int first = 0; first < checked.count(); first += block_size) {
         const int count = std::min(block_size, checked.count() - first);
-        const probes::TracedBlock block = probes::trace_block(scene, params, checked.receivers, t.supports, first, count, options);
+        const probes::TracedBlock block =
+            probes::trace_block(scene, params, checked.receivers, t.supports, first, count, options);
         const ReceiverSums sums{checked, block, scene.factors, t};
         parallel_bands(count, 4, options, [&](int from, int to) {
             for (int i = from; i < to; ++i) sums(i);
@@ -84,20 +85,23 @@ std::vector<double> lambda_in_double(const ProbeLight& light, const Buffer<float
         for (std::size_t p = std::size_t(first); p < std::size_t(last); ++p)
             for (std::size_t r = 0; r < weights.size(); ++r) {
                 const double f = double(weights[r]) * double(light.radiance[p * std::size_t(light.rays()) + r]);
-                for (std::size_t j = 0; j < all_harmonics; ++j) lambda[p * all_harmonics + j] += f * light.harmonics[r * all_harmonics + j];
+                for (std::size_t j = 0; j < all_harmonics; ++j)
+                    lambda[p * all_harmonics + j] += f * light.harmonics[r * all_harmonics + j];
             }
     });
     return lambda;
 }
 
-std::vector<float> lambda_in_float(const ProbeLight& light, const Buffer<float>& weights, int degree, const RunOptions& options) {
+std::vector<float> lambda_in_float(const ProbeLight& light, const Buffer<float>& weights, int degree,
+                                   const RunOptions& options) {
     const std::size_t count = std::size_t(sh::count(degree));
     std::vector<float> lambda(std::size_t(light.probes) * count, 0);
     parallel_bands(light.probes, 1, options, [&](int first, int last) {
         for (std::size_t p = std::size_t(first); p < std::size_t(last); ++p)
             for (std::size_t r = 0; r < weights.size(); ++r) {
                 const float f = weights[r] * light.radiance[p * std::size_t(light.rays()) + r];
-                for (std::size_t j = 0; j < count; ++j) lambda[p * count + j] += f * float(light.harmonics[r * all_harmonics + j]);
+                for (std::size_t j = 0; j < count; ++j)
+                    lambda[p * count + j] += f * float(light.harmonics[r * all_harmonics + j]);
             }
     });
     return lambda;
@@ -117,7 +121,8 @@ std::vector<T> clustered(const probes::Bake& bake, const std::vector<T>& lambda,
         for (std::size_t k = 0; k < basis.size(); ++k)
             for (std::size_t p = 0; p < c.probes.size(); ++p)
                 for (std::size_t j = 0; j < count; ++j)
-                    basis[k] += T(c.sigma_vt[(k * c.probes.size() + p) * count + j]) * lambda[std::size_t(c.probes[p]) * stride + j];
+                    basis[k] +=
+                        T(c.sigma_vt[(k * c.probes.size() + p) * count + j]) * lambda[std::size_t(c.probes[p]) * stride + j];
         for (const std::int32_t i : c.receivers) {
             T sum(0);
             for (std::size_t k = 0; k < basis.size(); ++k) sum += T(bake.clusters.u[std::size_t(i) * values + k]) * basis[k];
@@ -143,8 +148,8 @@ namespace {
 
 // Sum over slots and coefficients of alpha lambda, alpha [slot][stride].
 template <class T>
-double gathered(const std::int32_t* support, std::size_t slots, const T* alpha, std::size_t stride, const std::vector<double>& lambda,
-                std::size_t count) {
+double gathered(const std::int32_t* support, std::size_t slots, const T* alpha, std::size_t stride,
+                const std::vector<double>& lambda, std::size_t count) {
     double sum = 0;
     for (std::size_t s = 0; s < slots; ++s) {
         if (support[s] < 0) continue;
@@ -209,13 +214,15 @@ double CheckedReceivers::relative_uncertainty() const { return local_rms(*this, 
 
 LadderErrors errors_of(const CheckedReceivers& checked, const LadderSteps& steps) {
     const double mean = checked.mean(), n = double(checked.count());
-    if (!(mean > 0)) throw InputError("probe-ladder: no light reaches any receiver: the scene has no lamp, no sky, nothing that emits");
+    if (!(mean > 0))
+        throw InputError("probe-ladder: no light reaches any receiver: the scene has no lamp, no sky, nothing that emits");
     LadderErrors e;
     std::vector<double> difference, magnitude;
     double lit = 0, black = 0;
     for (std::size_t i = 0; i < checked.truth.size(); ++i) {
         const double truth = checked.truth[i];
-        if (!std::isfinite(steps.value[i]) || !std::isfinite(truth)) throw InputError("probe-ladder: an irradiance is not finite");
+        if (!std::isfinite(steps.value[i]) || !std::isfinite(truth))
+            throw InputError("probe-ladder: an irradiance is not finite");
         difference.push_back(steps.value[i] - truth);
         magnitude.push_back(std::fabs(difference.back()) / mean);
         e.bias += difference.back() / mean / n;
@@ -242,7 +249,8 @@ namespace {
 glm::dvec2 barycentrics_of(const Geometry& geometry, int triangle, const glm::dvec3& point) {
     const glm::uvec3 corner = geometry.triangles[std::size_t(triangle)];
     const glm::dvec3 a(geometry.vertices[corner.x].position), u = glm::dvec3(geometry.vertices[corner.y].position) - a,
-                     v = glm::dvec3(geometry.vertices[corner.z].position) - a, p = point - a;
+                                                              v = glm::dvec3(geometry.vertices[corner.z].position) - a,
+                                                              p = point - a;
     const double uu = glm::dot(u, u), uv = glm::dot(u, v), vv = glm::dot(v, v), pu = glm::dot(p, u), pv = glm::dot(p, v);
     const double area2 = uu * vv - uv * uv;
     if (!(area2 > 0)) return glm::dvec2(0);

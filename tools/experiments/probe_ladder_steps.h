@@ -69,13 +69,15 @@ struct CheckedReceivers {
     int before_sky = 0;               // receivers that were left out because they see too much of it
 
     int count() const { return int(index.size()); }
-    double mean() const;              // of the truth
+    double mean() const;                  // of the truth
     double relative_uncertainty() const;  // local_rms()
 };
-// Irradiance of the receivers by the first n directions, for each n of `prefixes`, the set turned about each normal: [prefix][receiver].
-std::vector<std::vector<double>> irradiance_by(const LadderWorld& world, const Radiance& radiance, const probes::Receivers& receivers,
-                                               const Buffer<glm::vec4>& directions, const std::vector<int>& prefixes,
-                                               probes::Distribution distribution, double turn_rad, const RunOptions& options);
+// Irradiance of the receivers by the first n directions, for each n of `prefixes`, the set turned about each normal:
+// [prefix][receiver].
+std::vector<std::vector<double>> irradiance_by(const LadderWorld& world, const Radiance& radiance,
+                                               const probes::Receivers& receivers, const Buffer<glm::vec4>& directions,
+                                               const std::vector<int>& prefixes, probes::Distribution distribution,
+                                               double turn_rad, const RunOptions& options);
 struct CheckRequest {
     int receivers = 1024;   // every k-th of all
     int truth_rays = 8192;  // an even number; each receiver turns them about its normal by an angle of its own
@@ -88,9 +90,9 @@ CheckedReceivers check_receivers(const LadderWorld& world, const Radiance& radia
 // ---- Transport and probes in double -----------------------------------------------------------------------------------
 
 struct LadderTransport {
-    probes::Supports supports;        // of the checked receivers
-    std::vector<double> rays, unseen; // W/m2: after those steps
-    std::vector<double> alpha;        // [receiver][slot][64], sr
+    probes::Supports supports;         // of the checked receivers
+    std::vector<double> rays, unseen;  // W/m2: after those steps
+    std::vector<double> alpha;         // [receiver][slot][64], sr
 };
 LadderTransport transport_in_double(const LadderWorld& world, const CheckedReceivers& checked, const Buffer<glm::vec4>& probes,
                                     double radius_m, int overlaps, const probes::TransportParams& params,
@@ -100,8 +102,8 @@ LadderTransport transport_in_double(const LadderWorld& world, const CheckedRecei
 struct ProbeLight {
     int probes = 0;
     Buffer<glm::vec4> directions;
-    std::vector<double> harmonics;    // [ray][64]
-    std::vector<float> radiance;      // [probe][ray]
+    std::vector<double> harmonics;  // [ray][64]
+    std::vector<float> radiance;    // [probe][ray]
 
     int rays() const { return int(directions.size()); }
 };
@@ -109,12 +111,13 @@ ProbeLight probe_light(const LadderWorld& world, const Radiance& radiance, const
                        const Buffer<glm::vec4>& directions, const RunOptions& options);
 
 // Which of many places see most of what receivers see, chosen one after the other: indices, the first `wanted`.
-std::vector<int> places_that_see_most(const LadderWorld& world, const CheckedReceivers& checked, const Buffer<glm::vec4>& places,
-                                      int wanted, const RunOptions& options);
+std::vector<int> places_that_see_most(const LadderWorld& world, const CheckedReceivers& checked,
+                                      const Buffer<glm::vec4>& places, int wanted, const RunOptions& options);
 
 // lambda by the first rays, weighted as given: [probe][64], in double; and as the run time has it: [probe][coefficient].
 std::vector<double> lambda_in_double(const ProbeLight& light, const Buffer<float>& weights, const RunOptions& options);
-std::vector<float> lambda_in_float(const ProbeLight& light, const Buffer<float>& weights, int degree, const RunOptions& options);
+std::vector<float> lambda_in_float(const ProbeLight& light, const Buffer<float>& weights, int degree,
+                                   const RunOptions& options);
 // 4 pi / n for each: IPR (10).
 Buffer<float> equal_weights(int n);
 
@@ -125,7 +128,8 @@ std::vector<float> clustered_in_float(const probes::Bake& bake, const std::vecto
 // ---- Errors -----------------------------------------------------------------------------------------------------------
 
 enum LadderStep : int { step_rays, step_unseen, step_degree, step_relight, step_truncation, step_rounding, ladder_steps };
-inline constexpr const char* ladder_step_names[ladder_steps] = {"rays", "unseen", "degree", "relight", "truncation", "rounding"};
+inline constexpr const char* ladder_step_names[ladder_steps] = {"rays",    "unseen",     "degree",
+                                                                "relight", "truncation", "rounding"};
 
 // What each step adds to the checked receivers' irradiance, and what comes of all, W/m2.
 struct LadderSteps {
