@@ -16,8 +16,8 @@ struct LadderRequest {
     int most_probes = 512;
     std::set<std::string> axes;  // empty: all
 };
-inline const std::vector<std::string> ladder_axes = {"probes",   "overlaps",  "degree",    "relight", "rays",
-                                                     "clusters", "receivers", "placement", "products"};
+inline const std::vector<std::string> ladder_axes = {"probes",   "overlaps",  "degree",    "window",  "relight",
+                                                     "rays",     "clusters",  "receivers", "placement", "products"};
 
 // A setting, what it costs and how wrong it is.
 struct LadderRung {

@@ -55,6 +55,7 @@ class Climber {
         if (asked("probes")) climb_probes();
         if (asked("overlaps")) climb_overlaps();
         if (asked("degree")) climb_degree();
+        if (asked("window")) climb_windows();
         if (asked("relight")) climb_relight();
         if (asked("rays")) climb_rays();
         if (asked("clusters")) climb_clusters();
@@ -137,6 +138,21 @@ class Climber {
             p.degree = n;
             climb("degree", "degree", n, p, fmt::format("probes.degree={}", n));
         });
+    }
+
+    // Windows that keep harmonics from overshooting (Sloan 2008, "Stupid Spherical Harmonics Tricks"); the run time has none.
+    void climb_windows() {
+        using Window = double (*)(double);
+        const std::vector<std::pair<const char*, Window>> windows = {
+            {"none", [](double) { return 1.0; }},
+            {"Lanczos", [](double t) { return t == 0 ? 1.0 : host::sin(host::pi * t) / (host::pi * t); }},
+            {"Hann", [](double t) { return 0.5 + 0.5 * host::cos(host::pi * t); }}};
+        for (const auto& [name, window] : windows)
+            for (int degree = 0; degree <= 7; ++degree) {
+                std::vector<double> factors;
+                for (int l = 0; l <= degree; ++l) factors.push_back(window(double(l) / (degree + 1)));
+                add(measure_.windowed_rung(factors, name));
+            }
     }
 
     void climb_relight() {

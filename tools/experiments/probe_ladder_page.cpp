@@ -244,7 +244,22 @@ class LadderPage {
             page_.chart(chart);
         }
         if (std::string(axis.name) == "probes") add_placement();
+        if (std::string(axis.name) == "degree") add_windows();
         if (std::string(axis.name) == "overlaps") add_black(axis.title, axis.x, lines);
+    }
+
+    void add_windows() {
+        const auto lines = lines_of(ladder_, "window");
+        if (lines.empty()) return;
+        page_.paragraph("What a window over the degrees would bring, before clusters: factors sinc(l / (degree + 1)) or "
+                        "(1 + cos(pi l / (degree + 1))) / 2 on the coefficients of degree l. The run time has none.");
+        Chart chart{"Degree, with a window", "degree", "error, % of local truth + mean", false, true, {}};
+        for (const auto& [name, rungs] : lines) {
+            ChartLine line{"window: " + name};
+            for (const LadderRung* r : rungs) line.points.push_back(point(*r, r->value, r->errors.local));
+            chart.lines.push_back(line);
+        }
+        page_.chart(chart);
     }
 
     // What is black, and the same of probes that were chosen by what they see.

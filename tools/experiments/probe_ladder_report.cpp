@@ -165,7 +165,7 @@ std::string front_text(const Ladder& ladder, const NamedCost& cost) {
 std::vector<LadderFlat> flats_of(const Ladder& ladder) {
     std::vector<LadderFlat> flats;
     for (const std::string& axis : ladder_axes) {
-        if (axis == "products" || axis == "placement") continue;
+        if (axis == "products" || axis == "placement" || axis == "window") continue;
         for (const auto& [line, rungs] : lines_of(ladder, axis))
             flats.push_back({axis, line, flat_at(rungs, costs[0]), flat_at(rungs, costs[1]), flat_at(rungs, costs[2]),
                              flat_at(rungs, costs[3]), settled_at(axis, rungs)});

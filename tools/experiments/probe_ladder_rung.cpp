@@ -141,6 +141,20 @@ LadderRung LadderMeasure::rung_of(const LadderBaked& baked, const std::string& a
     return r;
 }
 
+namespace {
+
+// Of irradiances by many relight rays and by the bake's, the transport not cut.
+LadderErrors uncut_errors(const CheckedReceivers& checked, const LadderTransport& t, const std::vector<double>& degree,
+                          const std::vector<double>& relight) {
+    const std::vector<double> none(t.rays.size(), 0);
+    LadderSteps steps;
+    steps.value = relight;
+    steps.added = {minus(t.rays, checked.truth), minus(t.unseen, t.rays), minus(degree, t.unseen), minus(relight, degree), none, none};
+    return errors_of(checked, steps);
+}
+
+}  // namespace
+
 LadderRung LadderMeasure::uncut_rung(const Buffer<glm::vec4>& probes, const probes::PlacementParams& placement,
                                      const std::string& line) {
     const double radius = probes::probe_radius(probes, base_.bake.receivers.position, placement, options_).radius_m;
@@ -148,20 +162,30 @@ LadderRung LadderMeasure::uncut_rung(const Buffer<glm::vec4>& probes, const prob
         transport_in_double(world_, checked_, probes, radius, placement.overlaps, base_.bake.transport, options_);
     const ProbeLight light = probe_light(world_, radiance_, probes, directions_, options_);
     const std::vector<double> degree = uncut(t, lambda_in_double(light, weights(light.rays()), options_), params_.degree);
-    LadderSteps steps;
-    steps.value = uncut(t, lambda_in_double(light, weights(params_.relight_rays), options_), params_.degree);
-    const std::vector<double> none(t.rays.size(), 0);
-    steps.added = {minus(t.rays, checked_.truth),
-                   minus(t.unseen, t.rays),
-                   minus(degree, t.unseen),
-                   minus(steps.value, degree),
-                   none,
-                   none};
     LadderRung r;
     r.axis = "placement", r.line = line, r.value = double(probes.size());
     r.settings = fmt::format("{} probes, {}", probes.size(), line);
     r.probes = int(probes.size()), r.receivers = base_.bake.receivers.count();
-    r.errors = errors_of(checked_, steps);
+    r.errors = uncut_errors(checked_, t, degree,
+                            uncut(t, lambda_in_double(light, weights(params_.relight_rays), options_), params_.degree));
+    return r;
+}
+
+LadderRung LadderMeasure::windowed_rung(const std::vector<double>& window, const std::string& line) {
+    const int degree = int(window.size()) - 1;
+    const auto windowed = [&](std::vector<double> lambda) {
+        for (std::size_t k = 0; k < lambda.size(); ++k)
+            for (int l = 0; l <= degree; ++l)
+                if (const int j = int(k % sh::max_count); j >= l * l && j < (l + 1) * (l + 1)) lambda[k] *= window[std::size_t(l)];
+        return lambda;
+    };
+    const LadderPlaced& placed = placed_of(base_.bake);
+    const LadderTransport& t = transport_of(base_.bake);
+    LadderRung r;
+    r.axis = "window", r.line = line, r.value = degree, r.settings = fmt::format("degree {}, window {}", degree, line);
+    r.probes = placed.light.probes, r.receivers = base_.bake.receivers.count();
+    const std::vector<double> lambda = lambda_in_double(placed.light, weights(params_.relight_rays), options_);
+    r.errors = uncut_errors(checked_, t, uncut(t, windowed(placed.many), degree), uncut(t, windowed(lambda), degree));
     return r;
 }
 

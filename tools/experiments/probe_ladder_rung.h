@@ -49,6 +49,9 @@ class LadderMeasure {
     // Of probes anywhere, with the default's receivers, before clusters.
     LadderRung uncut_rung(const Buffer<glm::vec4>& probes, const probes::PlacementParams& placement, const std::string& line);
 
+    // Of the default's probes, before clusters: coefficients of degree l times window[l]; as many degrees as it is long.
+    LadderRung windowed_rung(const std::vector<double>& window, const std::string& line);
+
   private:
     const Scene& scene_;
     const probes::BakeParams& params_;
