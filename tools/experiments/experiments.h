@@ -10,6 +10,7 @@ void add_one_bounce(CLI::App& experiment, Action& action);
 void add_vrsm(CLI::App& experiment, Action& action);
 void add_isr(CLI::App& experiment, Action& action);
 void add_probes(CLI::App& experiment, Action& action);
+void add_probe_ladder(CLI::App& experiment, Action& action);
 void add_ddgi(CLI::App& experiment, Action& action);
 
 }  // namespace plumb::cli

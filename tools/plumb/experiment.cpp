@@ -6,7 +6,7 @@ namespace plumb::cli {
 
 void add_experiment(CLI::App& program, Action& action) {
     CLI::App* command =
-        program.add_subcommand("experiment", "repeat what is known or published: closed-forms, one-bounce, vrsm, isr, probes, ddgi");
+        program.add_subcommand("experiment", "repeat what is known or published: closed-forms, one-bounce, vrsm, isr, probes, probe-ladder, ddgi");
     command->require_subcommand(1);
     command->footer(
         "Experiments:\n"
@@ -15,6 +15,7 @@ void add_experiment(CLI::App& program, Action& action) {
         "  plumb experiment vrsm -o out\n"
         "  plumb experiment isr -o out\n"
         "  plumb experiment probes SCENE\n"
+        "  plumb experiment probe-ladder SCENE --html page.html\n"
         "  plumb experiment ddgi SCENE -o out\n"
         "plumb experiment NAME --help tells more.");
     add_closed_forms(*command, action);
@@ -22,6 +23,7 @@ void add_experiment(CLI::App& program, Action& action) {
     add_vrsm(*command, action);
     add_isr(*command, action);
     add_probes(*command, action);
+    add_probe_ladder(*command, action);
     add_ddgi(*command, action);
 }
 
