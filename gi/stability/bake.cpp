@@ -16,6 +16,7 @@ namespace {
 
 probes::BakeParams small_bake() {
     probes::BakeParams p;
+    p.placement.overlaps = 10, p.placement.least = 8, p.receiver_rays = 512;
     p.lightmap_size = 48, p.receiver_rays = 32, p.test_rays = 16;
     p.placement.count = 6, p.placement.overlaps = 4;
     p.escapes = probes::Escapes::all_probes;  // so that directions of rays that meet nothing count, too

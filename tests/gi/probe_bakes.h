@@ -56,6 +56,7 @@ inline Scene inside_of_ball(int rings) {
 
 inline probes::BakeParams small() {
     probes::BakeParams p;
+    p.placement.overlaps = 10, p.placement.least = 8;
     p.receivers_per_m2 = 9, p.relight_rays = 256, p.receiver_rays = 128;
     p.placement.count = 6;
     return p;

@@ -19,6 +19,7 @@ io::DescribedFile smallest(int rays = 1) {
     Scene scene = scene_of(quad);
     scene.environment.radiance = glm::vec3(1);
     probes::BakeParams p;
+    p.placement.overlaps = 10, p.placement.least = 8, p.receiver_rays = 512;
     p.receivers_per_m2 = 1, p.relight_rays = rays, p.receiver_rays = 16, p.degree = 0, p.singular_values = 4;
     p.placement.count = 1, p.placement.least = 1, p.placement.overlaps = 1;
     probes::BakeGraph graph(scene, p);

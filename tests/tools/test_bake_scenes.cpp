@@ -19,6 +19,7 @@ const std::string scenes = PLUMB_SOURCE_DIR "/data/scenes/";
 // Few rays of few receivers: what can go wrong with a scene's surfaces does so at any number.
 probes::BakeParams quick(float receivers_per_m2) {
     probes::BakeParams p;
+    p.placement.overlaps = 10, p.placement.least = 8, p.receiver_rays = 512;
     p.receivers_per_m2 = receivers_per_m2;
     p.receiver_rays = 8, p.test_rays = 8, p.relight_rays = 64, p.degree = 2;
     p.placement.count = 12, p.placement.overlaps = 4;

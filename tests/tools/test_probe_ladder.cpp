@@ -28,6 +28,7 @@ Scene room(bool wall = false) {
 
 probes::BakeParams small(int count) {
     probes::BakeParams p;
+    p.placement.overlaps = 10, p.placement.least = 8, p.receiver_rays = 512;
     p.receivers_per_m2 = 4, p.receiver_rays = 128;
     p.placement.count = count, p.placement.least = 1;
     return p;

@@ -35,6 +35,7 @@ struct Box {
 
     static probes::BakeParams params() {
         probes::BakeParams p;
+    p.placement.overlaps = 10, p.placement.least = 8, p.receiver_rays = 512;
         p.lightmap_size = 512, p.placement.count = 78;  // 64,436 receivers: column P4 of `plumb experiment probes`
         return p;
     }

@@ -202,8 +202,12 @@ std::string report(const std::string& scene, const std::vector<Row>& rows, int t
 
 int probes_experiment(const ProbesOptions& given) {
     const RunOptions options = given.common.run_options();
-    const Scene scene = load(given.scene);
-    const probes::BakeParams params = settings_of(scene, given.scene).probes;
+    SceneOptions as_published = given.scene;
+    const std::vector<std::string> thesis = {"probes.overlaps=10", "probes.receiver_rays=512", "probes.relight_rays=512",
+                                             "probes.degree=7", "probes.singular_values=32", "probes.threshold=0.005"};
+    as_published.sets.insert(as_published.sets.begin(), thesis.begin(), thesis.end());
+    const Scene scene = load(as_published);
+    const probes::BakeParams params = settings_of(scene, as_published).probes;
     std::map<int, int> lightmaps;  // by the thesis' receivers
     std::vector<Row> rows;
     for (const Column& column : columns) {
@@ -248,7 +252,7 @@ void add_probes(CLI::App& experiment, Action& action) {
     command->add_option("--bare", given->bare, "of each size, give so many million of its rays to the ray query alone")
         ->check(CLI::Range(0.0, 20.0))
         ->type_name("M");
-    command->add_option("--set", given->scene.sets, "probes.key=value in place of the scene file's; may be repeated")
+    command->add_option("--set", given->scene.sets, "probes.key=value in place of the thesis'; may be repeated")
         ->allow_extra_args(false)
         ->type_name("T.K=V");
     add_common(*command, given->common);
