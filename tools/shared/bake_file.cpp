@@ -40,20 +40,20 @@ class Writer {
             add(name, shape, data, Description{unit, meaning, axes});
         }
     }
-    // The same of what is the file's own: all else is lent, for it is large.
+    // The same of a large list that outlives the file: not copied.
     template <class List>
-    void copy(const std::string& name, const List& values, const Shape& shape, const Axes& axes, const std::string& unit,
-              const std::string& meaning) {
-        copies_ = true;
+    void lent_array(const std::string& name, const List& values, const Shape& shape, const Axes& axes, const std::string& unit,
+                    const std::string& meaning) {
+        lends_ = true;
         array(name, values, shape, axes, unit, meaning);
-        copies_ = false;
+        lends_ = false;
     }
     void fact(const std::string& name, io::Fact value) { file_.facts.push_back({name, std::move(value)}); }
 
   private:
     template <class T>
     void add(const std::string& name, const Shape& shape, const T* data, Description description) {
-        if (copies_) {
+        if (!lends_) {
             io::add(file_, name, shape, data, std::move(description));
         } else {
             lend(file_.arrays, name, shape, data);
@@ -62,7 +62,7 @@ class Writer {
     }
 
     io::DescribedFile& file_;
-    bool copies_ = false;
+    bool lends_ = false;
 };
 
 io::Fact fact_of(const Field& field) {
@@ -95,35 +95,34 @@ void add_atlas(Writer& w, const probes::Bake& b) {
     std::vector<glm::vec2> corners;
     for (const glm::uvec3& t : a.geometry.triangles)
         for (const unsigned v : {t.x, t.y, t.z}) corners.push_back(a.uv[v]);
-    w.copy("corner_uv", corners, {std::int64_t(a.geometry.triangles.size()), 3}, {"triangle", "corner"}, "",
+    w.array("corner_uv", corners, {std::int64_t(a.geometry.triangles.size()), 3}, {"triangle", "corner"}, "",
             "lightmap coordinate of each triangle's corners; (0, 0) is the top left corner of the first texel");
     w.list("triangle_chart", a.chart, "triangle", "", "index of the chart; -1: no area");
     std::vector<glm::ivec4> rectangles;
     std::vector<std::int32_t> objects, own;
     for (const probes::Chart& c : a.charts)
         rectangles.push_back({c.origin, c.size}), objects.push_back(c.object), own.push_back(c.own_uv);
-    const std::int64_t charts = std::int64_t(a.charts.size());
-    w.copy("chart_rectangle", rectangles, {charts}, {"chart"}, "texels", "x, y, width, height on the lightmap");
-    w.copy("chart_object", objects, {charts}, {"chart"}, "", "index of the mesh");
-    w.copy("chart_own_uv", own, {charts}, {"chart"}, "", "1: the mesh's own texture coordinates");
+    w.list("chart_rectangle", rectangles, "chart", "texels", "x, y, width, height on the lightmap");
+    w.list("chart_object", objects, "chart", "", "index of the mesh");
+    w.list("chart_own_uv", own, "chart", "", "1: the mesh's own texture coordinates");
 }
 
 void add_receivers(Writer& w, const probes::Bake& b) {
     const probes::Receivers& r = b.receivers;
     const std::int64_t n = r.count(), slots = b.supports.overlaps;
-    w.list("receiver_position", r.position, "receiver", "m", "from where it looks, world; w 0");
-    w.list("receiver_normal", r.normal, "receiver", "", "unit, world; w 0");
-    w.list("receiver_shift", r.shift, "receiver", "m", "by how much it was moved; w: 1 where it was");
+    w.lent_array("receiver_position", r.position, {n}, {"receiver"}, "m", "from where it looks, world; w 0");
+    w.lent_array("receiver_normal", r.normal, {n}, {"receiver"}, "", "unit, world; w 0");
+    w.lent_array("receiver_shift", r.shift, {n}, {"receiver"}, "m", "by how much it was moved; w: 1 where it was");
     w.list("receiver_texel", r.texel, "receiver", "texels", "column and row of the lightmap");
     w.list("receiver_material", r.material, "receiver", "", "index of the material");
     w.list("receiver_triangle", r.triangle, "receiver", "", "index of the triangle, as the scene's meshes in a row have them");
     w.list("receiver_border", r.border, "receiver", "", "neighbours to extend into: 1 left, 2 right, 4 up, 8 down");
-    w.array("receiver_probe", b.supports.probe, {n, slots}, {"receiver", "slot"}, "", "supporting probes, nearest first; -1: none");
-    w.array("receiver_weight", b.supports.weight, {n, slots}, {"receiver", "slot"}, "", "w(distance / radius) of each; 0: none");
+    w.lent_array("receiver_probe", b.supports.probe, {n, slots}, {"receiver", "slot"}, "", "supporting probes, nearest first; -1: none");
+    w.lent_array("receiver_weight", b.supports.weight, {n, slots}, {"receiver", "slot"}, "", "w(distance / radius) of each; 0: none");
     std::vector<float> told;
     for (int i = 0; i < b.receivers.count(); ++i) told.push_back(told_share(b, i));
-    w.copy("receiver_told", told, {n}, {"receiver"}, "", "share of what it sees that probes tell it; 0: it stays black");
-    w.array("receiver_u", b.flat.u, {n, b.flat.singular_values}, {"receiver", "singular value"}, "", "row of U");
+    w.list("receiver_told", told, "receiver", "", "share of what it sees that probes tell it; 0: it stays black");
+    w.lent_array("receiver_u", b.flat.u, {n, b.flat.singular_values}, {"receiver", "singular value"}, "", "row of U");
     w.list("receiver_cluster", b.flat.cluster_of, "receiver", "", "index of the cluster; -1: no probe supports it");
 }
 
@@ -139,15 +138,15 @@ void add_probes(Writer& w, const probes::Bake& b) {
         weights.insert(weights.end(), of_prefix.begin(), of_prefix.end());
         weights.resize(std::size_t(halvings + 1) * std::size_t(h.rays), 0);
     }
-    w.copy("relight_weight", weights, {halvings, h.rays}, {"halving", "ray"}, "sr",
+    w.array("relight_weight", weights, {halvings, h.rays}, {"halving", "ray"}, "sr",
             "weights of all rays; of the first half; quarter; eighth: lambda_ij = sum of weight f Y_j");
-    w.array("relight_harmonic", b.harmonics, {h.rays, b.coefficients()}, {"ray", "coefficient"}, "1/sqrt(sr)",
+    w.lent_array("relight_harmonic", b.harmonics, {h.rays, b.coefficients()}, {"ray", "coefficient"}, "1/sqrt(sr)",
             "Y_j in the direction of each ray, j = l (l + 1) + m");
-    w.array("relight_material", h.material, {h.probes, h.rays}, {"probe", "ray"}, "",
+    w.lent_array("relight_material", h.material, {h.probes, h.rays}, {"probe", "ray"}, "",
             "index of the material that the ray met; -1: nothing; -2: the back of a surface");
-    w.array("relight_triangle", h.triangle, {h.probes, h.rays}, {"probe", "ray"}, "", "index of the triangle; -1: none");
-    w.array("relight_uv", h.uv, {h.probes, h.rays}, {"probe", "ray"}, "", "lightmap coordinate of what the ray met");
-    w.array("relight_position", h.position, {h.probes, h.rays}, {"probe", "ray"}, "m",
+    w.lent_array("relight_triangle", h.triangle, {h.probes, h.rays}, {"probe", "ray"}, "", "index of the triangle; -1: none");
+    w.lent_array("relight_uv", h.uv, {h.probes, h.rays}, {"probe", "ray"}, "", "lightmap coordinate of what the ray met");
+    w.lent_array("relight_position", h.position, {h.probes, h.rays}, {"probe", "ray"}, "m",
             "what the ray met, world, w 1; or its direction, w 0");
 }
 
@@ -166,8 +165,8 @@ void add_clusters(Writer& w, const probes::Bake& b) {
         if (end > std::numeric_limits<std::int32_t>::max()) throw InputError("bake: matrices of more than 2^31 numbers");
         first_number.push_back(std::int32_t(end));
     }
-    w.copy("cluster_first_number", first_number, {n + 1}, {"cluster, and the end"}, "", "index into cluster_matrix");
-    w.list("cluster_matrix", f.sigma_vt, "number", "sr", "Sigma V^T of each cluster, [rank][probes][coefficient], one after the other");
+    w.list("cluster_first_number", first_number, "cluster, and the end", "", "index into cluster_matrix");
+    w.lent_array("cluster_matrix", f.sigma_vt, {std::int64_t(f.sigma_vt.size())}, {"number"}, "sr", "Sigma V^T of each cluster, [rank][probes][coefficient], one after the other");
     w.list("cluster_first_value", f.first_value, "cluster, and the end", "", "index into cluster_singular_value");
     w.list("cluster_singular_value", f.spectrum, "singular value", "sr", "all of each cluster, descending");
     w.array("cluster_box", f.box, {n, 2, 3}, {"cluster", "corner", "component"}, "m", "low and high corner of its receivers");
@@ -187,7 +186,7 @@ io::DescribedFile bake_file(const probes::Bake& b, const std::string& scene, boo
     add_probes(w, b);
     add_clusters(w, b);
     if (with_alpha)
-        w.array("receiver_alpha", b.alpha, {b.receivers.count(), b.supports.overlaps, b.coefficients()},
+        w.lent_array("receiver_alpha", b.alpha, {b.receivers.count(), b.supports.overlaps, b.coefficients()},
                 {"receiver", "slot", "coefficient"}, "sr", "alpha_ij of the supporting probe, not truncated");
     return file;
 }

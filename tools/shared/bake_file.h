@@ -10,7 +10,7 @@ namespace plumb::cli {
 
 inline const io::Kind bake_kind{"probe bake", 1, 1};
 
-// with_alpha: the un-truncated transport, too. What the bake holds is lent, for it is large: the bake must outlive the file.
+// with_alpha: the un-truncated transport, too. Large arrays are lent: the bake must outlive the file.
 io::DescribedFile bake_file(const probes::Bake& bake, const std::string& scene, bool with_alpha);
 
 // Throws InputError that names the file: an array that is missing or of another type or shape, lists that do not fit each other.
