@@ -307,6 +307,14 @@ TEST_CASE("lightmap: charts without a gap bleed into each other", "[probes][ligh
     CHECK(check.seams[0].truth == Approx(9));
     CHECK(check.seams[0].user < 7);
     CHECK(check.seams_off == 1);
+    // Noise is taken off the squares, and what it may explain is no seam.
+    ReceiverIrradiance noisy = truth;
+    for (glm::vec4& e : noisy.error) e = glm::vec4(glm::vec3(0.8f), 0);
+    const double less = check_lightmap(map, {}, l, noisy).seams[0].excess;
+    CHECK(less > 0.5 * check.seams[0].excess);
+    CHECK(less < 0.998 * check.seams[0].excess);
+    for (glm::vec4& e : noisy.error) e = glm::vec4(glm::vec3(8.0f), 0);
+    CHECK(check_lightmap(map, {}, l, noisy).seams[0].excess == 0);
 }
 
 TEST_CASE("lightmap: a map of another unit says by how much", "[probes][lightmap]") {
