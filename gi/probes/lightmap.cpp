@@ -43,19 +43,47 @@ int ChartTexels::receiver_at(const glm::ivec2& t) const {
     return inside ? receiver_(t.x, t.y) : -1;
 }
 
-int ChartTexels::receivers_of(std::int32_t chart, const glm::ivec2& texel, std::array<int, 8>& which) const {
-    const int here = receiver_at(texel);
-    if (here >= 0 && chart_of(here) == chart) {
-        which[0] = here;
-        return 1;
-    }
-    int n = 0;
+bool ChartTexels::is_of(std::int32_t chart, const glm::ivec2& texel) const {
+    const int i = receiver_at(texel);
+    return i >= 0 && chart_of(i) == chart;
+}
+
+namespace {
+
+template <class Call>
+void for_neighbours(const glm::ivec2& texel, Call call) {
     for (int dy = -1; dy <= 1; ++dy)
-        for (int dx = -1; dx <= 1; ++dx) {
-            const int beside = receiver_at(texel + glm::ivec2(dx, dy));
-            if ((dx != 0 || dy != 0) && beside >= 0 && chart_of(beside) == chart) which[std::size_t(n++)] = beside;
-        }
-    return n;
+        for (int dx = -1; dx <= 1; ++dx)
+            if (dx != 0 || dy != 0) call(texel + glm::ivec2(dx, dy));
+}
+
+}  // namespace
+
+std::vector<glm::ivec2> ChartTexels::beside(std::int32_t chart, const glm::ivec2& texel, int ring) const {
+    std::vector<glm::ivec2> texels;
+    for_neighbours(texel, [&](const glm::ivec2& t) {
+        const bool inside = t.x >= 0 && t.y >= 0 && t.x < receiver_.width && t.y < receiver_.height;
+        if (inside && (ring == 1 ? is_of(chart, t) : !is_of(chart, t) && !beside(chart, t, 1).empty())) texels.push_back(t);
+    });
+    return texels;
+}
+
+bool ChartTexels::add_receivers(std::int32_t chart, const glm::ivec2& texel, double weight, Weights& weights) const {
+    if (is_of(chart, texel)) {
+        const int here = receiver_at(texel);
+        const auto at = std::find_if(weights.begin(), weights.end(), [&](const auto& w) { return w.first == here; });
+        if (at == weights.end())
+            weights.push_back({here, weight});
+        else
+            at->second += weight;
+        return true;
+    }
+    for (int ring = 1; ring <= border_rings; ++ring) {
+        const std::vector<glm::ivec2> texels = beside(chart, texel, ring);
+        for (const glm::ivec2& t : texels) add_receivers(chart, t, weight / double(texels.size()), weights);
+        if (!texels.empty()) return true;
+    }
+    return false;
 }
 
 TexelValue ChartTexels::expected(std::int32_t chart, const glm::ivec2& texel) const {
@@ -65,28 +93,15 @@ TexelValue ChartTexels::expected(std::int32_t chart, const glm::ivec2& texel) co
 }
 
 TexelValue ChartTexels::lookup(std::int32_t chart, const Bilinear& from) const {
-    // One list of receivers, each once, with its weight.
-    std::array<int, 32> receiver;
-    std::array<double, 32> weight;
-    std::size_t count = 0;
-    for (std::size_t k = 0; k < 4; ++k) {
-        if (from.weight[k] == 0) continue;
-        std::array<int, 8> which;
-        const int n = receivers_of(chart, from.texel[k], which);
-        if (n == 0) return {};
-        for (int i = 0; i < n; ++i) {
-            const auto end = receiver.begin() + std::ptrdiff_t(count), at = std::find(receiver.begin(), end, which[std::size_t(i)]);
-            const std::size_t place = std::size_t(at - receiver.begin());
-            if (at == end) receiver[count] = which[std::size_t(i)], weight[count] = 0, ++count;
-            weight[place] += from.weight[k] / n;
-        }
-    }
+    Weights weights;
+    for (std::size_t k = 0; k < 4; ++k)
+        if (from.weight[k] != 0 && !add_receivers(chart, from.texel[k], from.weight[k], weights)) return {};
     TexelValue sum;
     sum.known = true;
     glm::dvec3 variance(0);
-    for (std::size_t i = 0; i < count; ++i) {
-        const glm::dvec3 error = weight[i] * glm::dvec3(truth_.error[std::size_t(receiver[i])]);
-        sum.value += weight[i] * glm::dvec3(truth_.mean[std::size_t(receiver[i])]), variance += error * error;
+    for (const auto& [receiver, weight] : weights) {
+        const glm::dvec3 error = weight * glm::dvec3(truth_.error[std::size_t(receiver)]);
+        sum.value += weight * glm::dvec3(truth_.mean[std::size_t(receiver)]), variance += error * error;
     }
     for (int c = 0; c < 3; ++c) sum.error[c] = std::sqrt(variance[c]);
     return sum;

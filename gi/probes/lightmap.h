@@ -2,6 +2,8 @@
 #pragma once
 
 #include <array>
+#include <utility>
+#include <vector>
 
 #include "gi/probes/bake.h"
 #include "gi/probes/receiver_irradiance.h"
@@ -40,8 +42,8 @@ class ChartTexels {
 
     int receiver_at(const glm::ivec2& texel) const;  // -1: none
     std::int32_t chart_of(int receiver) const { return atlas_.chart[std::size_t(receivers_.triangle[std::size_t(receiver)])]; }
-    // The receiver's, if it is the chart's; beside the chart the mean of its receivers among the 8 neighbours, as
-    // extend_borders() has it; else unknown.
+    // The receiver's, if it is the chart's; beside the chart the mean that extend_borders() has, of the chart's
+    // receivers alone; else unknown.
     TexelValue expected(std::int32_t chart, const glm::ivec2& texel) const;
     // Of a lookup; unknown where a texel of it is. Its error is that of a weighted sum of independent receivers.
     TexelValue lookup(std::int32_t chart, const Bilinear& from) const;
@@ -54,8 +56,12 @@ class ChartTexels {
     const Atlas& atlas_;
     const Receivers& receivers_;
     const ReceiverIrradiance& truth_;
-    // A texel as a mean of receivers: how many, and which.
-    int receivers_of(std::int32_t chart, const glm::ivec2& texel, std::array<int, 8>& which) const;
+    using Weights = std::vector<std::pair<int, double>>;  // receivers, each once
+    bool is_of(std::int32_t chart, const glm::ivec2& texel) const;
+    // Neighbours of a texel beside the chart: those of the chart, or, ring 2, those that have such neighbours.
+    std::vector<glm::ivec2> beside(std::int32_t chart, const glm::ivec2& texel, int ring) const;
+    // Adds a texel as a mean of receivers; false: it is farther from the chart than its borders reach.
+    bool add_receivers(std::int32_t chart, const glm::ivec2& texel, double weight, Weights& weights) const;
 
     Image<std::int32_t> receiver_;
 };

@@ -91,7 +91,7 @@ struct LightmapCheck {
     Image<std::uint8_t> leak_marks;            // of each texel: 0 none, 1 + LeakKind
     std::vector<Bleeding> bleeding;  // in the map's order
     int read_beside = 0;             // texels beside a chart that lookups on it read
-    int read_unknown = 0;            // of these, what no receiver of the chart lies beside
+    int read_unknown = 0;            // of these, what lies farther from the chart's receivers than borders reach
 };
 
 // map: irradiance, W/m2, of the atlas' size and finite. map_error: its standard error where it is known, else empty. rounds of

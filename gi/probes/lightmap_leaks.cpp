@@ -92,13 +92,14 @@ std::vector<Read> reads_beside_charts(const CheckInputs& in) {
     return reads;
 }
 
-// A receiver of the chart beside the texel: where that is.
+// A receiver of the chart that is nearest to the texel, of equally near ones the first: where that is.
 int receiver_beside(const CheckInputs& in, const Read& read) {
-    for (int dy = -1; dy <= 1; ++dy)
-        for (int dx = -1; dx <= 1; ++dx) {
-            const int i = in.truth.receiver_at(read.texel + glm::ivec2(dx, dy));
-            if (i >= 0 && in.truth.chart_of(i) == read.chart) return i;
-        }
+    for (int ring = 1; ring <= border_rings; ++ring)
+        for (int dy = -ring; dy <= ring; ++dy)
+            for (int dx = -ring; dx <= ring; ++dx) {
+                const int i = in.truth.receiver_at(read.texel + glm::ivec2(dx, dy));
+                if (i >= 0 && in.truth.chart_of(i) == read.chart) return i;
+            }
     return -1;
 }
 

@@ -124,7 +124,7 @@ std::vector<std::vector<std::string>> figures(const LightmapReport& r) {
         {"smooth seams", fmt::format("the map differs by {} of the light on both sides, the best one of this layout by {}", percent(c.smooth_user),
                                      percent(c.smooth_truth))},
         {"leaks", fmt::format("{} texels with light where there is less than half of it, {} where no path found any, in {} places", c.leaking, c.black_leaking, c.leaks.size())},
-        {"beside charts", fmt::format("of {} texels that lookups read: {} unwritten, {} another chart's, {} another value; {} that no receiver lies beside",
+        {"beside charts", fmt::format("of {} texels that lookups read: {} unwritten, {} another chart's, {} another value; {} too far from the next receiver to tell",
                                       c.read_beside, count_of(r, BleedingKind::unwritten), count_of(r, BleedingKind::other_chart),
                                       count_of(r, BleedingKind::wrong), c.read_unknown)}};
     if (c.worst)
