@@ -84,6 +84,8 @@ class BakeGraph {
     ~BakeGraph();
 
     const std::vector<const graph::Node*>& nodes() const { return first_; }
+    // Of those the ones up to the supports: what traced() needs.
+    std::vector<const graph::Node*> nodes_before_rays() const { return {first_.begin(), first_.begin() + 4}; }
     const Bake& bake() const { return bake_; }
     // Called when receivers and probes are known, before the rays.
     void when_sized(std::function<void(std::uint64_t bytes)> call) { sized_ = std::move(call); }

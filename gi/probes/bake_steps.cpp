@@ -43,7 +43,8 @@ StageInfo info_placement() {
 }
 
 StageInfo info_directions() {
-    return step("probes.directions", "IPR 3.2.3.1; without a twin: one least-squares problem", {},
+    return step("probes.directions", "IPR 3.2.3.1; without a twin: one least-squares problem",
+                {{"sequence", "integers", "", "direction numbers of Sobol's sequence, two dimensions"}},
                 {directions, {"weights", "buffer f32", "sr", "[ray] exact for harmonics to degree 14"},
                  {"harmonics", "buffer f32", "1/sqrt(sr)", "[ray][coefficient] Y_j"}},
                 {"relight_rays", "degree"});

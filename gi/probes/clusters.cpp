@@ -218,6 +218,7 @@ Clusters make_clusters(const TransportRows& rows, const ClusterParams& params, c
             cells.push_back(std::move(born[i].first));
             cells[first + i].children[1] = int(cells.size());
             cells.push_back(std::move(born[i].second));
+            std::vector<std::int32_t>().swap(cells[first + i].receivers);  // its halves have them
         }
         first = last;
     }

@@ -24,9 +24,9 @@ probes::BakeParams small_bake() {
 }
 
 template <class Kernel>
-StageData owned_by(const StageData& data, const std::string& label) {
+StageData owned_by(const StageData& data, const std::string& form = "") {
     StageData own = owned(stage<Kernel>(), data);
-    own.label = label;
+    own.label = data.stage + form;
     return own;
 }
 
@@ -34,7 +34,7 @@ StageData owned_by(const StageData& data, const std::string& label) {
 
 bool is_of_bake(const std::string& stage) {
     return std::any_of(stages().begin(), stages().end(),
-                       [&](const ListedStage& s) { return s.binding && !s.of_frame && s.info.name == stage; });
+                       [&](const ListedStage& s) { return s.binding && s.info.name == stage && stage.starts_with("probes."); });
 }
 
 bool is_baked(const Case& c) {
@@ -45,11 +45,7 @@ bool is_baked(const Case& c) {
 std::vector<StageData> bake_data(const Scene& scene, const RunOptions& options) {
     // Rays of receivers are traced here, so that what follows the supports is not wanted.
     probes::BakeGraph graph(scene, small_bake());
-    std::vector<const graph::Node*> steps;
-    for (const graph::Node* node : graph.nodes()) {
-        steps.push_back(node);
-        if (node->plan.name == "probes.supports") break;
-    }
+    const std::vector<const graph::Node*> steps = graph.nodes_before_rays();
     graph::RunWith with;
     with.options = options;
     graph::run(steps, with);
@@ -57,23 +53,23 @@ std::vector<StageData> bake_data(const Scene& scene, const RunOptions& options) 
 
     std::vector<StageData> all;
     const auto radius = float(bake.placement.kernel_radius_m);
-    all.push_back(owned_by<probes::DensityKernel>(probes::data_of(probes::DensityInputs{&bake.placement.candidates, radius}), "probes.density"));
+    all.push_back(owned_by<probes::DensityKernel>(probes::data_of(probes::DensityInputs{&bake.placement.candidates, radius})));
     for (const StageData& data : steps.back()->dispatches())
-        all.push_back(owned_by<probes::SupportsKernel>(data, "probes.supports"));
+        all.push_back(owned_by<probes::SupportsKernel>(data));
 
     const probes::TracedBlock block = graph.traced(0, options);
     const Buffer<float> factors = probes::ray_factors(
         probes::receiver_directions(block.rays, bake.transport.distribution), bake.transport.distribution);
     probes::ShareInputs share{block.count, block.rays, block.slots, false, block.supporting.data(), factors.data(),
                               block.visible.data(), block.lengths.data()};
-    all.push_back(owned_by<probes::ShareKernel>(probes::data_of(share), "probes.share"));
+    all.push_back(owned_by<probes::ShareKernel>(probes::data_of(share)));
     share.published = true;
-    all.push_back(owned_by<probes::ShareKernel>(probes::data_of(share), "probes.share (published)"));
+    all.push_back(owned_by<probes::ShareKernel>(probes::data_of(share), " (published)"));
     const std::vector<std::int32_t> rows = probes::coefficient_rows(block.slots, bake.params.degree);
     const probes::CoefficientsInputs coefficients{block.count, block.rays, block.slots, bake.params.degree, rows.data(),
                                                   block.supporting.data(), block.seen.data(), block.visible.data(),
                                                   block.shares.data()};
-    all.push_back(owned_by<probes::CoefficientsKernel>(probes::data_of(coefficients), "probes.coefficients"));
+    all.push_back(owned_by<probes::CoefficientsKernel>(probes::data_of(coefficients)));
     return all;
 }
 

@@ -252,7 +252,7 @@ TEST_CASE("frame: every stage has a twin or says why not, a source, inputs, outp
         CHECK(std::ifstream(twin).good());
         CHECK(std::ifstream(twin.substr(0, twin.rfind('/')) + "/README.md").good());
     }
-    CHECK(without == 8);  // rsm.all_rays, reference, six steps of a bake
+    CHECK(without == 9);  // rsm.all_rays, reference, seven steps of a bake
 }
 
 TEST_CASE("frame: settings come from the scene file, and errors name the place", "[frame][settings]") {

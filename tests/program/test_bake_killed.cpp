@@ -25,10 +25,13 @@ int kept_in(const std::string& store) {
     for (const fs::directory_entry& entry : fs::directory_iterator(store, error)) n += entry.path().filename().string()[0] == '.' ? 0 : 1;
     return n;
 }
+// Not where a place is only tried, before the bake begins.
 bool is_being_written(const std::string& folder) {
     std::error_code error;
-    for (const fs::directory_entry& entry : fs::directory_iterator(folder, error))
-        if (entry.path().filename().string().starts_with(".x.bake.")) return true;
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
+        const std::string name = entry.path().filename().string();
+        if (name.starts_with(".x.bake.") && name.find("4294967295") == std::string::npos) return true;
+    }
     return false;
 }
 

@@ -40,11 +40,7 @@ struct Box {
         return p;
     }
     Box() {
-        std::vector<const graph::Node*> steps;
-        for (const graph::Node* node : graph.nodes()) {
-            steps.push_back(node);
-            if (node->plan.name == "probes.supports") break;
-        }
+        const std::vector<const graph::Node*> steps = graph.nodes_before_rays();
         graph::run(steps, {});
         const probes::Bake& bake = graph.bake();
         block = graph.traced(bake.receivers.count() / 2, {});
