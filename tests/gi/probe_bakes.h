@@ -9,6 +9,7 @@
 #include "core/content_hasher.h"
 #include "core/host_math.h"
 #include "gi/probes/bake.h"
+#include "gi/probes/converge.h"
 #include "random_scene.h"
 
 namespace plumb::test {
@@ -153,57 +154,34 @@ inline std::vector<glm::dvec3> whole_irradiance(const probes::Bake& b, const std
     return probes::irradiance(b.supports, b.alpha, b.params.degree, lambda);
 }
 
-// The run time's three steps in double, until their stages come: every receiver has the direct irradiance e, every surface
-// the reflectance rho.
+// The run time's rounds (converge.h) where every receiver has the direct irradiance e, every surface the reflectance rho.
 class RunTime {
   public:
     RunTime(const probes::Bake& bake, double e, double rho)
-        : b_(bake), e_(e), rho_(rho), receiver_at_(bake.atlas.size.x, bake.atlas.size.y, -1) {
-        for (int i = 0; i < b_.receivers.count(); ++i)
-            receiver_at_(b_.receivers.texel[std::size_t(i)].x, b_.receivers.texel[std::size_t(i)].y) = i;
-        irradiance_.assign(std::size_t(b_.receivers.count()), glm::dvec3(0));
+        : whole_(bake, lit(bake, e, rho), probes::Transport::whole), clustered_(bake, lit(bake, e, rho), probes::Transport::clustered) {
+        REQUIRE(whole_.without_receiver() == 0);
     }
+    void whole_round() { whole_.round(), last_ = &whole_; }
+    void clustered_round() { clustered_.round(), last_ = &clustered_; }
 
-    // f = rho (E + I) / pi at what each relight ray met.
-    std::vector<glm::dvec3> lambda() const {
-        return lambda_of(b_, [&](std::size_t k) {
-            return b_.relight.material[k] >= 0 ? rho_ / host::pi * (e_ + lookup(b_.relight.uv[k])) : 0;
-        });
-    }
-    void whole_round() { irradiance_ = whole_irradiance(b_, lambda()); }
-    void clustered_round() { irradiance_ = clustered_irradiance(b_, lambda()); }
-
-    const std::vector<glm::dvec3>& irradiances() const { return irradiance_; }
-    double mean() const {
-        double sum = 0;
-        for (const glm::dvec3& e : irradiance_) sum += e.x;
-        return sum / double(irradiance_.size());
-    }
-    double least() const { return std::min_element(irradiance_.begin(), irradiance_.end(), darker)->x; }
-    double most() const { return std::max_element(irradiance_.begin(), irradiance_.end(), darker)->x; }
+    const std::vector<glm::dvec3>& irradiances() const { return last_->irradiance(); }
+    double mean() const { return last_->mean(); }
+    double least() const { return std::min_element(irradiances().begin(), irradiances().end(), darker)->x; }
+    double most() const { return std::max_element(irradiances().begin(), irradiances().end(), darker)->x; }
 
   private:
     static bool darker(const glm::dvec3& a, const glm::dvec3& b) { return a.x < b.x; }
-
-    // Of the receiver of that texel, or of the nearest within two.
-    double lookup(const glm::vec2& uv) const {
-        const int x = std::min(int(uv.x * float(receiver_at_.width)), receiver_at_.width - 1),
-                  y = std::min(int(uv.y * float(receiver_at_.height)), receiver_at_.height - 1);
-        for (int reach = 0; reach <= 2; ++reach)
-            for (int dy = -reach; dy <= reach; ++dy)
-                for (int dx = -reach; dx <= reach; ++dx) {
-                    const int tx = x + dx, ty = y + dy;
-                    if (tx < 0 || ty < 0 || tx >= receiver_at_.width || ty >= receiver_at_.height) continue;
-                    if (receiver_at_(tx, ty) >= 0) return irradiance_[std::size_t(receiver_at_(tx, ty))].x;
-                }
-        FAIL("a relight ray met a surface without receivers");
-        return {};
+    static probes::Relit lit(const probes::Bake& bake, double e, double rho) {
+        const std::size_t rays = bake.relight.material.size();
+        probes::Relit relit{std::vector<glm::dvec3>(rays, glm::dvec3(0)), std::vector<glm::dvec3>(rays, glm::dvec3(rho)),
+                            std::vector<glm::dvec3>(rays, glm::dvec3(e))};
+        for (std::size_t k = 0; k < rays; ++k)
+            if (bake.relight.material[k] < 0) relit.reflectance[k] = relit.direct[k] = glm::dvec3(0);
+        return relit;
     }
 
-    const probes::Bake& b_;
-    const double e_, rho_;
-    Image<std::int32_t> receiver_at_;
-    std::vector<glm::dvec3> irradiance_;
+    probes::RunTime whole_, clustered_;
+    const probes::RunTime* last_ = &whole_;
 };
 
 }  // namespace plumb::test

@@ -70,7 +70,7 @@ TEST_CASE("bake: at any other scale the light is the same, to rounding", "[probe
     const Scene scene = furnished(1);
     BakeGraph metres(scene, params);
     run_all(metres);
-    RunTime truth(metres.bake(), 1, 0.5);
+    test::RunTime truth(metres.bake(), 1, 0.5);
     for (int round = 0; round < 20; ++round) truth.whole_round();
     for (const double factor : {1e-4, 1e6}) {
         const Scene other = scene_of(scaled(scene.meshes[0], factor));
@@ -80,7 +80,7 @@ TEST_CASE("bake: at any other scale the light is the same, to rounding", "[probe
         check_sound(b);
         CHECK(b.supports.unsupported == 0);
         CHECK(b.counts().escaped == 0);
-        RunTime rounds(b, 1, 0.5);
+        test::RunTime rounds(b, 1, 0.5);
         for (int round = 0; round < 20; ++round) rounds.whole_round();
         CAPTURE(factor, truth.mean(), rounds.mean(), metres.bake().receivers.count(), b.receivers.count());
         CHECK(rounds.mean() == Approx(truth.mean()).epsilon(1e-3));
@@ -220,7 +220,7 @@ TEST_CASE("bake: whatever a mesh's texture coordinates are, the light is the sam
         CHECK(b.receivers.count() >= 24 * 20 * 0.9);
         check_pi(b);
         // Radiance reaches receivers of all surfaces: a relight ray's place on the lightmap is that of a receiver.
-        RunTime rounds(b, 1, 0.5);
+        test::RunTime rounds(b, 1, 0.5);
         for (int round = 0; round < 30; ++round) rounds.whole_round();
         CHECK(rounds.mean() == Approx(1).epsilon(1e-4));
         CHECK(rounds.least() == Approx(1).epsilon(1e-4));

@@ -41,7 +41,7 @@ TEST_CASE("bake: in a closed convex room indirect irradiance is E rho / (1 - rho
         CHECK(b.counts().back == 0);
         REQUIRE(b.counts().unseen == 0);
         for (const double rho : {0.1, 0.5, 0.9}) {
-            RunTime whole(b, e, rho);
+            test::RunTime whole(b, e, rho);
             whole.whole_round();
             const double few = whole.least() / (rho * e) - 1, many = whole.most() / (rho * e) - 1;
             CHECK(few > -1e-5);
@@ -66,7 +66,7 @@ TEST_CASE("bake: clusters lose of the light in a room no more than their tails",
         run_all(graph);
         const Bake& b = graph.bake();
         // rho = 1, one bounce: the radiance is E / pi.
-        RunTime whole(b, e, 1), clustered(b, e, 1);
+        test::RunTime whole(b, e, 1), clustered(b, e, 1);
         whole.whole_round(), clustered.clustered_round();
         double worst = 0, allowed = 0;
         for (const Cluster& c : b.clusters.clusters) {
@@ -83,7 +83,7 @@ TEST_CASE("bake: clusters lose of the light in a room no more than their tails",
         CHECK(worst < 0.01 * e);  // 0.005 e in the furnished room; the bound is 50 times as much, since no row is all tail
         if (name != std::string("ball")) CHECK(worst > 0);  // whose clusters have full rank
         for (const double rho : {0.1, 0.5, 0.9}) {
-            RunTime w(b, e, rho), c(b, e, rho);
+            test::RunTime w(b, e, rho), c(b, e, rho);
             for (int round = 0; round < rounds_of(rho) / 3; ++round) w.whole_round(), c.clustered_round();
             CAPTURE(rho, w.mean(), c.mean(), c.least(), c.most());
             CHECK(c.mean() == Approx(w.mean()).epsilon(0.005));
@@ -104,7 +104,7 @@ TEST_CASE("bake: rays that end where no probe looks are what a furnished room la
     CHECK(unseen > 0);
     CHECK(b.counts().back == 0);
     for (const double rho : {0.1, 0.5, 0.9}) {
-        RunTime whole(b, e, rho);
+        test::RunTime whole(b, e, rho);
         whole.whole_round();
         // Each ray brings as much as any other: the mean over receivers lacks the share of rays.
         CHECK(whole.mean() == Approx(rho * e * (1 - unseen)).epsilon(1e-5));
@@ -126,7 +126,7 @@ TEST_CASE("bake: too few relight rays for a degree are what takes uniformity awa
         params.receivers_per_m2 = 5, params.relight_rays = 64, params.degree = degree;
         BakeGraph graph(scene, params);
         run_all(graph);
-        RunTime whole(graph.bake(), 3, 0.5);
+        test::RunTime whole(graph.bake(), 3, 0.5);
         whole.whole_round();
         off[degree == 7] = std::max(whole.most() / 1.5 - 1, 1 - whole.least() / 1.5);
     }
