@@ -100,7 +100,7 @@ void Volume::trace(const RunOptions& options) {
     rays_ += hits_.rays;
 }
 
-void Volume::blend(Image4& atlas, const Image4& hits, bool moments, const RunOptions& options) const {
+BlendInputs Volume::blend_inputs(const Image4& atlas, bool moments) const {
     BlendInputs in;
     in.side = moments ? params_.depth_side : params_.side, in.columns = grid_.tiles().x;
     in.moments = moments, in.sharpness = moments ? params_.sharpness : 1;
@@ -108,7 +108,12 @@ void Volume::blend(Image4& atlas, const Image4& hits, bool moments, const RunOpt
     in.scale = moments ? 1.0f : float(host::pi);
     const glm::dvec3 cell(grid_.spacing);
     in.farthest = float(double(params_.farthest) * std::sqrt(glm::dot(cell, cell)));
-    in.directions = &directions_, in.hits = &hits, in.previous = &atlas;
+    in.directions = &directions_, in.hits = &lit_, in.previous = &atlas;
+    return in;
+}
+
+void Volume::blend(Image4& atlas, bool moments, const RunOptions& options) const {
+    const BlendInputs in = blend_inputs(atlas, moments);
     Image4 blended, bordered;
     run(stage<BlendKernel>(), data_of(in), options, blended);
     if (params_.packed)
@@ -120,20 +125,20 @@ void Volume::blend(Image4& atlas, const Image4& hits, bool moments, const RunOpt
 void Volume::round(const RunOptions& options) {
     const bool new_rays = rounds_ == 0 || params_.turned;
     if (new_rays) trace(options);
-    Image4 lit = hits_.emitted;
-    const Image4 indirect = rounds_ == 0 ? Image4(lit.width, lit.height) : sample(hits_.position, hits_.normal, hits_.towards, options);
-    for (std::size_t i = 0; i < lit.size(); ++i) {
+    lit_ = hits_.emitted;
+    const Image4 indirect = rounds_ == 0 ? Image4(lit_.width, lit_.height) : sample(hits_.position, hits_.normal, hits_.towards, options);
+    for (std::size_t i = 0; i < lit_.size(); ++i) {
         const glm::vec4 &where = hits_.position.texels[i], &e = hits_.direct.texels[i], &more = indirect.texels[i],
                         &albedo = hits_.albedo.texels[i];
         for (int c = 0; c < 3; ++c)
-            lit.texels[i][c] = params_.energy * (lit.texels[i][c] + albedo[c] * float(1 / host::pi) * (e[c] + more[c]));
+            lit_.texels[i][c] = params_.energy * (lit_.texels[i][c] + albedo[c] * float(1 / host::pi) * (e[c] + more[c]));
         const float distance = hits_.towards.texels[i].w;
         // A miss is as far away as anything.
-        lit.texels[i].w = where.w == 0 ? 1e15f : where.w < 0 ? distance * params_.back_share : distance;
+        lit_.texels[i].w = where.w == 0 ? 1e15f : where.w < 0 ? distance * params_.back_share : distance;
     }
-    if (new_rays) blend(moments_, lit, true, options);
+    if (new_rays) blend(moments_, true, options);
     const Image4 before = irradiance_;
-    blend(irradiance_, lit, false, options);
+    blend(irradiance_, false, options);
     double largest = 0, sum = 0;
     for (std::size_t i = 0; i < before.size(); ++i)
         for (int c = 0; c < 3; ++c) {
@@ -167,6 +172,14 @@ Image4 Volume::sample(const Image4& position, const Image4& normal, const Image4
     Image4 out;
     run(stage<SampleKernel>(), data_of(sample_inputs(position, normal, view)), options, out);
     return out;
+}
+
+std::vector<StageData> Volume::dispatches() const {
+    if (rounds_ == 0) throw InputError("ddgi: a volume has nothing to show before its first round");
+    return {owned(stage<BlendKernel>(), data_of(blend_inputs(moments_, true))),
+            owned(stage<BlendKernel>(), data_of(blend_inputs(irradiance_, false))),
+            owned(stage<BorderKernel>(), data_of(BorderInputs{params_.side, &irradiance_})),
+            owned(stage<SampleKernel>(), data_of(sample_inputs(hits_.position, hits_.normal, hits_.towards)))};
 }
 
 std::size_t Volume::bytes() const { return 4 * (irradiance_.size() + moments_.size()); }

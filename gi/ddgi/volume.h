@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/fields.h"
+#include "gi/ddgi/blend.h"
 #include "gi/ddgi/sample.h"
 #include "gi/probes/lit_hits.h"
 
@@ -71,17 +72,21 @@ class Volume {
     std::uint64_t rays() const { return rays_; }  // traced, those to lamps included
     // On a GPU, as DDGI 2019 stores it: 4 bytes a texel (R11G11B10F, RG16F), gutters included.
     std::size_t bytes() const;
+    // What the stages of another round would be given: both blends, a border, and a sample at what the rays met. They own it.
+    std::vector<StageData> dispatches() const;
     SampleInputs sample_inputs(const Image4& position, const Image4& normal, const Image4& view) const;
 
   private:
     void trace(const RunOptions& options);
-    void blend(Image4& atlas, const Image4& hits, bool moments, const RunOptions& options) const;
+    BlendInputs blend_inputs(const Image4& atlas, bool moments) const;
+    void blend(Image4& atlas, bool moments, const RunOptions& options) const;
 
     const probes::LitScene& scene_;
     Grid grid_;
     VolumeParams params_;
     Buffer<glm::vec4> probes_, directions_;
     probes::LitHits hits_;
+    Image4 lit_;  // of each ray: radiance, and distance, m
     Image4 irradiance_, moments_;
     int rounds_ = 0;
     std::uint64_t rays_ = 0;

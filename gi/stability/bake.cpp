@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/error.h"
+#include "gi/ddgi/volume.h"
 #include "gi/lend.h"
 #include "gi/methods.h"
 #include "gi/probes/bake.h"
@@ -34,7 +35,7 @@ StageData owned_by(const StageData& data, const std::string& form = "") {
 
 bool is_of_bake(const std::string& stage) {
     return std::any_of(stages().begin(), stages().end(),
-                       [&](const ListedStage& s) { return s.binding && s.info.name == stage && stage.starts_with("probes."); });
+                       [&](const ListedStage& s) { return s.binding && !s.of_frame && s.info.name == stage; });
 }
 
 bool is_baked(const Case& c) {
@@ -83,21 +84,31 @@ std::vector<Cell> bake_cells(const std::vector<StageData>& data, const std::stri
     return cells;
 }
 
+std::vector<StageData> volume_data(const Scene& scene, const RunOptions& options) {
+    const auto lit = probes::lit_scene(scene, Rays::exact);
+    glm::vec3 low, high;
+    bounds(lit->geometry, low, high);
+    ddgi::VolumeParams params;
+    params.rays = 32, params.rounds = 3, params.hysteresis = 0.3f;
+    ddgi::Volume volume(*lit, ddgi::grid_over(low, high, {2, 2, 2}), params);
+    volume.converge(options);
+    return volume.dispatches();
+}
+
 std::vector<Cell> bake_cells(const Scene& scene, const std::string& stage, const Effort& effort) {
-    std::vector<StageData> data;
+    std::vector<Cell> cells;
     try {
-        data = bake_data(scene, effort.run);
+        cells = bake_cells(bake_data(scene, effort.run), stage, effort);
     } catch (const InputError& e) {
         if (std::string(e.what()).compare(0, 6, "atlas:") != 0) throw;
-        std::vector<Cell> cells;
         for (const ListedStage& s : stages()) {
-            if (!is_of_bake(s.info.name) || (!stage.empty() && stage != s.info.name)) continue;
+            if (!is_of_bake(s.info.name) || !s.info.name.starts_with("probes.") || (!stage.empty() && stage != s.info.name)) continue;
             Cell& cell = cells.emplace_back();
             cell.stage = s.info.name, cell.refused = cell.ok = true, cell.reason = e.what();
         }
-        return cells;
     }
-    return bake_cells(data, stage, effort);
+    for (Cell& cell : bake_cells(volume_data(scene, effort.run), stage, effort)) cells.push_back(std::move(cell));
+    return cells;
 }
 
 }  // namespace plumb::stability

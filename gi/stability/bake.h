@@ -1,5 +1,6 @@
-// Cells of the stages of a bake, which no frame has: probes.density, probes.supports, probes.share, probes.coefficients.
-// Their data are those of a small bake of a case's scene, or made by hand. gi/probes/README.md derives their conditions.
+// Cells of the stages that no frame has: those of a bake (probes.density, probes.supports, probes.share, probes.coefficients) and
+// of a volume of DDGI's probes. Their data are those of a small bake or volume of a case's scene, or made by hand.
+// gi/probes/README.md derives the conditions of a bake's.
 #pragma once
 
 #include <functional>
@@ -11,7 +12,7 @@
 
 namespace plumb::stability {
 
-// Whether the stage binds data of a bake.
+// Whether the stage binds data of a bake, or of a volume.
 bool is_of_bake(const std::string& stage);
 
 // Whether a bake sees what the case is about: lights, cameras, frames and edits mean nothing to it.
@@ -20,6 +21,9 @@ bool is_baked(const Case& c);
 // Dispatches of a bake of the scene, on a lightmap of 48 texels a side with 6 probes: candidates, supports, and of the first
 // block of receivers the shares of 32 rays, both weightings, and all coefficients to degree 7. They own their inputs.
 std::vector<StageData> bake_data(const Scene& scene, const RunOptions& options);
+
+// Dispatches of a volume of 2 x 2 x 2 probes over the scene, of 32 rays each, after three rounds.
+std::vector<StageData> volume_data(const Scene& scene, const RunOptions& options);
 
 // Data that no scene has: probes in one place, rays of no length, directions at a pole.
 struct BakeCase {
@@ -30,7 +34,7 @@ const std::vector<BakeCase>& bake_cases();
 
 // A cell for each stage of the data, or for `stage` alone. What a stage refuses is a cell that is `refused`.
 std::vector<Cell> bake_cells(const std::vector<StageData>& data, const std::string& stage, const Effort& effort);
-// The same of a scene's bake. Where the atlas refuses the scene, each stage is refused.
+// The same of a scene's bake and volume. Where the atlas refuses the scene, each stage of a bake is refused.
 std::vector<Cell> bake_cells(const Scene& scene, const std::string& stage, const Effort& effort);
 
 }  // namespace plumb::stability
