@@ -147,9 +147,9 @@ int trace(const LightmapOptions& given) {
     }
     print_notes(scene.scene);
     fmt::print("{} receivers on {} x {} texels ({} moved out of what they lay in); irradiance, W/m2, {}: mean {:.4g} {:.4g} {:.4g}, "
-               "standard error {:.2g} % ({} paths a receiver, {} million rays)\n",
+               "standard error {:.2g} % ({} paths a receiver, {:.3g} million rays)\n",
                l.receivers.count(), l.atlas.size.x, l.atlas.size.y, l.moved, given.part, mean.x, mean.y, mean.z,
-               100 * e.relative_error, e.samples, (e.rays + 500000) / 1000000);
+               100 * e.relative_error, e.samples, double(e.rays) * 1e-6);
     if (e.nonfinite > 0) fmt::print("note: {} values are not finite\n", e.nonfinite);
     fmt::print("wrote {}\n", io::shown(given.output));
     if (!given.error_file.empty()) fmt::print("wrote {}\n", io::shown(given.error_file));
