@@ -15,8 +15,8 @@ enum class Escapes : int { automatic, nothing, same_direction, visible_probes, a
 enum class Weighting : int { none, published };
 
 // fields() says what each means. Of the thesis' choices three are others: there a receiver has 10 probes and 512 rays, and probes are
-// as many as a density of 0.02 / m3 asks for. More probes, fewer of them a receiver, and 128 rays have half the error for a fifth
-// of the time (README.md, What each number buys).
+// as many as a density of 0.02 / m3 asks for. More probes, fewer of them a receiver, and 128 rays have a third of the error for
+// an eighth of the rays (README.md, What each number buys).
 struct BakeParams {
     float receivers_per_m2 = 80;
     int lightmap_size = 0;
