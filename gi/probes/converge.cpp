@@ -47,29 +47,28 @@ std::vector<glm::dvec3> RunTime::probes_lambda() const {
     return probe_coefficients(f, bake_.relight.probes, bake_.relight_weights, bake_.harmonics, bake_.params.degree);
 }
 
-void RunTime::clustered(const std::vector<glm::dvec3>& lambda) {
-    const std::size_t coefficients = std::size_t(bake_.coefficients()), kept = std::size_t(bake_.clusters.singular_values);
-    for (const Cluster& c : bake_.clusters.clusters) {
+std::vector<glm::dvec3> clustered_irradiance(const Bake& b, const std::vector<glm::dvec3>& lambda) {
+    std::vector<glm::dvec3> all(std::size_t(b.receivers.count()), glm::dvec3(0));
+    const std::size_t coefficients = std::size_t(b.coefficients()), kept = std::size_t(b.clusters.singular_values);
+    for (const Cluster& c : b.clusters.clusters) {
         std::vector<glm::dvec3> basis(std::size_t(c.rank), glm::dvec3(0));
         for (std::size_t k = 0; k < basis.size(); ++k)
             for (std::size_t p = 0; p < c.probes.size(); ++p)
                 for (std::size_t j = 0; j < coefficients; ++j)
                     basis[k] += double(c.sigma_vt[(k * c.probes.size() + p) * coefficients + j]) *
                                 lambda[std::size_t(c.probes[p]) * coefficients + j];
-        for (const std::int32_t i : c.receivers) {
-            glm::dvec3 sum(0);
-            for (std::size_t k = 0; k < basis.size(); ++k) sum += double(bake_.clusters.u[std::size_t(i) * kept + k]) * basis[k];
-            irradiance_[std::size_t(i)] = sum;
-        }
+        for (const std::int32_t i : c.receivers)
+            for (std::size_t k = 0; k < basis.size(); ++k)
+                all[std::size_t(i)] += double(b.clusters.u[std::size_t(i) * kept + k]) * basis[k];
     }
+    return all;
 }
 
 void RunTime::round() {
     const std::vector<glm::dvec3> lambda = probes_lambda();
-    if (transport_ == Transport::clustered)
-        clustered(lambda);
-    else
-        irradiance_ = probes::irradiance(bake_.supports, bake_.alpha, bake_.params.degree, lambda);
+    irradiance_ = transport_ == Transport::clustered
+                      ? clustered_irradiance(bake_, lambda)
+                      : probes::irradiance(bake_.supports, bake_.alpha, bake_.params.degree, lambda);
 }
 
 int RunTime::converge(int most, double change) {

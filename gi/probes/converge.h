@@ -20,6 +20,9 @@ struct Relit {
 
 enum class Transport : int { whole, clustered };
 
+// I = U (Sigma V^T lambda) of all receivers of a whole bake, W/m2; 0 of those without probe. IPR 3.3.1.2, 3.3.1.3.
+std::vector<glm::dvec3> clustered_irradiance(const Bake& bake, const std::vector<glm::dvec3>& lambda);
+
 class RunTime {
   public:
     // The bake must outlive it, and be whole: not a part. Throws InputError for lists of another length.
@@ -38,7 +41,6 @@ class RunTime {
 
   private:
     std::vector<glm::dvec3> probes_lambda() const;
-    void clustered(const std::vector<glm::dvec3>& lambda);
     std::int32_t receiver_at(const Image<std::int32_t>& receivers, const glm::vec2& uv) const;
 
     const Bake& bake_;

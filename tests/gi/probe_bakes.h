@@ -123,27 +123,6 @@ inline void check_sound(const probes::Bake& b) {
     CHECK(wrong == 0);
 }
 
-// I = U (Sigma V^T lambda) of all receivers; 0 of those without probe. IPR 3.3.1.2, 3.3.1.3.
-inline std::vector<glm::dvec3> clustered_irradiance(const probes::Bake& b, const std::vector<glm::dvec3>& lambda) {
-    std::vector<glm::dvec3> all(std::size_t(b.receivers.count()), glm::dvec3(0));
-    const std::size_t coefficients = std::size_t(b.coefficients());
-    for (const probes::Cluster& c : b.clusters.clusters) {
-        std::vector<glm::dvec3> basis(std::size_t(c.rank), glm::dvec3(0));
-        for (std::size_t k = 0; k < basis.size(); ++k)
-            for (std::size_t p = 0; p < c.probes.size(); ++p)
-                for (std::size_t j = 0; j < coefficients; ++j)
-                    basis[k] += double(c.sigma_vt[(k * c.probes.size() + p) * coefficients + j]) *
-                                lambda[std::size_t(c.probes[p]) * coefficients + j];
-        for (const std::int32_t i : c.receivers) {
-            glm::dvec3 sum(0);
-            for (std::size_t k = 0; k < basis.size(); ++k)
-                sum += double(b.clusters.u[std::size_t(i) * std::size_t(b.clusters.singular_values) + k]) * basis[k];
-            all[std::size_t(i)] = sum;
-        }
-    }
-    return all;
-}
-
 // Coefficients of probes whose rays bring what `radiance` says of each, [probe * rays + ray].
 inline std::vector<glm::dvec3> lambda_of(const probes::Bake& b, const std::function<double(std::size_t)>& radiance) {
     std::vector<glm::dvec3> f;

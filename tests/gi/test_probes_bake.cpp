@@ -6,6 +6,7 @@
 #include <set>
 
 #include "core/error.h"
+#include "gi/graph/memory_store.h"
 #include "gi/probes/bake.h"
 #include "gi/probes/debug_layers.h"
 #include "gi/probes/kept_steps.h"
@@ -194,24 +195,6 @@ TEST_CASE("bake: the same bits for every instruction set and number of threads",
         }
 }
 
-namespace {
-
-class MemoryStore : public graph::Store {
-  public:
-    std::optional<Bundle> find(graph::Key key) override {
-        const auto at = kept_.find(key);
-        return at == kept_.end() ? std::nullopt : std::optional(at->second);
-    }
-    void keep(graph::Key key, const Bundle& bundle, const std::string&) override {
-        Bundle own = bundle;
-        for (Array& a : own.arrays) a.bytes.own();
-        kept_[key] = own;
-    }
-    std::map<graph::Key, Bundle> kept_;
-};
-
-}  // namespace
-
 TEST_CASE("bake: probes tell all that a receiver of an empty room sees, and nothing behind a wall", "[probes]") {
     Mesh mesh;
     test::add_box(mesh, glm::vec3(-2), glm::vec3(2), 0, true);
@@ -245,7 +228,7 @@ TEST_CASE("bake: every step comes back from a store, and then no ray is asked", 
     const Scene scene = furnished();
     BakeParams params = small();
     params.receiver_rays = 16;
-    MemoryStore store;
+    graph::MemoryStore store;
     graph::RunWith with;
     with.store = &store;
     BakeGraph first(scene, params), again(scene, params);
@@ -299,7 +282,7 @@ TEST_CASE("bake: parts fill a store, and what is joined of them has the same bit
     BakeGraph alone(scene, params);
     const std::vector<graph::NodeRun> whole = run_all(alone);
     REQUIRE(alone.bake().blocks() >= 3);
-    MemoryStore store;
+    graph::MemoryStore store;
     graph::RunWith with;
     with.store = &store;
     for (const int part : {2, 0, 1}) {
@@ -307,8 +290,8 @@ TEST_CASE("bake: parts fill a store, and what is joined of them has the same bit
         graph::run(graph.nodes(), with);
     }
     // Five steps that each part reads, three blocks of probes, and the blocks of receivers; clusters are of the whole.
-    CHECK(int(store.kept_.size()) == 5 + 3 + alone.bake().blocks());
-    CHECK(whole.size() == store.kept_.size() + 1);
+    CHECK(int(store.size()) == 5 + 3 + alone.bake().blocks());
+    CHECK(whole.size() == store.size() + 1);
     BakeGraph joined(scene, params);
     std::set<std::string> made;
     for (const graph::NodeRun& r : graph::run(joined.nodes(), with))

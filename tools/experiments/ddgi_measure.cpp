@@ -4,11 +4,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <map>
 
 #include "core/error.h"
 #include "core/host_math.h"
-#include "gi/graph/store.h"
+#include "gi/graph/memory_store.h"
 #include "gi/probes/converge.h"
 #include "gi/reference/reference.h"
 #include "tools/experiments/ddgi.h"
@@ -204,22 +203,6 @@ probes::Relit relit_of(const probes::LitHits& hits) {
 }
 
 // What a bake keeps does not depend on its relight rays: the transport of each number of probes is computed once.
-class MemoryStore : public graph::Store {
-  public:
-    std::optional<Bundle> find(graph::Key key) override {
-        const auto at = kept_.find(key);
-        return at == kept_.end() ? std::nullopt : std::optional(at->second);
-    }
-    void keep(graph::Key key, const Bundle& bundle, const std::string&) override {
-        Bundle own = bundle;
-        for (Array& a : own.arrays) a.bytes.own();
-        kept_[key] = std::move(own);
-    }
-
-  private:
-    std::map<graph::Key, Bundle> kept_;
-};
-
 // bake_seconds: of the bake that filled the store; 0: this one does.
 void add_clusters(const Scene& scene, const DdgiRequest& request, int count, int rays, const probes::LitScene& lit, const Judge& judge,
                   graph::Store& store, double& bake_seconds, const RunOptions& options, std::vector<DdgiRow>& rows) {
@@ -300,7 +283,7 @@ DdgiResult measure_ddgi(const Scene& scene, const DdgiRequest& request, const Ru
                 result.rows.push_back(runs.run(per_axis, params));
             }
     for (const int count : request.probes) {
-        MemoryStore store;
+        graph::MemoryStore store;
         double bake_seconds = 0;
         for (const int rays : request.rays) {
             tell(fmt::format("{} probes with clustered transport, {} rays", count, rays));
