@@ -66,11 +66,14 @@ compare::SignedErrors errors_of(const Columns& c, double sigmas) {
 }
 
 void find_told(const CheckInputs& in, const Columns& c, int rounds, LightmapCheck& out) {
-    double squares = 0, told_squares = 0, farthest = 0;
+    double squares = 0, told_squares = 0, farthest = 0, excess = 0, variance = 0;
     std::size_t told = 0;
     for (std::size_t k = 0; k < c.receiver.size(); ++k) {
         const double d = c.user.texels[k] - c.truth.texels[k], beyond = std::fabs(d) - in.params.sigmas * c.error.texels[k];
-        squares += d * d;
+        const double s2 = c.error.texels[k] * c.error.texels[k], e2 = std::max(d * d - s2, 0.0);
+        squares += d * d, excess += d * d - s2;
+        // Of d^2 about e^2 + s^2, and of s^2 about its own mean, for normal noise.
+        variance += 4 * e2 * s2 + 2 * s2 * s2 * (1 + 1.0 / (rounds - 1));
         if (!(beyond > 0)) continue;
         ++told, told_squares += d * d;
         if (beyond > farthest) farthest = beyond, out.worst = place_of(in, c.receiver[k]);
@@ -78,6 +81,11 @@ void find_told(const CheckInputs& in, const Columns& c, int rounds, LightmapChec
     out.told = c.receiver.empty() ? 0 : double(told) / double(c.receiver.size());
     out.told_energy = squares > 0 ? told_squares / squares : 0;
     out.told_by_chance = student_beyond(in.params.sigmas, rounds - 1);
+    const double n = double(c.receiver.size()), mean = out.errors.mean_truth.value_or(0);
+    if (!(n > 0 && mean > 0)) return;
+    const double off = std::sqrt(variance);
+    out.rms_least = std::sqrt(std::max(excess - 4 * off, 0.0) / n) / mean;
+    out.rms_most = std::sqrt(std::max(excess + 2 * off, 0.0) / n) / mean;
 }
 
 // Least squares over receivers: the s with the least sum of (s u - t)^2.
@@ -140,8 +148,21 @@ double student_beyond(double t, int degrees) {
     return std::clamp(1 - within, 0.0, 1.0);
 }
 
+double student_sigmas(double sigmas, int degrees) {
+    const double share = std::max(student_beyond(sigmas, 1 << 20), 0x1p-40);
+    double low = sigmas, high = sigmas;
+    while (student_beyond(high, degrees) > share) high *= 2;
+    for (int step = 0; step < 60; ++step) {
+        const double middle = 0.5 * (low + high);
+        (student_beyond(middle, degrees) > share ? low : high) = middle;
+    }
+    return high;
+}
+
 LightmapCheck check_lightmap(const Image4& map, const Image4& map_error, const Lightmap& l, const ReceiverIrradiance& truth,
-                             const CheckParams& params) {
+                             const CheckParams& asked) {
+    CheckParams params = asked;
+    params.sigmas = student_sigmas(asked.sigmas, truth.rounds - 1);
     check_map(map, l.receivers.size, "the map");
     if (!map_error.empty()) check_map(map_error, l.receivers.size, "the map's error");
     const ReceiverIrradiance known = with_error_of_map(truth, map_error, l.receivers);
@@ -161,6 +182,7 @@ LightmapCheck check_lightmap(const Image4& map, const Image4& map_error, const L
     LightmapCheck out;
     out.median = in.median;
     out.error = known.error;
+    out.sigmas = params.sigmas, out.rounds = truth.rounds;
     const Columns seen = columns_of(in, false), inside = columns_of(in, true);
     out.errors = errors_of(seen, params.sigmas);
     out.inside = int(inside.receiver.size());

@@ -71,6 +71,9 @@ struct LightmapCheck {
     double median = 0;               // of the truth there, where it is not 0
     Buffer<glm::vec4> error;         // [receiver] W/m2: standard error of the difference between map and truth
     std::optional<Place> worst;      // farthest beyond the noise; none: nothing is
+    int rounds = 0;                  // of the truth
+    double sigmas = 0;               // params.sigmas, by Student's t of the truth's rounds
+    double rms_least = 0, rms_most = 0;  // of errors.rms, by the noise's own spread: 4 and 2 of its standard errors off
     double told = 0;                 // share of these receivers that differ by more than `sigmas`
     double told_by_chance = 0;       // what share would if the map were right
     double told_energy = 0;          // share of the squared error that they hold
@@ -101,5 +104,8 @@ LightmapCheck check_lightmap(const Image4& map, const Image4& map_error, const L
 
 // The share of Student's t of so many degrees of freedom that lies beyond -t and t.
 double student_beyond(double t, int degrees);
+// The t beyond which as little of it lies as of a normal distribution beyond `sigmas`: of few rounds a standard error is a poor
+// estimate itself.
+double student_sigmas(double sigmas, int degrees);
 
 }  // namespace plumb::probes

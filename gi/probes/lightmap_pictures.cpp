@@ -33,14 +33,14 @@ Image4 on_receivers(const Receivers& r, ColourOf colour) {
 
 double luminance(const glm::vec4& v) { return compare::luminance(glm::dvec3(v)); }
 
-Image4 error_picture(const Image4& map, const Receivers& r, const ReceiverIrradiance& truth, const LightmapCheck& check, double sigmas) {
+Image4 error_picture(const Image4& map, const Receivers& r, const ReceiverIrradiance& truth, const LightmapCheck& check) {
     compare::Plane user(r.count(), 1), light(r.count(), 1), error(r.count(), 1);
     for (int i = 0; i < r.count(); ++i) {
         const glm::ivec2 t = r.texel[std::size_t(i)];
         user(i, 0) = luminance(map(t.x, t.y));
         light(i, 0) = luminance(truth.mean[std::size_t(i)]), error(i, 0) = luminance(check.error[std::size_t(i)]);
     }
-    const compare::Plane relative = compare::relative_errors(user, light, 0.05 * check.median, error, sigmas);
+    const compare::Plane relative = compare::relative_errors(user, light, 0.05 * check.median, error, check.sigmas);
     return on_receivers(r, [&](int i) { return glm::vec4(compare::signed_color(relative(i, 0), picture_swing), 1); });
 }
 
@@ -100,9 +100,9 @@ std::vector<DebugLayer> lightmap_pictures(const Image4& map, const Lightmap& l, 
     add("map", "the map that is checked; " + white, on_receivers(r, [&](int i) {
             return shown(map(r.texel[std::size_t(i)].x, r.texel[std::size_t(i)].y), check.median);
         }));
-    add("error", fmt::format("blue: too dark, red: too bright, full colour: by {:.0f} %; {:g} standard errors taken off", 100 * picture_swing,
-                             params.sigmas),
-        error_picture(map, r, truth, check, params.sigmas));
+    add("error", fmt::format("blue: too dark, red: too bright, full colour: by {:.0f} %; {:.3g} standard errors taken off", 100 * picture_swing,
+                             check.sigmas),
+        error_picture(map, r, truth, check));
     const double full = 4 * params.seam;
     const std::string seam_meaning =
         fmt::format("edges with two places on the map: grey fits, red differs by {:.0f} % more than the truth does", 100 * full);

@@ -152,6 +152,21 @@ TEST_CASE("lightmap: a map that it made passes its own check, with other random 
     CHECK(json["seams"]["off"] == 0);
     CHECK(json["charts"]["off"].empty());
     CHECK(json["told"]["share"].get<double>() < 0.01);
+    // Its own seed draws other numbers for the check: noise is never held against itself.
+    const Json own = Json::parse(succeed(lightmap(scene, {"--uv", "atlas", "--check", folder + "/a.exr", "--json"})).out);
+    CHECK(own["errors"]["bias"].get<double>() != 0);
+    // Few paths tell nothing of a right map, and call it neither right nor wrong; a wrong one they still tell.
+    for (const char* samples : {"2", "3", "4", "8", "16"}) {
+        const Words few_paths = {"--samples", samples, "--set", "probes.lightmap_size=64"};
+        const Words asked = {"--uv", "atlas", "--check", folder + "/a.exr", "--map-error", folder + "/e.exr", "--max-error", "0.02", "--max-leaks", "0"};
+        const Result r = run(lightmap(other, asked, few_paths));
+        CAPTURE(samples, r.out);
+        CHECK(r.exit == 1);
+        CHECK_THAT(r.out, Contains("\ncannot tell: ") && !Contains("disagree"));
+    }
+    const Result wrong = run(lightmap(other, {"--uv", "atlas", "--check", folder + "/a.exr", "--scale", "0.1", "--max-error", "0.05"},
+                                      {"--samples", "16", "--set", "probes.lightmap_size=64"}));
+    CHECK_THAT(wrong.out, Contains("disagree: relative RMS error"));
     // Held against a tenth of its light it fails, and the better scale is told.
     const Result dim = run(lightmap(other, {"--uv", "atlas", "--check", folder + "/a.exr", "--scale", "0.1", "--max-error", "0.05"}));
     CHECK(dim.exit == 1);

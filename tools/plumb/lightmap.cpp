@@ -206,7 +206,9 @@ probes::ReceiverIrradiance trace_lightmap(const LightmapOptions& given, const Li
     RunOptions options = given.common.run_options();
     if (const frame::Progress call = bar.callback()) options.progress = [call](double done) { call("lightmap", done); };
     const auto path = reference::prepare(s.scene, s.path.rays);
-    return probes::receiver_irradiance(l.receivers, *path, s.path, s.settings.seed, options);
+    // A check draws other numbers than the map that is checked may have been made of: equal noise would agree.
+    const std::uint32_t seed = given.checked.empty() ? s.settings.seed : ~s.settings.seed;
+    return probes::receiver_irradiance(l.receivers, *path, s.path, seed, options);
 }
 
 void add_lightmap(CLI::App& program, Action& action) {

@@ -116,8 +116,8 @@ std::vector<std::vector<std::string>> figures(const LightmapReport& r) {
                               r.lightmap.receivers.count(), r.truth.samples, 100 * r.truth.relative_error, c.errors.mean_truth.value_or(0))},
         {"error", fmt::format("rms {} of the mean{}, bias {}", percent(c.errors.rms), c.errors.below_noise ? " (within the noise)" : "",
                               c.errors.mean_error ? fmt::format("{:+.3g} %", 100 * *c.errors.mean_error) : "undefined")},
-        {"told from noise", fmt::format("{} of the receivers differ by more than {:g} standard errors (by chance {}), with {} of the squared error",
-                                        percent(c.told), params.sigmas, percent(c.told_by_chance), percent(c.told_energy))},
+        {"told from noise", fmt::format("{} of the receivers differ by more than {:.3g} standard errors (by chance {}), with {} of the squared error",
+                                        percent(c.told), c.sigmas, percent(c.told_by_chance), percent(c.told_energy))},
         {"seams", fmt::format("{} of {} edges between charts differ by more than {} beyond the truth; mean {}, worst {}{}", c.seams_off, c.seams.size(), percent(params.seam),
                               percent(c.seam_mean), c.seams.empty() ? "none" : percent(c.seams[0].excess),
                               c.seams_unknown > 0 ? fmt::format("; {} more have no receivers beside them", c.seams_unknown) : "")},
@@ -185,17 +185,33 @@ Json leaks_json(const LightmapReport& r) {
     return {{"texels", r.check.leaking}, {"black_texels", r.check.black_leaking}, {"places", r.check.leaks.size()}, {"largest", places}};
 }
 
+constexpr std::string_view cannot_tell = "cannot tell: ";
+// Paths rarely find what lights a texel: of few of them all may have missed it, and their error says nothing of it.
+constexpr int enough_for_leaks = 64;
+
+std::string conclusion(const LightmapReport& r) {
+    if (r.verdict.starts_with(cannot_tell)) return r.verdict;
+    if (!r.verdict.empty()) return "disagree: " + r.verdict;
+    return r.given.max_error || r.given.max_seam || r.given.max_leaks ? "agree: within the bounds" : "no bound was given";
+}
+
 }  // namespace
 
 std::string verdict_of(const LightmapOptions& given, const probes::LightmapCheck& c) {
     if ((given.max_error || given.max_seam || given.max_leaks) && c.errors.pixels == 0)
         return "all receivers lie inside of something: nothing was compared";
-    if (given.max_error && !(c.errors.rms && *c.errors.rms <= *given.max_error))
+    if (given.max_error && !(c.errors.rms && c.rms_least <= *given.max_error))
         return fmt::format("relative RMS error {}: the bound is {}", percent(c.errors.rms), percent(*given.max_error));
     if (given.max_seam && !c.seams.empty() && !(c.seams[0].excess <= *given.max_seam))
         return fmt::format("a seam of {}: the bound is {}", percent(c.seams[0].excess), percent(*given.max_seam));
+    if (given.max_leaks && c.leaking + c.black_leaking > *given.max_leaks && c.rounds < enough_for_leaks)
+        return fmt::format("{}{} texels look like leaks, and of {} paths each the noise is not known well enough: --samples {} or more", cannot_tell,
+                           c.leaking + c.black_leaking, c.rounds, enough_for_leaks);
     if (given.max_leaks && c.leaking + c.black_leaking > *given.max_leaks)
         return fmt::format("{} texels leak: the bound is {}", c.leaking + c.black_leaking, *given.max_leaks);
+    if (given.max_error && c.rms_most > *given.max_error)
+        return fmt::format("{}the relative RMS error is {} to {} for all that this noise tells, the bound is {}: more --samples",
+                           cannot_tell, percent(c.rms_least), percent(c.rms_most), percent(*given.max_error));
     return "";
 }
 
@@ -206,8 +222,7 @@ std::string lightmap_text(const LightmapReport& r) {
         text += fmt::format("\n{}{}\n", f.title, f.count > f.rows.size() ? fmt::format(", the first {} of {}", f.rows.size(), f.count) : "");
         text += format_table(f.columns, f.rows, 2);
     }
-    const bool bounded = r.given.max_error || r.given.max_seam || r.given.max_leaks;
-    return text + "\n" + (r.verdict.empty() ? bounded ? "agree: within the bounds" : "no bound was given" : "disagree: " + r.verdict) + "\n";
+    return text + "\n" + conclusion(r) + "\n";
 }
 
 Json lightmap_json(const LightmapReport& r) {
@@ -240,7 +255,7 @@ Json lightmap_json(const LightmapReport& r) {
 
 std::string lightmap_page(const LightmapReport& r, const std::vector<probes::DebugLayer>& pictures) {
     page::Page page("plumb lightmap --check, " + r.given.checked);
-    page.paragraph(r.verdict.empty() ? "Within the bounds that were given." : "Disagrees: " + r.verdict + ".");
+    page.paragraph(conclusion(r) + ".");
     const auto cells_of = [](const std::vector<std::string>& texts) {
         std::vector<page::Cell> cells;
         for (const std::string& text : texts) cells.push_back({text});
@@ -248,7 +263,7 @@ std::string lightmap_page(const LightmapReport& r, const std::vector<probes::Deb
     };
     std::vector<std::vector<page::Cell>> rows = {cells_of({"figure", "value"})};
     for (const std::vector<std::string>& row : figures(r)) rows.push_back(cells_of(row));
-    page.table(rows, fmt::format("Of luminance. Nothing is called wrong that {:g} standard errors explain.", params.sigmas));
+    page.table(rows, fmt::format("Of luminance. Nothing is called wrong that {:.3g} standard errors explain.", r.check.sigmas));
     for (const Finding& f : findings(r)) {
         page.heading(f.title);
         if (f.rows.empty()) page.paragraph("None.");
