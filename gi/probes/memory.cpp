@@ -69,10 +69,13 @@ std::uint64_t bytes_needed(const Bake& b, const Part& part, int threads) {
     return std::max(bytes_to_draw(b), whole + whole / 25);  // and what the allocator keeps: 4 %
 }
 
+std::string size_text(std::uint64_t bytes) {
+    return bytes < 1000000000 ? fmt::format("{:.3g} MB", double(bytes) * 1e-6) : fmt::format("{:.1f} GB", double(bytes) * 1e-9);
+}
+
 void require_memory(const std::string& what, std::uint64_t needed, std::uint64_t there, const std::string& lower) {
     if (needed > there)
-        throw InputError(fmt::format("probes: {} need {:.1f} GB of memory; there are {:.1f} GB: lower {}", what, double(needed) / 1e9,
-                                     double(there) / 1e9, lower));
+        throw InputError(fmt::format("probes: {} need {} of memory; there are {}: lower {}", what, size_text(needed), size_text(there), lower));
 }
 
 }  // namespace plumb::probes

@@ -19,6 +19,9 @@ std::uint64_t bytes_to_draw(const Bake& bake);
 // cluster_bound(), twice, as they are made and as they are kept. threads: that decompose matrices.
 std::uint64_t bytes_needed(const Bake& bake, const Part& part = {}, int threads = 1);
 
+// "1.4 GB", "23 MB".
+std::string size_text(std::uint64_t bytes);
+
 // Throws InputError for what does not fit: "probes: WHAT need 3.1 GB of memory; there are 2.0 GB: lower LOWER".
 void require_memory(const std::string& what, std::uint64_t needed, std::uint64_t there, const std::string& lower);
 

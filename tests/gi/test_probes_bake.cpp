@@ -375,7 +375,7 @@ TEST_CASE("bake: refusals name what is wrong", "[probes][refusals]") {
     CHECK_THAT(refused(scene, params), Contains("16384"));
     params = small(), params.placement.count = -1;
     CHECK_THAT(refused(scene, params), Contains("count"));
-    CHECK_THAT(refused(scene, small(), {}, 1000), Contains("GB of memory"));
+    CHECK_THAT(refused(scene, small(), {}, 1000), Contains("MB of memory; there are 0.001 MB"));
     CHECK_THAT(refused(scene, small(), {3, 3}), Contains("part"));
 }
 

@@ -19,6 +19,12 @@ ClusterBound taken_by(const Clusters& clusters) {
 
 }  // namespace
 
+TEST_CASE("memory: sizes in units that say something", "[probes][memory]") {
+    CHECK(size_text(1000000) == "1 MB");
+    CHECK(size_text(23456789) == "23.5 MB");
+    CHECK(size_text(1440000000) == "1.4 GB");
+}
+
 TEST_CASE("clusters: the bound of one cluster in closed form", "[probes][memory]") {
     // 10 receivers, each with all of 3 probes of 4 coefficients: 10 x 12, rank 10; of 64 receivers rank 12.
     for (const int receivers : {10, 31}) {

@@ -127,7 +127,7 @@ TEST_CASE("bake: wrong usage is one line", "[program]") {
     CHECK_THAT(complains({"bake", scene, "-o", folder + "/x.bake", "--no-cache", "--join"}), Contains("--no-cache"));
     CHECK_THAT(complains(baked(scene, folder + "/x.bake", {"--set", "probes.degre=1"})), Contains("'degree'"));
     CHECK_THAT(complains(baked(scene, folder + "/x.bake", {"--set", "probes.lightmap_size=0", "--set", "probes.receivers_per_m2=1e11"})), Contains("16384"));
-    CHECK_THAT(complains(baked(scene, folder + "/x.bake", {"--memory", "0.001"})), Contains("GB of memory"));
+    CHECK_THAT(complains(baked(scene, folder + "/x.bake", {"--memory", "0.001"})), Contains("MB of memory; there are 1 MB"));
     CHECK_THAT(complains(baked(scene, folder + "/none/x.bake", {"--no-cache"})), Contains("no folder"));
     CHECK_FALSE(fs::exists(folder + "/x.bake"));
 }

@@ -186,7 +186,8 @@ std::string report(const std::string& scene, const std::vector<Row>& rows, int t
                           {"spread", right}, {"s of rays", right}, {"M rays/s", right}, {"bare", right}, {"s of clusters", right}, {"clusters", right},
                           {"peak MB", right}, {"thesis: receivers", right}, {"s", right}, {"clusters", right}},
                          table);
-    text += fmt::format("\nseconds grow as probes^{:.2f} (P), receivers^{:.2f} (R), rays^{:.2f} (all)\n\n",
+    if (rows.size() > 5)
+        text += fmt::format("\nseconds grow as probes^{:.2f} (P), receivers^{:.2f} (R), rays^{:.2f} (all)\n",
                         exponent_over(rows, 'P', [](const Row& r) { return double(r.probes); }),
                         exponent_over(rows, 'R', [](const Row& r) { return double(r.receivers); }),
                         exponent_over(rows, 0, [](const Row& r) { return double(r.rays); }));
@@ -196,7 +197,7 @@ std::string report(const std::string& scene, const std::vector<Row>& rows, int t
         for (const auto& [kept, error] : r.truncation) line.push_back(fmt::format("{:.1e} {:.1e}", error.published, error.frobenius));
         errors.push_back(line);
     }
-    text += "truncation after so many singular values: as printed, and as a norm\n\n";
+    text += "\ntruncation after so many singular values: as printed, and as a norm\n\n";
     return text + format_table({{"column"}, {"4", right}, {"8", right}, {"16", right}, {"24", right}, {"32", right}}, errors);
 }
 
@@ -222,7 +223,8 @@ int probes_experiment(const ProbesOptions& given) {
             fmt::print(stderr, "{}: left out: the smallest lightmap with room for the scene's charts has {} receivers\n", column.name,
                        receivers);
     }
-    if (rows.empty()) throw InputError("no column that this scene has room for; --only: expected P0 to P4 or R0 to R4");
+    if (lightmaps.empty()) throw InputError("--only " + io::printable(given.only) + ": expected P0 to P4 or R0 to R4");
+    if (rows.empty()) throw InputError(given.scene.file + ": no lightmap of these sizes has room for its charts");
     const std::string text = report(io::stem_of(scene.name), rows, thread_count(options.threads));
     if (!given.output.empty()) io::write_text(given.output, text);
     if (given.common.json) {
@@ -250,7 +252,7 @@ void add_probes(CLI::App& experiment, Action& action) {
     command->add_option("--only", given->only, "one column: P0 to P4, R0 to R4")->check(some_word())->type_name("C");
     command->add_option("--repeat", given->repeats, "bakes of each size: their median and spread")->check(CLI::Range(1, 100));
     command->add_option("--bare", given->bare, "of each size, give so many million of its rays to the ray query alone")
-        ->check(CLI::Range(0.0, 20.0))
+        ->check(number_within(0, 20))
         ->type_name("M");
     command->add_option("--set", given->scene.sets, "probes.key=value in place of the thesis'; may be repeated")
         ->allow_extra_args(false)

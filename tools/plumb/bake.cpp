@@ -13,6 +13,7 @@
 #include "core/error.h"
 #include "gi/frame/settings.h"
 #include "gi/probes/debug_layers.h"
+#include "gi/probes/memory.h"
 #include "io/file.h"
 #include "io/image_file.h"
 #include "tools/plumb/cli.h"
@@ -161,7 +162,7 @@ std::string page_of(const std::string& title, const std::vector<graph::NodeRun>&
         for (const std::string& read : reader.run.reads)
             for (GraphNode& n : nodes)
                 if (n.run.label == read) n.read_until = reader.run.label;
-    return graph_page(title, nodes);
+    return graph_page("plumb bake, " + title, nodes);
 }
 
 // Rows of a table: blocks of a step are summed up.
@@ -254,7 +255,7 @@ void check_options(const BakeOptions& given) {
         if (!folder.empty()) Outputs{folder};  // made, and removed
 }
 
-// A part is nothing but what it leaves in the store.
+// A part is nothing but what it leaves in the store; one that was named has to be there.
 void check_store(const std::string& folder) {
     io::make_folder(folder);
     const std::string probe = folder + "/part.writable";
@@ -276,7 +277,7 @@ std::vector<std::string> remarks(const probes::Bake& b) {
     const int black = probes::black_receivers(b);
     if (black > 0)
         lines.push_back(fmt::format("{} of {} receivers stay black: no probe sees what they see{}", black, b.receivers.count(),
-                                    20 * black > b.receivers.count() ? "; more probes (probes.count) may" : ""));
+                                    20 * black > b.receivers.count() && counts.unseen > 0 ? "; more probes (probes.count) may" : ""));
     return lines;
 }
 
@@ -295,14 +296,14 @@ int bake(const BakeOptions& given) {
     if (!folder.empty()) {
         store = std::make_unique<FileStore>(folder, "bake", FileStore::Limits{.max_bytes = std::uint64_t(16) << 30, .made = "baked"});
         store->pin();
-        if (!given.part.empty()) check_store(folder);
+        if (!given.part.empty() || !given.store.empty()) check_store(folder);
     }
     if (!given.common.json)
         graph.when_sized([&](std::uint64_t bytes) {
             const probes::Bake& b = graph.bake();
-            fmt::print("{} receivers, {} probes, at most {:.1f} million rays; about {:.1f} GB of memory\n", b.receivers.count(),
+            fmt::print("{} receivers, {} probes, at most {:.1f} million rays; at most {} of memory\n", b.receivers.count(),
                        b.placement.probes.size(),
-                       double(b.receivers.count()) * b.transport.rays * (1 + b.supports.overlaps) / 1e6, double(bytes) / 1e9);
+                       double(b.receivers.count()) * b.transport.rays * (1 + b.supports.overlaps) / 1e6, probes::size_text(bytes));
             std::fflush(stdout);
         });
     graph::RunWith with;

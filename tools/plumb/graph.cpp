@@ -83,7 +83,7 @@ int graph(const GraphOptions& given) {
     frame::FrameGraph made(scene, settings, plan, kept.memory());
     made.context().keeps = true;
     const std::vector<GraphNode> nodes = nodes_of(plan, frame, made);
-    if (!given.html.empty()) io::write_text(given.html, graph_page(scene.name, nodes));
+    if (!given.html.empty()) io::write_text(given.html, graph_page("plumb graph, " + scene.name, nodes));
     if (given.common.json) {
         std::fputs(json_text(graph_json(nodes)).c_str(), stdout);
         return success;

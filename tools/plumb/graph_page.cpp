@@ -104,7 +104,7 @@ void add_pictures(page::Page& page, const GraphNode& n) {
 }  // namespace
 
 std::string graph_page(const std::string& title, const std::vector<GraphNode>& nodes) {
-    page::Page page("plumb graph, " + title);
+    page::Page page(title);
     page.paragraph("Every stage that ran or was left out, in the order from left to right in which one reads what another made. "
                    "A click shows what it made.");
     page.raw(drawing(nodes));

@@ -1,0 +1,144 @@
+// Data for the stages of a bake of probes, and of a volume of DDGI's.
+#pragma once
+
+#include <vector>
+
+#include "core/sh.h"
+#include "gi/ddgi/blend.h"
+#include "gi/ddgi/sample.h"
+#include "gi/probes/coefficients.h"
+#include "gi/probes/density.h"
+#include "gi/probes/share.h"
+#include "gi/probes/supports.h"
+#include "tests/parity/twin_data_parts.h"
+
+namespace plumb::test {
+
+// ---- Probes ----------------------------------------------------------------------------------------------------------
+
+inline Buffer<glm::vec4> scattered(int n, std::uint32_t seed) {
+    Buffer<glm::vec4> list;
+    for (int i = 0; i < n; ++i) list.push_back({noise(i, 0, 0, seed), noise(i, 1, 0, seed), noise(i, 2, 0, seed), 0});
+    return list;
+}
+// The last items of the domain are none, and one more lies behind the list.
+inline StageData density_case(glm::ivec2 size, float radius, const std::string& id) {
+    const int n = size.x * size.y - 5;
+    const Buffer<glm::vec4> positions = scattered(n + 1, 81);
+    StageData d = begin_data<probes::DensityKernel>(size, probes::DensityUniforms{size.x, size.y, n, 1 / radius});
+    lend(d.inputs, "positions", {n + 1, 4}, &positions[0].x);
+    return named(owned_data(d), id);
+}
+// The last probe lies behind the list; every third receiver is a little farther than the radius from one.
+inline StageData supports_case(glm::ivec2 size, float radius, int overlaps, const std::string& id) {
+    const int n = 40;
+    Buffer<glm::vec4> receivers = scattered(size.y, 82), all = scattered(n + 1, 83);
+    for (std::size_t i = 0; i < receivers.size(); i += 3)
+        receivers[i] = all[i % n] + glm::vec4(1.002f * radius, 0, 0, 0);
+    StageData d = owned_data(probes::data_of({&receivers, &all, radius, std::min(size.x, overlaps)}, 0, size.y));
+    const double probes = n;
+    set_uniform(parity::find_binding(d.stage, "test"), d, "probes", {&probes, 1}, "test");
+    return named(d, id);
+}
+
+// What receivers' rays met: points, directions of those that met nothing, what no probe sees; a probe without weight.
+struct RayInputs {
+    int rays, slots = 3;
+    Buffer<glm::vec4> supporting, seen;
+    std::vector<std::int32_t> visible;
+    Buffer<float> lengths, weights;
+
+    RayInputs(int receivers, int rays_of_each) : rays(rays_of_each) {
+        supporting = scattered(slots * receivers, 84), seen = scattered(rays * receivers, 85);
+        for (std::size_t i = 0; i < supporting.size(); ++i) supporting[i].w = i % 7 == 3 ? 0 : noise(int(i), 3, 0, 84);
+        for (std::size_t i = 0; i < seen.size(); ++i) {
+            const bool escaped = i % 5 == 0;
+            const glm::vec3 d = 2.0f * glm::vec3(seen[i]) - 1.0f;
+            seen[i] = escaped ? glm::vec4(normalize3<float>(d), 0) : glm::vec4(5.0f * d, 1);
+            visible.push_back(i % 11 == 0 ? 0 : std::int32_t(8 * noise(int(i), 4, 0, 85)));
+            lengths.push_back(escaped ? 1e15f : 4 * noise(int(i), 5, 0, 85));
+            weights.push_back(0.01f + noise(int(i), 6, 0, 85));
+        }
+    }
+};
+inline StageData share_case(glm::ivec2 size, bool published, const std::string& id) {
+    const RayInputs r(size.x, size.y);
+    probes::ShareInputs in{size.x, size.y, r.slots, published, r.supporting.data(), r.weights.data(), r.visible.data(),
+                           r.lengths.data()};
+    return named(owned_data(probes::data_of(in)), id);
+}
+// size.y rows, of all degrees; of few receivers, for there are many rays: a whole part of the sum, and three more.
+inline StageData coefficients_case(glm::ivec2 size, const std::string& id) {
+    size.x = std::min(size.x, 5);
+    const RayInputs r(size.x, 131);
+    const std::vector<std::int32_t> all = probes::coefficient_rows(r.slots, 7);
+    std::vector<std::int32_t> rows;
+    for (int y = 0; y < size.y; ++y)
+        for (int c = 0; c < 4; ++c) rows.push_back(all[std::size_t((17 * y % (64 * r.slots)) * 4 + c)]);
+    StageData d = begin_data<probes::CoefficientsKernel>(size, probes::CoefficientsUniforms{size.x, size.y, r.rays, r.slots});
+    const std::int64_t receivers = size.x;
+    lend(d.inputs, "rows", {size.y, 4}, rows.data());
+    lend(d.inputs, "recurrence", {sh::recurrence_size}, sh::recurrence().data());
+    lend(d.inputs, "supporting", {r.slots * receivers, 4}, &r.supporting[0].x);
+    lend(d.inputs, "seen", {r.rays * receivers, 4}, &r.seen[0].x);
+    lend(d.inputs, "visible", {r.rays * receivers}, r.visible.data());
+    lend(d.inputs, "shares", {r.rays * receivers}, r.weights.data());
+    return named(owned_data(d), id);
+}
+
+// ---- DDGI ------------------------------------------------------------------------------------------------------------
+
+// Tiles of half a row; the last tile has no probe, and the atlas ends within tiles.
+inline StageData ddgi_blend_case(glm::ivec2 size, int side, bool moments, float hysteresis, const std::string& id) {
+    const int columns = std::max(1, size.x / (side + 2) - 1), rows = (size.y + side + 1) / (side + 2), rays = 13;
+    Buffer<glm::vec4> directions = scattered(rays, 91);
+    for (glm::vec4& d : directions) d = glm::vec4(normalize3<float>(2.0f * glm::vec3(d) - 1.0f), 0);
+    const Image4 previous = noise_image(size, 92, 0, 3);
+    const Image4 hits = noise_image({rays, std::max(1, columns * rows - 1)}, 93, 0, 4);
+    ddgi::BlendInputs in;
+    in.side = side, in.columns = columns, in.moments = moments, in.sharpness = moments ? 50 : 1, in.hysteresis = hysteresis;
+    in.scale = moments ? 1.0f : 3.14159265f, in.farthest = 3;
+    in.directions = &directions, in.hits = &hits, in.previous = &previous;
+    return named(owned_data(ddgi::data_of(in)), id);
+}
+inline StageData ddgi_border_case(glm::ivec2 size, int side, const std::string& id) {
+    const Image4 atlas = noise_image(size, 94, -1, 1);
+    return named(owned_data(ddgi::data_of(ddgi::BorderInputs{side, &atlas})), id);
+}
+// Points within the grid, beyond it, a kilometre away, and none.
+inline StageData ddgi_sample_case(glm::ivec2 size, bool by_eye, const ddgi::Weighing& weighing, const std::string& id) {
+    const Points p = room(size, 95);
+    ddgi::SampleInputs in;
+    in.grid = {{3, 2, 2}, {-1.5f, -0.3f, -2.6f}, {1.3f, 1.1f, 0.9f}};
+    in.weighing = weighing, in.side = 6, in.depth_side = 8;
+    Image4 view = noise_image(size, 96, -1, 1);
+    for (glm::vec4& v : view.texels) v = glm::vec4(normalize3<float>(glm::vec3(v)), 0);
+    const Image4 irradiance = noise_image(in.grid.atlas_size(in.side), 97, 0, 9);
+    Image4 moments = noise_image(in.grid.atlas_size(in.depth_side), 98, 0, 1);
+    for (glm::vec4& m : moments.texels) {
+        const float mean = 0.3f + 2 * m.x;
+        m = glm::vec4(mean, mean * mean + 0.4f * m.y, 0, 0);
+    }
+    in.position = &p.position, in.normal = &p.normal, in.view = by_eye ? nullptr : &view, in.eye = {1, 2, 3};
+    in.irradiance = &irradiance, in.moments = &moments;
+    return named(owned_data(ddgi::data_of(in)), id);
+}
+
+inline std::vector<StageData> probe_cases(glm::ivec2 size) {
+    return {
+        density_case(size, 0.3f, "probes.density"),
+        supports_case(size, 0.4f, 15, "probes.supports"),  // most receivers have fewer
+        supports_case(size, 2, 16, "probes.supports.all"),  // every probe is in reach
+        share_case(size, false, "probes.share"),
+        share_case(size, true, "probes.share.published"),
+        coefficients_case(size, "probes.coefficients"),
+        ddgi_blend_case(size, 4, false, 0.25f, "ddgi.blend"),
+        ddgi_blend_case(size, 6, true, 0, "ddgi.blend.moments"),
+        ddgi_border_case(size, 5, "ddgi.border"),
+        ddgi_sample_case(size, false, {.normal_bias = 0.05f, .view_bias = 0.2f, .scale = 1.5f}, "ddgi.sample"),
+        ddgi_sample_case(size, true, {.wrapped = false, .root = true, .view_bias = 0.1f}, "ddgi.sample.root"),
+        ddgi_sample_case(size, true, {.visibility = false}, "ddgi.sample.blind"),
+    };
+}
+
+}  // namespace plumb::test
