@@ -142,6 +142,7 @@ TEST_CASE("bake: a picture of every step, a page, and the data textures", "[prog
     CHECK_THAT(read(folder + "/layers/README.txt"), Contains("clusters.png: probes.clusters"));
     CHECK(files_in(folder + "/textures").size() == 12 * 2 + 1);
     const std::string page = read(folder + "/a.html");
+    CHECK_THAT(page, Contains("clusters: a colour each cluster"));
     for (const char* step : {"probes.atlas", "probes.receivers", "probes.placement", "probes.supports", "probes.relight", "probes.clusters"})
         CHECK_THAT(page, Contains(step));
     CHECK_THAT(run({"bake", scene, "--verify", folder + "/a.bake"}).out, Contains("receiver_alpha"));

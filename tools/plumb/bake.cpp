@@ -155,7 +155,7 @@ std::string page_of(const std::string& title, const std::vector<graph::NodeRun>&
         n.run = run;
         for (const probes::DebugLayer& layer : layers)
             if (step_of(run.label) == layer.node && (&run == &runs.back() || step_of((&run)[1].label) != layer.node))
-                add(n.outputs, layer.name, layer.picture);
+                n.figures.push_back({layer.picture, layer.name + ": " + layer.meaning});
         nodes.push_back(std::move(n));
     }
     for (const GraphNode& reader : nodes)

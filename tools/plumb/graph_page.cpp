@@ -89,6 +89,7 @@ std::string drawing(const std::vector<GraphNode>& nodes) {
 
 // What the stage made, as pictures.
 void add_pictures(page::Page& page, const GraphNode& n) {
+    for (const GraphNode::Figure& f : n.figures) page.figure(page.picture(f.picture, f.caption));
     for (const Array& array : n.outputs.arrays) {
         const bool image = array.shape.size() == 2 || (array.shape.size() == 3 && (array.shape[2] == 4 || array.shape[2] == 2));
         if (array.bytes.empty() || !image || (array.dtype != DType::f32 && array.dtype != DType::i32)) continue;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/bundle.h"
+#include "core/image.h"
 #include "gi/graph/graph.h"
 
 namespace plumb::cli {
@@ -16,6 +17,11 @@ struct GraphNode {
     std::string view;        // of a view beside the frame: its name
     std::string read_until;  // the label of the last stage that reads it; empty: none does
     Bundle outputs;
+    struct Figure {
+        Image4 picture;      // xyz 0..1, as it is to be seen
+        std::string caption;
+    };
+    std::vector<Figure> figures = {};  // beside the outputs
 };
 
 // Opens without a network.
