@@ -1,0 +1,67 @@
+// What the run time reads of a bake, laid out as its stages read it (IPR 3.2.5, 3.3.1): receivers in the order of their
+// clusters, matrices with the singular value fastest, U with the receiver fastest.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "core/image.h"
+#include "gi/probes/flat_clusters.h"
+
+namespace plumb::probes {
+
+struct Bake;
+struct BakeArrays;
+
+inline constexpr int most_levels = 4;  // of detail (IPR 4.2)
+
+// Clusters and the receivers in them. A receiver's place is its index in these lists: cluster by cluster, ascending within
+// each, and at the end those that no probe supports. The receivers may be texels of a lightmap or points in space.
+struct ClusterData {
+    int coefficients = 0, singular_values = 0;
+    std::vector<glm::ivec4> clusters;          // first number of its matrix, first of its probes, probes, rank
+    std::vector<std::int32_t> cluster_probes;  // cluster by cluster
+    Buffer<float> matrix;                      // Sigma V^T, cluster by cluster: [probes x coefficients][rank]
+    std::vector<std::int32_t> receiver;        // [places]
+    std::vector<std::int32_t> place_of;        // [receivers]: back
+    std::vector<std::int32_t> cluster;         // [places]; -1: none
+    Buffer<float> u;                           // [singular_values][places]
+
+    int count() const { return int(receiver.size()); }  // places
+};
+// Throws InputError for lists that do not fit each other, and for more numbers than a device's index reaches.
+ClusterData cluster_data(const FlatClusters& flat, int receivers, int coefficients);
+
+struct RunData : ClusterData {
+    int probes = 0, rays = 0, levels = 1;
+    std::vector<std::int32_t> receiver_level;  // [places]: the coarsest level of detail that shows it (IPR 4.2.3)
+    Image<std::int32_t> cover;                 // [strip]: place of the receiver; or one of Cover
+    glm::ivec2 lightmap_size{0};               // of the strip
+};
+// Throws InputError for levels other than 1 to 4.
+RunData run_data(const Bake& bake, int levels = 1);
+// The same of data textures that were read back (textures.h). size: of the lightmap, which they do not hold.
+RunData run_data(const BakeArrays& arrays, glm::ivec2 size, int levels = 1);
+
+// ---- The lightmap's levels --------------------------------------------------------------------------------------------
+
+// Texels of the strip where no receiver is: nothing, or beside receivers (1), or beside those (2).
+enum Cover : std::int32_t { cover_nothing = -1, cover_ring_1 = -2, cover_ring_2 = -3 };
+
+// Levels lie below each other, two empty rows between: level k at rows [first, first + size.y), columns [0, size.x).
+struct LightmapLevel {
+    int first = 0;
+    glm::ivec2 size{0};
+};
+std::vector<LightmapLevel> lightmap_levels(glm::ivec2 size, int levels);
+
+// How many trailing zero bits both coordinates have, at most levels - 1.
+int level_of_texel(glm::ivec2 texel, int levels);
+
+// Texel (x, y) of level k shows the receiver at texel (x << k, y << k) of level 0. Rings as extend_borders() has them, in each
+// level for itself. place_of: [receivers]. Throws InputError for a texel beyond the lightmap, or one with two receivers.
+Image<std::int32_t> lightmap_cover(const std::vector<glm::ivec2>& texels, const std::vector<std::int32_t>& place_of,
+                                   glm::ivec2 size, int levels);
+
+}  // namespace plumb::probes
