@@ -15,14 +15,48 @@ glm::dvec3 value_or(const Track& track, double frame, const glm::dvec3& otherwis
     return track.empty() ? otherwise : value_at(track, frame);
 }
 
+// a to b, equal values as they are: what rests between the two rests to the bit.
+glm::dvec3 mixed(const glm::dvec3& a, const glm::dvec3& b, double share) {
+    glm::dvec3 value = a;
+    for (int c = 0; c < 3; ++c)
+        if (a[c] != b[c]) value[c] = a[c] * (1 - share) + b[c] * share;
+    return value;
+}
+
+double frames_since(const Motion& motion, double frame) { return std::max(0.0, frame - motion.start); }
+
+// Where the tracks or the curve place something, and how far it has been moved from there.
+glm::dvec3 placed(const Track& track, const Motion& motion, double frame, const glm::dvec3& otherwise) {
+    const glm::dvec3 at = motion.bezier.empty() ? value_or(track, frame, otherwise)
+                                                : bezier_at(motion.bezier, path_parameter(motion, frame));
+    return motion.translate == glm::dvec3(0) ? at : at + frames_since(motion, frame) * motion.translate;
+}
+
+// About the motion's axis (Rodrigues), exact for right angles about the axes of the world.
+glm::dmat3 turned(const Motion& motion, double frame) {
+    const glm::dvec2 sc = sin_cos_deg(frames_since(motion, frame) * motion.turn_deg);
+    const glm::dvec3 k = motion.axis;
+    glm::dmat3 m(0);
+    for (int column = 0; column < 3; ++column)
+        for (int row = 0; row < 3; ++row) m[column][row] = k[column] * k[row] * (1 - sc.y);
+    for (int i = 0; i < 3; ++i) {
+        const int next = (i + 1) % 3, last = (i + 2) % 3;
+        m[i][i] += sc.y;
+        m[next][last] += k[i] * sc.x;
+        m[last][next] -= k[i] * sc.x;
+    }
+    return m;
+}
+
 // The first key after `frame`.
 Track::const_iterator after(const Track& track, double frame) {
     return std::upper_bound(track.begin(), track.end(), frame, [](double f, const Key& key) { return f < key.frame; });
 }
 
 void pose_camera(const CameraTracks& tracks, double frame, Camera& camera) {
-    camera.position = value_or(tracks.position, frame, camera.position);
-    camera.look_at = value_or(tracks.look_at, frame, camera.look_at);
+    camera.position = placed(tracks.position, tracks.motion, frame, camera.position);
+    camera.look_at = value_or(tracks.look_at, frame, camera.look_at) +
+                     frames_since(tracks.motion, frame) * tracks.motion.translate;
     camera.up = value_or(tracks.up, frame, camera.up);
     camera.fov_y_deg = value_or(tracks.fov_y_deg, frame, glm::dvec3(camera.fov_y_deg)).x;
     try {
@@ -33,7 +67,8 @@ void pose_camera(const CameraTracks& tracks, double frame, Camera& camera) {
 }
 
 void pose_light(const LightTracks& tracks, double frame, Light& light) {
-    if (!tracks.position.empty()) light.position = glm::vec3(value_at(tracks.position, frame));
+    if (!tracks.position.empty() || !tracks.motion.bezier.empty())
+        light.position = glm::vec3(placed(tracks.position, tracks.motion, frame, {}));
     if (!tracks.direction.empty()) {
         // Between unit vectors: only opposite ones meet in 0.
         const glm::dvec3 d = value_at(tracks.direction, frame);
@@ -41,7 +76,7 @@ void pose_light(const LightTracks& tracks, double frame, Light& light) {
         if (!(length > 1e-6))
             throw InputError(fmt::format("frame {}: light \"{}\": the keyframes around it point opposite ways: expected "
                                          "one between them that says which way it turns", frame, light.name));
-        light.direction = glm::vec3(d / length);
+        light.direction = glm::vec3(tracks.motion.turn_deg == 0 ? d / length : turned(tracks.motion, frame) * (d / length));
     }
     if (!tracks.cone_deg.empty()) {
         const glm::dvec3 cone = value_at(tracks.cone_deg, frame);
@@ -58,8 +93,9 @@ void pose_meshes(const MeshTracks& tracks, double frame, std::vector<Mesh>& mesh
             throw InputError(fmt::format("frame {}: mesh \"{}\": scale = [{}, {}, {}]: expected none of them 0", frame,
                                          tracks.name, scale.x, scale.y, scale.z));
     glm::dmat4 turn = rotation_deg(value_or(tracks.rotate_deg, frame, glm::dvec3(0)));
+    if (tracks.motion.turn_deg != 0) turn = glm::dmat4(turned(tracks.motion, frame)) * turn;
     for (int axis = 0; axis < 3; ++axis) turn[axis] *= scale[axis];
-    const glm::dvec3 move = value_or(tracks.translate, frame, glm::dvec3(0));
+    const glm::dvec3 move = placed(tracks.translate, tracks.motion, frame, glm::dvec3(0));
     for (const MovingMesh& moving : tracks.meshes) {
         // What does not turn is not computed: its own transform comes back to the bit.
         glm::dmat4 m = moving.own;
@@ -81,16 +117,26 @@ glm::dvec3 value_at(const Track& track, double frame) {
     const Key& a = next[-1];
     if (next == track.end() || a.frame == frame) return a.value;
     const double share = (frame - a.frame) / (next->frame - a.frame);
-    // Equal values stay as they are: what rests between two keys rests to the bit.
-    glm::dvec3 value = a.value;
-    for (int c = 0; c < 3; ++c)
-        if (a.value[c] != next->value[c]) value[c] = a.value[c] * (1 - share) + next->value[c] * share;
-    return value;
+    return mixed(a.value, next->value, share);
 }
 
 glm::dvec3 step_at(const Track& track, double frame) {
     const auto next = after(track, frame);
     return next == track.begin() ? track.front().value : next[-1].value;
+}
+
+glm::dvec3 bezier_at(const std::vector<glm::dvec3>& points, double t) {
+    std::vector<glm::dvec3> p = points;
+    for (std::size_t count = p.size() - 1; count > 0; --count)
+        for (std::size_t i = 0; i < count; ++i) p[i] = mixed(p[i], p[i + 1], t);
+    return p.front();
+}
+
+double path_parameter(const Motion& motion, double frame) {
+    const double t = frames_since(motion, frame) * motion.speed, rest = t - std::floor(t);
+    if (motion.end == PathEnd::repeat) return rest;
+    if (motion.end == PathEnd::swing) return std::fmod(std::floor(t), 2.0) == 0 ? rest : 1 - rest;
+    return std::min(t, 1.0);
 }
 
 Scene scene_at(Scene scene, double frame) {

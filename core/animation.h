@@ -1,4 +1,4 @@
-// Motion by keyframes: a scene with an animation is a scene at every frame.
+// Motion by keyframes, curves and rates: a scene with an animation is a scene at every frame.
 #pragma once
 
 #include "core/scene.h"
@@ -10,6 +10,12 @@ namespace plumb {
 glm::dvec3 value_at(const Track& track, double frame);
 // The same without a way between keys: the value of the last key at or before `frame`.
 glm::dvec3 step_at(const Track& track, double frame);
+
+// The Bezier curve of 1 or more control points at t, 0..1, by de Casteljau's algorithm in double. The curve begins at
+// the first point and ends at the last, to the bit.
+glm::dvec3 bezier_at(const std::vector<glm::dvec3>& points, double t);
+// Where the motion is along its curve at `frame`, 0..1.
+double path_parameter(const Motion& motion, double frame);
 
 // The scene in its pose at `frame`: what no track moves stays as it is. Poses replace each other:
 // scene_at(scene_at(s, a), b) is scene_at(s, b). Throws InputError that names the frame where camera or light have no

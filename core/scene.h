@@ -103,15 +103,37 @@ struct Key {
 };
 using Track = std::vector<Key>;  // by ascending frames, none twice; empty: what it would move stays as it is
 
+// What a curve does at its end: rests there, begins again, or goes back and forth.
+enum class PathEnd : int { hold, repeat, swing };
+
+// Motion without keys, from the frame `start` on (IPR figure A.1): along a Bezier curve, by a vector a frame, and about
+// an axis by an angle a frame.
+struct Motion {
+    std::vector<glm::dvec3> bezier;  // m, control points, one more than the curve's degree; empty: no curve
+    double speed = 0;                // of the curve's parameter, which is 0..1 along it, a frame
+    PathEnd end = PathEnd::hold;
+    glm::dvec3 translate{0};         // m a frame
+    double turn_deg = 0;             // a frame, counter-clockwise as seen against the axis
+    glm::dvec3 axis{0, 1, 0};        // unit
+    double start = 0;
+    bool empty() const { return bezier.empty() && translate == glm::dvec3(0) && turn_deg == 0; }
+};
+
+// The curve is the camera's position, and a curve of a light its position. `translate` moves what the tracks or the curve
+// place (the camera with what it looks at), and turns what they direct: tracks of those are there.
 struct CameraTracks {
     Track position, look_at, up, fov_y_deg;
-    bool empty() const { return position.empty() && look_at.empty() && up.empty() && fov_y_deg.empty(); }
+    Motion motion = {};
+    bool empty() const {
+        return position.empty() && look_at.empty() && up.empty() && fov_y_deg.empty() && motion.empty();
+    }
 };
 
 struct LightTracks {
     int light = 0;  // index into Scene::lights
     Track position, direction, cone_deg, intensity;
     Track on;       // changes at its keys and not between them
+    Motion motion = {};
 };
 
 struct MovingMesh {
@@ -119,13 +141,14 @@ struct MovingMesh {
     glm::dmat4 own{1};  // its transform without motion
 };
 
-// Meshes that move as one: they are scaled, turned (yaw about y, pitch about x, roll about z) about the pivot, then
-// moved, all in world space.
+// Meshes that move as one: they are scaled, turned (yaw about y, pitch about x, roll about z; then by the motion) about
+// the pivot, then moved, all in world space. The motion's curve takes the place of `translate`.
 struct MeshTracks {
     std::string name;
     std::vector<MovingMesh> meshes;
     glm::dvec3 pivot{0};  // m, world
     Track translate, rotate_deg, scale;
+    Motion motion = {};
 };
 
 // What moves, core/animation.h. A mesh is in one entry at most.

@@ -1,5 +1,8 @@
 #include "gi/compose/compose.h"
 
+#include <fmt/format.h>
+
+#include "core/error.h"
 #include "core/host_math.h"
 
 namespace plumb::compose {
@@ -28,14 +31,23 @@ std::vector<Field> fields(TonemapParams& p) {
     return {
         {"operator", as_int(p.op), "", "the tone curve", 0, 3, {"clamp", "exposure", "reinhard", "filmic"}, true},
         {"exposure", &p.exposure, "m2 sr/W", "radiance is multiplied by it", 0, 1e20, {}, true},
+        {"dimmer", &p.dimmer, "", "dims all light before the curve (IPR figure A.1)", 0, 1, {}, true},
+        {"contrast", &p.contrast, "", "a power about middle grey, 0.18, before the curve (IPR figure A.1)", 0.1, 10, {},
+         true},
+        {"gamma", &p.gamma, "", "encodes by its inverse as a power (IPR figure A.1); 0: the curve of sRGB", 0, 10, {},
+         false},
     };
 }
 
 StageData data_of(const TonemapParams& params, const TonemapInputs& in) {
     TonemapParams copy = params;
     validate_fields("tonemap", fields(copy));
+    if (params.gamma > 0 && params.gamma < 0.1f)
+        throw InputError(fmt::format("tonemap: gamma = {}: expected 0 for the curve of sRGB, or 0.1 to 10", params.gamma));
+    const float inv_gamma = params.gamma > 0 ? float(1 / double(params.gamma)) : 0;
     const glm::ivec2 size = size_of(bound("tonemap", "radiance", in.radiance));
-    StageData d = begin_data<TonemapKernel>(size, TonemapUniforms{int(params.op), params.exposure, size.x, size.y});
+    StageData d = begin_data<TonemapKernel>(size, TonemapUniforms{int(params.op), params.exposure, size.x, size.y, params.dimmer,
+                                                                   params.contrast, inv_gamma, 0});
     lend(d, {{"radiance", in.radiance}});
     return d;
 }

@@ -58,7 +58,7 @@ inline StageDescription<TonemapInputsView> describe(TonemapKernel) {
         .source = "IPR 3.3 (exposure, Reinhard, filmic); IEC 61966-2-1",
         .domain = "pixel",
         .inputs = {{.name = "radiance", .at = &View::radiance, .unit = "W/(m2 sr)", .meaning = "outgoing radiance"}},
-        .outputs = {{.name = "display", .at = &View::display, .meaning = "sRGB-encoded, 0..1; w 1"}},
+        .outputs = {{.name = "display", .at = &View::display, .meaning = "encoded (sRGB, or a power), 0..1; w 1"}},
         .params = plumb::describe(fields(defaults)),
         .uniforms = {{"op", 0, int(Operator::filmic)}},
         .cost = {25, "pixels"},

@@ -19,6 +19,9 @@ inline bool reads_density(const ComposeParams& params) { return params.shadow_co
 struct TonemapParams {
     Operator op = Operator::exposure;
     float exposure = 1;
+    float dimmer = 1;
+    float contrast = 1;
+    float gamma = 0;  // 0: the curve of sRGB
 };
 std::vector<Field> fields(TonemapParams& params);
 

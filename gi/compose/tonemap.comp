@@ -11,9 +11,20 @@ layout(std140, binding = 0) uniform TonemapUniforms {
     float exposure;
     int width;
     int height;
+    float dimmer;
+    float contrast;   // 1: left out
+    float inv_gamma;  // 0: the curve of sRGB
 } u;
 layout(binding = 1) uniform sampler2D radiance_image;  // W/(m2 sr)
 layout(binding = 2, rgba32f) uniform writeonly image2D display_image;
+
+// A power about middle grey.
+float contrasted(float value) {
+    if (u.contrast == 1.0) return value;
+    precise float x = min(max(value, 0.0), 1e10) * 5.55555534;
+    precise float y = 0.18 * det_pow(x, u.contrast);
+    return y;
+}
 
 // Hable 2010.
 float filmic_curve(float x) {
@@ -37,12 +48,19 @@ float srgb_encode(float value) {
     return c <= 0.0031308 ? line : min(curve, 1.0);
 }
 
+float encode(float value) {
+    if (u.inv_gamma == 0.0) return srgb_encode(value);
+    return min(det_pow(min(max(value, 0.0), 1.0), u.inv_gamma), 1.0);
+}
+
 vec3 tonemap(ivec2 pixel) {
     vec3 radiance = texelFetch(radiance_image, pixel, 0).xyz;   TAP(radiance, radiance);
-    precise vec3 x = u.exposure * radiance;
-    vec3 mapped = vec3(tone_curve(u.op, x.x), tone_curve(u.op, x.y), tone_curve(u.op, x.z));
+    precise vec3 x = u.dimmer * (u.exposure * radiance);
+    vec3 light = vec3(contrasted(x.x), contrasted(x.y), contrasted(x.z));
+    TAP(light, light);
+    vec3 mapped = vec3(tone_curve(u.op, light.x), tone_curve(u.op, light.y), tone_curve(u.op, light.z));
     TAP(mapped, mapped);
-    vec3 display = vec3(srgb_encode(mapped.x), srgb_encode(mapped.y), srgb_encode(mapped.z));
+    vec3 display = vec3(encode(mapped.x), encode(mapped.y), encode(mapped.z));
     TAP(display, display);
     return display;
 }

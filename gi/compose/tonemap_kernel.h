@@ -1,6 +1,8 @@
-// Tone mapping: radiance to the values of a display, encoded by the curve of sRGB (IEC 61966-2-1).
+// Tone mapping: radiance to the values of a display, channel by channel,
 //
-// All four operators are computed by formulas that have a twin; one is taken. x is exposure * radiance, by channel.
+//     display = encode(curve(contrast(dimmer exposure L))).
+//
+// One of four curves is taken; the encoding is that of sRGB (IEC 61966-2-1), or a power.
 #pragma once
 
 #include "core/detmath.h"
@@ -15,8 +17,12 @@ struct TonemapUniforms {
     std::int32_t op;  // Operator
     float exposure;
     std::int32_t width, height;
+    float dimmer;
+    float contrast;   // 1: left out
+    float inv_gamma;  // 0: the curve of sRGB
+    std::int32_t padding;
 };
-static_assert(sizeof(TonemapUniforms) == 16);
+static_assert(sizeof(TonemapUniforms) == 32);
 
 struct TonemapInputsView {
     TonemapUniforms u;
@@ -32,6 +38,16 @@ struct TonemapInputsView {
 template <class F>
 PLUMB_INLINE F filmic_curve(F x) {
     return x * (F(0.14f) * x + F(0.0166666675f)) / (x * (F(0.15f) * x + F(0.5f)) + F(0.06f));
+}
+
+// A power about middle grey, 0.18: in logarithms a line of slope `contrast` through it.
+//
+// differs: IPR figure A.1 has a contrast and prints no formula.
+template <class F>
+PLUMB_INLINE F contrasted(F x, float contrast) {
+    if (contrast == 1.0f) return x;
+    x = min(max(x, F(0.0f)), F(1e10f));
+    return F(0.18f) * detmath::pow(x * F(5.55555534f), F(contrast));
 }
 
 template <class F>
@@ -53,17 +69,28 @@ PLUMB_INLINE F srgb_encode(F c) {
     return select(c <= F(0.0031308f), F(12.92f) * c, min(curve, F(1.0f)));
 }
 
+template <class F>
+PLUMB_INLINE F encode(F c, float inv_gamma) {
+    if (inv_gamma == 0.0f) return srgb_encode(c);
+    return min(detmath::pow(min(max(c, F(0.0f)), F(1.0f)), F(inv_gamma)), F(1.0f));
+}
+
 template <class F, class Tap>
 PLUMB_INLINE vec3<F> tonemap(const TonemapInputsView& in, index_t<F> px, index_t<F> py, Tap& tap) {
     using N = number<F>;
     const index_t<F> pixel = py * index_t<F>(in.u.width) + px;
     const vec3<F> radiance = xyz<F>(N::fetch4(in.radiance, pixel));  tap("radiance", radiance, "L, W/(m2 sr)");
-    const F exposure(in.u.exposure);
+    const F exposure(in.u.exposure), dimmer(in.u.dimmer);
+    const float contrast = in.u.contrast, inv_gamma = in.u.inv_gamma;
     const int op = in.u.op;
-    const vec3<F> mapped{tone_curve(op, exposure * radiance.x), tone_curve(op, exposure * radiance.y),
-                         tone_curve(op, exposure * radiance.z)};     tap("mapped", mapped, "tone curve of exposure L");
-    const vec3<F> display{srgb_encode(mapped.x), srgb_encode(mapped.y), srgb_encode(mapped.z)};
-    tap("display", display, "IEC 61966-2-1, 0..1");
+    const vec3<F> light{contrasted(dimmer * (exposure * radiance.x), contrast),
+                        contrasted(dimmer * (exposure * radiance.y), contrast),
+                        contrasted(dimmer * (exposure * radiance.z), contrast)};
+    tap("light", light, "dimmer exposure L, with contrast");
+    const vec3<F> mapped{tone_curve(op, light.x), tone_curve(op, light.y), tone_curve(op, light.z)};
+    tap("mapped", mapped, "tone curve of light");
+    const vec3<F> display{encode(mapped.x, inv_gamma), encode(mapped.y, inv_gamma), encode(mapped.z, inv_gamma)};
+    tap("display", display, "encoded, 0..1");
     return display;
 }
 

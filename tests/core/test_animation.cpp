@@ -1,5 +1,7 @@
 // Motion by keyframes: values between keys, and the poses that they make of a scene.
 #include <catch2/catch.hpp>
+#include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "core/animation.h"
@@ -136,4 +138,136 @@ TEST_CASE("animation: a pose that cannot be names its frame", "[animation]") {
     CHECK_THROWS_WITH(scene_at(s, 2), Contains("frame 2: mesh \"door\": scale = [1, 0, 1]: expected none of them 0"));
     CHECK(is_animated(s));
     CHECK_FALSE(is_animated(three_things()));
+}
+
+namespace {
+
+Motion along(std::vector<glm::dvec3> points, double speed, PathEnd end = PathEnd::hold) {
+    Motion motion;
+    motion.bezier = std::move(points), motion.speed = speed, motion.end = end;
+    return motion;
+}
+
+// Bernstein's sum in long double: another algorithm for the same curve.
+glm::dvec3 bernstein(const std::vector<glm::dvec3>& points, double t) {
+    const std::size_t n = points.size() - 1;
+    long double sum[3] = {0, 0, 0};
+    for (std::size_t i = 0; i <= n; ++i) {
+        long double weight = 1;
+        for (std::size_t k = 0; k < i; ++k) weight *= (long double)(n - k) / (long double)(k + 1) * t;
+        for (std::size_t k = i; k < n; ++k) weight *= 1 - (long double)t;
+        for (int c = 0; c < 3; ++c) sum[c] += weight * points[i][c];
+    }
+    return {double(sum[0]), double(sum[1]), double(sum[2])};
+}
+
+double largest(const glm::dvec3& v) { return std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)}); }
+
+}  // namespace
+
+TEST_CASE("animation: a Bezier curve is Bernstein's sum and ends at its ends, to the bit", "[animation][IPR A.1][analytic]") {
+    const std::vector<glm::dvec3> points = {{-1, 3, 0.1}, {-0.9, 8.5, -6.1}, {2, 0.3, 1}, {5, -4, 2}, {0.7, 1, 3}};
+    for (std::size_t count = 1; count <= points.size(); ++count) {
+        const std::vector<glm::dvec3> some(points.begin(), points.begin() + std::ptrdiff_t(count));
+        require_same(bezier_at(some, 0), some.front());
+        require_same(bezier_at(some, 1), some.back());
+        for (double t : {0.125, 0.3, 0.5, 0.77, 0.999})
+            CHECK(largest(bezier_at(some, t) - bernstein(some, t)) < 1e-14);
+    }
+    // A quadratic, half way: a quarter, a half and a quarter of its points.
+    require_same(bezier_at({{0, 0, 0}, {2, 4, 0}, {4, 0, 8}}, 0.5), {2, 2, 2});
+}
+
+TEST_CASE("animation: the curve leaves along its first side, n times as fast", "[animation][IPR A.1][analytic]") {
+    // B'(0) = n (P1 - P0), B'(1) = n (Pn - Pn-1); the error of a difference quotient is of the order of its step.
+    const std::vector<glm::dvec3> points = {{0, 0, 0}, {1, 2, 0}, {3, 2, 1}, {4, 0, -1}};
+    const double h = 1e-6;
+    CHECK(largest((bezier_at(points, h) - points[0]) / h - 3.0 * (points[1] - points[0])) < 1e-4);
+    CHECK(largest((points[3] - bezier_at(points, 1 - h)) / h - 3.0 * (points[3] - points[2])) < 1e-4);
+}
+
+TEST_CASE("animation: points of equal distance on a line are walked through at constant speed", "[animation][IPR A.1][analytic]") {
+    // Linear precision: sum B_i(t) i/n = t. Halves and quarters: nothing rounds.
+    const std::vector<glm::dvec3> line = {{0, 1, 0}, {2, 1, -4}, {4, 1, -8}, {6, 1, -12}, {8, 1, -16}};
+    for (int k = 0; k <= 16; ++k) require_same(bezier_at(line, k / 16.0), {k / 2.0, 1, -double(k)});
+    // What all points share rests to the bit.
+    for (double t : {0.1, 0.3, 0.7}) CHECK(bezier_at({{0, 0.1, 0}, {1, 0.1, 0}, {5, 0.1, 0}}, t).y == 0.1);
+}
+
+TEST_CASE("animation: at its end a curve is held, begins again or goes back", "[animation][IPR A.1]") {
+    const auto at = [](PathEnd end, double frame) {
+        Motion motion = along({{0, 0, 0}, {1, 0, 0}}, 0.25, end);
+        motion.start = 8;
+        return path_parameter(motion, frame);
+    };
+    for (PathEnd end : {PathEnd::hold, PathEnd::repeat, PathEnd::swing}) {
+        CHECK(at(end, 0) == 0);
+        CHECK(at(end, 8) == 0);
+        CHECK(at(end, 9) == 0.25);
+        CHECK(at(end, 11) == 0.75);
+    }
+    CHECK(at(PathEnd::hold, 12) == 1);
+    CHECK(at(PathEnd::hold, 1e6) == 1);
+    CHECK(at(PathEnd::repeat, 12) == 0);
+    CHECK(at(PathEnd::repeat, 13) == 0.25);
+    CHECK(at(PathEnd::swing, 12) == 1);
+    CHECK(at(PathEnd::swing, 13) == 0.75);
+    CHECK(at(PathEnd::swing, 16) == 0);
+    CHECK(at(PathEnd::swing, 17) == 0.25);
+}
+
+TEST_CASE("animation: motions of meshes, lights and camera", "[animation][IPR A.1]") {
+    Scene s = three_things();
+    MeshTracks box;
+    box.meshes = {{1, s.meshes[1].transform}}, box.pivot = {1, 0, 0};
+    box.motion = along({{0, 0, 0}, {0, 4, 0}}, 0.125);
+    box.motion.translate = {0, 0, 2}, box.motion.turn_deg = 22.5, box.motion.axis = {0, 1, 0};
+    s.animation.meshes = {box};
+    LightTracks key;
+    key.light = 0, key.position = {{0, {0, 1, 0}}}, key.direction = {{0, {1, 0, 0}}};
+    key.motion.translate = {1, 0, 0}, key.motion.turn_deg = 45, key.motion.axis = {0, 0, 1};
+    s.animation.lights = {key};
+    s.animation.camera.motion = along({{0, 1, 4}, {0, 1, 8}}, 0.25);
+    s.animation.camera.motion.translate = {1, 0, 0};
+    s.animation.camera.look_at = {{0, {0, 1, 0}}};
+    CHECK(is_animated(s));
+
+    const Scene four = scene_at(s, 4);
+    // 90 degrees about +y take +x to -z and +z to +x, as a yaw of 90 degrees does.
+    require_same(moved(four.meshes[1], {0, 0, 0}), {1, 2, 8});
+    require_same(moved(four.meshes[1], {1, 0, 0}), {1, 2, 7});
+    require_same(moved(four.meshes[1], {0, 0, 1}), {2, 2, 8});
+    CHECK(four.lights[0].position == glm::vec3(4, 1, 0));
+    CHECK(four.lights[0].direction == glm::vec3(-1, 0, 0));
+    CHECK(scene_at(s, 2).lights[0].direction == glm::vec3(0, 1, 0));
+    require_same(four.camera.position, {4, 1, 8});
+    require_same(four.camera.look_at, {4, 1, 0});
+
+    // Poses replace each other.
+    const Scene around = scene_at(scene_at(scene_at(s, 9), 3), 4);
+    CHECK(around.meshes[1].transform == four.meshes[1].transform);
+    CHECK(around.lights[0].position == four.lights[0].position);
+    CHECK(around.lights[0].direction == four.lights[0].direction);
+    require_same(around.camera.position, four.camera.position);
+    require_same(around.camera.look_at, four.camera.look_at);
+    CHECK(scene_at(s, 0).meshes[1].transform == s.meshes[1].transform);
+}
+
+TEST_CASE("animation: a turn about any axis keeps the axis and all lengths", "[animation][IPR A.1][analytic]") {
+    Scene s = three_things();
+    MeshTracks box;
+    box.meshes = {{0, glm::dmat4(1)}};
+    const double length = std::sqrt(1 + 0.04 + 1);
+    box.motion.turn_deg = 7, box.motion.axis = glm::dvec3(1, 0.2, 1) / length;
+    s.animation.meshes = {box};
+    for (double frame : {1.0, 10.0, 51.0}) {
+        const glm::dmat3 m(scene_at(s, frame).meshes[0].transform);
+        CHECK(largest(m * box.motion.axis - box.motion.axis) < 1e-15);
+        const glm::dmat3 identity = glm::transpose(m) * m;
+        for (int c = 0; c < 3; ++c)
+            for (int r = 0; r < 3; ++r) CHECK(identity[c][r] == Approx(c == r ? 1 : 0).margin(1e-14));
+        CHECK(glm::determinant(m) == Approx(1).epsilon(1e-14));
+        // The trace of a turn by alpha is 1 + 2 cos alpha.
+        CHECK(m[0][0] + m[1][1] + m[2][2] == Approx(1 + 2 * std::cos(7 * frame * 3.141592653589793 / 180)).epsilon(1e-13));
+    }
 }

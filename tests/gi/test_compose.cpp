@@ -9,12 +9,15 @@ using namespace plumb;
 namespace {
 
 // The display value of a grey radiance.
-float shown(float radiance, compose::Operator op, float exposure = 1) {
+float shown(float radiance, const compose::TonemapParams& params) {
     Image4 display;
     const Image4 image(1, 1, glm::vec4(radiance));
-    compose::run(compose::TonemapParams{op, exposure}, compose::TonemapInputs{&image}, {}, display);
+    compose::run(params, compose::TonemapInputs{&image}, {}, display);
     CHECK(display(0, 0).w == 1);
     return display(0, 0).x;
+}
+float shown(float radiance, compose::Operator op, float exposure = 1) {
+    return shown(radiance, compose::TonemapParams{op, exposure});
 }
 
 // The inverse of the curve of sRGB (IEC 61966-2-1), in double precision.
@@ -72,6 +75,53 @@ TEST_CASE("tonemap: the four curves, then the curve of sRGB", "[tonemap][analyti
     }
 }
 
+TEST_CASE("tonemap: contrast is a power about 0.18, the dimmer a factor, gamma the inverse power", "[tonemap][IPR A.1][analytic]") {
+    using compose::TonemapParams;
+    using Op = compose::Operator;
+    // 0.18 stays for every contrast; a quarter of it becomes 0.18 / 4^contrast.
+    for (float contrast : {0.1f, 0.5f, 2.1f, 10.0f})
+        CHECK(decoded(shown(0.18f, {Op::clamp, 1, 1, contrast})) == Approx(0.18).epsilon(2e-6));
+    CHECK(decoded(shown(0.045f, {Op::clamp, 1, 1, 2})) == Approx(0.18 / 16).epsilon(1e-6));
+    CHECK(decoded(shown(0.045f, {Op::clamp, 1, 1, 0.5f})) == Approx(0.09).epsilon(1e-6));
+    CHECK(shown(0.36f, {Op::reinhard, 1, 1, 2, 1}) == Approx(0.72 / 1.72).epsilon(1e-6));
+    // A dimmer is what the light is multiplied by, and so before the contrast; 0 is dark.
+    CHECK(shown(3, {Op::exposure, 1, 0.25f, 2.1f}) == shown(0.75f, {Op::exposure, 1, 1, 2.1f}));
+    CHECK(shown(3, {Op::filmic, 2, 0.25f}) == shown(1.5f, Op::filmic));
+    CHECK(shown(1e6f, {Op::exposure, 1, 0, 2.1f, 1.58f}) == 0);
+    // gamma: 1 shows the curve itself, 2 its root.
+    CHECK(shown(0.375f, {Op::clamp, 1, 1, 1, 1}) == 0.375f);
+    CHECK(shown(0.25f, {Op::clamp, 1, 1, 1, 2}) == Approx(0.5).epsilon(1e-7));
+    CHECK(shown(1, {Op::reinhard, 1, 1, 1, 0.5f}) == Approx(0.25).epsilon(1e-7));
+    // The values of figure A.1, all at once: 1 - exp(-0.18 (11.9 0.03 L / 0.18)^2.1), to the power of 1/1.58.
+    const TonemapParams figure{Op::exposure, 11.9f, 0.03f, 2.1f, 1.58f};
+    for (float radiance : {0.01f, 0.3f, 1.0f, 2.5f}) {
+        const double light = 0.18 * std::pow(11.9 * 0.03 * double(radiance) / 0.18, 2.1);
+        CHECK(shown(radiance, figure) == Approx(std::pow(1 - std::exp(-light), 1 / 1.58)).epsilon(3e-6));
+    }
+}
+
+TEST_CASE("tonemap: with contrast and gamma every curve still rises from 0 to 1", "[tonemap][IPR A.1]") {
+    using Op = compose::Operator;
+    for (auto op : {Op::clamp, Op::exposure, Op::reinhard, Op::filmic})
+        for (float contrast : {0.1f, 2.1f, 10.0f})
+            for (float gamma : {0.0f, 0.1f, 1.58f, 10.0f}) {
+                CAPTURE(int(op), contrast, gamma);
+                const compose::TonemapParams params{op, 1, 1, contrast, gamma};
+                CHECK(shown(0, params) == Approx(0).margin(1e-6));
+                CHECK(shown(-1, params) == shown(0, params));
+                // A contrast of 0.1 lifts 1e30 to 2 alone: 0.18 (1e10 / 0.18)^0.1.
+                if (contrast > 1) CHECK(shown(1e30f, params) == Approx(1).epsilon(1e-5));
+                float last = 0;
+                for (float x = 1e-4f; x < 1e5f; x *= 1.5f) {
+                    const float value = shown(x, params);
+                    CHECK(value >= last);
+                    CHECK(value <= 1);
+                    last = value;
+                }
+                CHECK(last > 0);
+            }
+}
+
 TEST_CASE("tonemap: sRGB meets its line at 0.0031308 and hits known codes", "[tonemap]") {
     // IEC 61966-2-1: 0.5 -> 0.7353569831 -> 188; 0.2140411405 -> 0.5.
     CHECK(shown(0.5f, compose::Operator::clamp) == Approx(0.7353569831).epsilon(1e-6));
@@ -98,4 +148,12 @@ TEST_CASE("tonemap: exposure out of range names field, value and range", "[tonem
     Image4 display;
     CHECK_THROWS_WITH(compose::run(compose::TonemapParams{compose::Operator::clamp, -1}, compose::TonemapInputs{&image}, {}, display),
                       "tonemap: exposure = -1: expected 0 to 1e+20 m2 sr/W");
+    const auto refused = [&](const compose::TonemapParams& params) {
+        compose::run(params, compose::TonemapInputs{&image}, {}, display);
+    };
+    using Op = compose::Operator;
+    CHECK_THROWS_WITH(refused(compose::TonemapParams{Op::clamp, 1, 1.5f}), "tonemap: dimmer = 1.5: expected 0 to 1");
+    CHECK_THROWS_WITH(refused(compose::TonemapParams{Op::clamp, 1, 1, 0}), "tonemap: contrast = 0: expected 0.1 to 10");
+    CHECK_THROWS_WITH(refused(compose::TonemapParams{Op::clamp, 1, 1, 1, 0.05f}), "tonemap: gamma = 0.05: expected 0 for the curve of sRGB, or 0.1 to 10");
+    CHECK_THROWS_WITH(refused(compose::TonemapParams{Op::clamp, 1, 1, 1, 11}), "tonemap: gamma = 11: expected 0 to 10");
 }

@@ -215,9 +215,10 @@ TEST_CASE("compose, tonemap: the same bits for every instruction set and thread 
             });
         for (auto op : {compose::Operator::clamp, compose::Operator::exposure, compose::Operator::reinhard,
                         compose::Operator::filmic})
-            require_same_bits([&](const RunOptions& options, Image4& out) {
-                compose::run(compose::TonemapParams{op, 3}, compose::TonemapInputs{&images[3]}, options, out);
-            });
+            for (const auto& params : {compose::TonemapParams{op, 3}, compose::TonemapParams{op, 3, 0.5f, 2.1f, 1.58f}})
+                require_same_bits([&](const RunOptions& options, Image4& out) {
+                    compose::run(params, compose::TonemapInputs{&images[3]}, options, out);
+                });
     }
 }
 

@@ -148,10 +148,13 @@ TEST_CASE("every kernel of gi/ runs for float, double and Bounded, and they fit 
     SECTION("tonemap") {
         for (int op = 0; op < 4; ++op) {
             CAPTURE(op);
-            const compose::TonemapInputsView view{{op, 0.7f, 4, 1}, inputs.direct.value, nullptr};
-            require_within_bound([&](auto tag, int px) {
-                return compose::tonemap<decltype(tag)>(view, index_t<decltype(tag)>(px), 0, tap);
-            });
+            for (const compose::TonemapUniforms& u : {compose::TonemapUniforms{op, 0.7f, 4, 1, 1, 1, 0, 0},
+                                                      compose::TonemapUniforms{op, 0.7f, 4, 1, 0.3f, 2.1f, 0.6f, 0}}) {
+                const compose::TonemapInputsView view{u, inputs.direct.value, nullptr};
+                require_within_bound([&](auto tag, int px) {
+                    return compose::tonemap<decltype(tag)>(view, index_t<decltype(tag)>(px), 0, tap);
+                });
+            }
         }
     }
 }

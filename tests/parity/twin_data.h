@@ -136,9 +136,12 @@ inline StageData compose_case(glm::ivec2 size, const std::string& id, const glm:
     return named(owned_data(compose::data_of(compose::ComposeParams{shadow_color}, in)), id);
 }
 
-inline StageData tonemap_case(glm::ivec2 size, compose::Operator op, const std::string& id) {
+inline StageData tonemap_case(glm::ivec2 size, const compose::TonemapParams& params, const std::string& id) {
     const Image4 radiance = noise_image(size, 31, -0.1f, 6);
-    return named(owned_data(compose::data_of(compose::TonemapParams{op, 0.7f}, compose::TonemapInputs{&radiance})), id);
+    return named(owned_data(compose::data_of(params, compose::TonemapInputs{&radiance})), id);
+}
+inline StageData tonemap_case(glm::ivec2 size, compose::Operator op, const std::string& id) {
+    return tonemap_case(size, compose::TonemapParams{op, 0.7f}, id);
 }
 
 // Every compute stage, in every variant of it that is a branch of its own.
@@ -188,6 +191,7 @@ inline std::vector<StageData> compute_cases(glm::ivec2 size) {
         tonemap_case(size, compose::Operator::exposure, "tonemap.exposure"),
         tonemap_case(size, compose::Operator::reinhard, "tonemap.reinhard"),
         tonemap_case(size, compose::Operator::filmic, "tonemap.filmic"),
+        tonemap_case(size, {compose::Operator::exposure, 11.9f, 0.03f, 2.1f, 1.58f}, "tonemap.figure_a_1"),
     };
     for (StageData& data : probe_cases(size)) cases.push_back(std::move(data));
     for (StageData& data : isr_cases(size)) cases.push_back(std::move(data));

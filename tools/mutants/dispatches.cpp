@@ -185,6 +185,8 @@ void append_values(std::vector<Dispatch>& out) {
         keep(std::string("values: tonemap ") + name,
              compose::data_of(compose::TonemapParams{op, 0.7f}, compose::TonemapInputs{&radiance}));
     }
+    keep("values: tonemap by figure A.1", compose::data_of(compose::TonemapParams{compose::Operator::exposure, 2, 0.3f, 2.1f, 1.58f},
+                                                           compose::TonemapInputs{&radiance}));
 }
 
 // Surfaces that fill an odd frame up to its borders, at two depths and turned two ways, with holes where nothing is seen
