@@ -141,10 +141,10 @@ RunData run_data(const BakeArrays& arrays, glm::ivec2 size, int levels) {
 
 // ---- The lightmap's levels --------------------------------------------------------------------------------------------
 
-std::vector<LightmapLevel> lightmap_levels(glm::ivec2 size, int levels) {
+std::vector<LevelTexels> lightmap_levels(glm::ivec2 size, int levels) {
     if (levels < 1 || levels > most_levels)
         throw InputError(fmt::format("run time: {} levels of detail: expected 1 to {}", levels, most_levels));
-    std::vector<LightmapLevel> out;
+    std::vector<LevelTexels> out;
     int first = 0;
     for (int k = 0; k < levels; ++k) {
         const glm::ivec2 of_level((size.x + (1 << k) - 1) >> k, (size.y + (1 << k) - 1) >> k);
@@ -164,7 +164,7 @@ namespace {
 
 // Texels of the level with nothing, beside one that `is_source` says yes of, become `ring`.
 template <class IsSource>
-void mark_ring(Image<std::int32_t>& cover, const LightmapLevel& level, Cover ring, IsSource is_source) {
+void mark_ring(Image<std::int32_t>& cover, const LevelTexels& level, Cover ring, IsSource is_source) {
     const auto beside_source = [&](int x, int y) {
         for (int ny = std::max(y - 1, 0); ny <= std::min(y + 1, level.size.y - 1); ++ny)
             for (int nx = std::max(x - 1, 0); nx <= std::min(x + 1, level.size.x - 1); ++nx)
@@ -180,7 +180,7 @@ void mark_ring(Image<std::int32_t>& cover, const LightmapLevel& level, Cover rin
 
 Image<std::int32_t> lightmap_cover(const std::vector<glm::ivec2>& texels, const std::vector<std::int32_t>& place_of,
                                    glm::ivec2 size, int levels) {
-    const std::vector<LightmapLevel> parts = lightmap_levels(size, levels);
+    const std::vector<LevelTexels> parts = lightmap_levels(size, levels);
     Image<std::int32_t> cover(size.x, parts.back().first + parts.back().size.y, cover_nothing);
     for (std::size_t i = 0; i < texels.size(); ++i) {
         const glm::ivec2 t = texels[i];
@@ -190,7 +190,7 @@ Image<std::int32_t> lightmap_cover(const std::vector<glm::ivec2>& texels, const 
             throw InputError(fmt::format("run time: two receivers at texel {}, {} of the lightmap", t.x, t.y));
         for (int k = 0; k <= level_of_texel(t, levels); ++k) cover(t.x >> k, parts[std::size_t(k)].first + (t.y >> k)) = place_of.at(i);
     }
-    for (const LightmapLevel& level : parts) {
+    for (const LevelTexels& level : parts) {
         mark_ring(cover, level, cover_ring_1, [](std::int32_t c) { return c >= 0; });
         mark_ring(cover, level, cover_ring_2, [](std::int32_t c) { return c == cover_ring_1; });
     }

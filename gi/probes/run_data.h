@@ -8,13 +8,13 @@
 
 #include "core/image.h"
 #include "gi/probes/flat_clusters.h"
+#include "gi/probes/lightmap_kernel.h"
 
 namespace plumb::probes {
 
 struct Bake;
 struct BakeArrays;
 
-inline constexpr int most_levels = 4;  // of detail (IPR 4.2)
 
 // Clusters and the receivers in them. A receiver's place is its index in these lists: cluster by cluster, ascending within
 // each, and at the end those that no probe supports. The receivers may be texels of a lightmap or points in space.
@@ -50,11 +50,11 @@ RunData run_data(const BakeArrays& arrays, glm::ivec2 size, int levels = 1);
 enum Cover : std::int32_t { cover_nothing = -1, cover_ring_1 = -2, cover_ring_2 = -3 };
 
 // Levels lie below each other, two empty rows between: level k at rows [first, first + size.y), columns [0, size.x).
-struct LightmapLevel {
+struct LevelTexels {
     int first = 0;
     glm::ivec2 size{0};
 };
-std::vector<LightmapLevel> lightmap_levels(glm::ivec2 size, int levels);
+std::vector<LevelTexels> lightmap_levels(glm::ivec2 size, int levels);
 
 // How many trailing zero bits both coordinates have, at most levels - 1.
 int level_of_texel(glm::ivec2 texel, int levels);
