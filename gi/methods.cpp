@@ -10,6 +10,8 @@
 #include "gi/probes/bake_steps.h"
 #include "gi/probes/coefficients.h"
 #include "gi/probes/density.h"
+#include "gi/probes/lambda.h"
+#include "gi/probes/radiance.h"
 #include "gi/probes/share.h"
 #include "gi/probes/supports.h"
 #include "gi/reference/reference.h"
@@ -68,6 +70,8 @@ const std::vector<ListedStage>& stages() {
         listed(stage<probes::ShareKernel>(), false),
         listed(stage<probes::CoefficientsKernel>(), false),
         unbound(probes::info_clusters(), false),
+        listed(stage<probes::RadianceKernel>(), false),
+        listed(stage<probes::LambdaKernel>(), false),
         listed(stage<ddgi::BlendKernel>(), false),
         listed(stage<ddgi::BorderKernel>(), false),
         listed(stage<ddgi::SampleKernel>(), false),

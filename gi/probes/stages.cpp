@@ -1,10 +1,14 @@
 #include "core/kernel_stage.h"
 #include "gi/probes/coefficients.h"
 #include "gi/probes/density.h"
+#include "gi/probes/lambda.h"
+#include "gi/probes/radiance.h"
 #include "gi/probes/share.h"
 #include "gi/probes/supports.h"
 #include "twins/gi.probes.coefficients.comp.h"
 #include "twins/gi.probes.density.comp.h"
+#include "twins/gi.probes.lambda.comp.h"
+#include "twins/gi.probes.radiance.comp.h"
 #include "twins/gi.probes.share.comp.h"
 #include "twins/gi.probes.supports.comp.h"
 
@@ -20,5 +24,9 @@ template <>
 const StageBinding& stage<ShareKernel>() { return made<ShareKernel, twins::gi_probes_share_comp>(); }
 template <>
 const StageBinding& stage<CoefficientsKernel>() { return made<CoefficientsKernel, twins::gi_probes_coefficients_comp>(); }
+template <>
+const StageBinding& stage<RadianceKernel>() { return made<RadianceKernel, twins::gi_probes_radiance_comp>(); }
+template <>
+const StageBinding& stage<LambdaKernel>() { return made<LambdaKernel, twins::gi_probes_lambda_comp>(); }
 
 }  // namespace plumb
