@@ -62,7 +62,7 @@ struct Bake {
 };
 
 // Of all that a bake depends on but its parameters: the geometry, which material each triangle has, and where materials are
-// cut out by their masks. Light, reflectance and emission are the run time's.
+// cut out by their masks. Light, reflectance and emission are the run time's. A bake's geometry is flatten_static(scene).
 std::uint64_t scene_hash(const Scene& scene, const Geometry& geometry);
 
 struct Part {
@@ -78,7 +78,7 @@ int black_receivers(const Bake& bake);
 
 class BakeGraph {
   public:
-    // The scene must outlive it. memory_limit: bytes; a bake that needs more (memory.h) is refused once that is known. Throws
+    // Bakes the scene's static meshes (static_scene.h). The scene must outlive it. memory_limit: bytes; a bake that needs more (memory.h) is refused once that is known. Throws
     // InputError for parameters out of range.
     BakeGraph(const Scene& scene, const BakeParams& params, Part part = {}, std::uint64_t memory_limit = ~std::uint64_t(0));
     ~BakeGraph();

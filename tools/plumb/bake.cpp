@@ -14,6 +14,7 @@
 #include "gi/frame/settings.h"
 #include "gi/probes/debug_layers.h"
 #include "gi/probes/memory.h"
+#include "gi/probes/static_scene.h"
 #include "io/file.h"
 #include "io/image_file.h"
 #include "tools/plumb/cli.h"
@@ -209,7 +210,7 @@ int verify(const BakeOptions& given) {
         throw InputError("bake: --verify reads a file and bakes nothing: not with other options");
     const Scene scene = load(given.scene);
     const io::DescribedFile file = io::read_described(given.verified, bake_kind);
-    io::require_scene(file, probes::scene_hash(scene, flatten(scene)), scene.name);
+    io::require_scene(file, probes::scene_hash(scene, probes::flatten_static(scene)), scene.name);
     check_bake(file);
     check_sky(file, scene);
     std::vector<std::vector<std::string>> rows;
