@@ -10,6 +10,7 @@
 #include "gi/probes/bake_steps.h"
 #include "gi/probes/coefficients.h"
 #include "gi/probes/density.h"
+#include "gi/probes/level.h"
 #include "gi/probes/share.h"
 #include "gi/probes/supports.h"
 #include "gi/reference/reference.h"
@@ -68,6 +69,7 @@ const std::vector<ListedStage>& stages() {
         listed(stage<probes::ShareKernel>(), false),
         listed(stage<probes::CoefficientsKernel>(), false),
         unbound(probes::info_clusters(), false),
+        listed(stage<probes::LevelKernel>(), false),
         listed(stage<ddgi::BlendKernel>(), false),
         listed(stage<ddgi::BorderKernel>(), false),
         listed(stage<ddgi::SampleKernel>(), false),

@@ -1,10 +1,12 @@
 #include "core/kernel_stage.h"
 #include "gi/probes/coefficients.h"
 #include "gi/probes/density.h"
+#include "gi/probes/level.h"
 #include "gi/probes/share.h"
 #include "gi/probes/supports.h"
 #include "twins/gi.probes.coefficients.comp.h"
 #include "twins/gi.probes.density.comp.h"
+#include "twins/gi.probes.level.comp.h"
 #include "twins/gi.probes.share.comp.h"
 #include "twins/gi.probes.supports.comp.h"
 
@@ -20,5 +22,7 @@ template <>
 const StageBinding& stage<ShareKernel>() { return made<ShareKernel, twins::gi_probes_share_comp>(); }
 template <>
 const StageBinding& stage<CoefficientsKernel>() { return made<CoefficientsKernel, twins::gi_probes_coefficients_comp>(); }
+template <>
+const StageBinding& stage<LevelKernel>() { return made<LevelKernel, twins::gi_probes_level_comp>(); }
 
 }  // namespace plumb

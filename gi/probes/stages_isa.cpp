@@ -1,6 +1,7 @@
 #include "core/shade_rows.h"
 #include "gi/probes/coefficients_kernel.h"
 #include "gi/probes/density_kernel.h"
+#include "gi/probes/level_kernel.h"
 #include "gi/probes/share_kernel.h"
 #include "gi/probes/supports_kernel.h"
 
@@ -115,6 +116,7 @@ void Rows<SupportsKernel, Isa::PLUMB_ISA>::run(const SupportsView& in, int first
 }
 
 template struct Rows<ShareKernel, Isa::PLUMB_ISA>;
+template struct Rows<LevelKernel, Isa::PLUMB_ISA>;
 
 template <>
 void Rows<CoefficientsKernel, Isa::PLUMB_ISA>::run(const CoefficientsView& in, int first, int last, const Tiles& tiles,
