@@ -12,6 +12,7 @@
 #include "gi/probes/density.h"
 #include "gi/probes/lambda.h"
 #include "gi/probes/radiance.h"
+#include "gi/probes/level.h"
 #include "gi/probes/share.h"
 #include "gi/probes/supports.h"
 #include "gi/reference/reference.h"
@@ -72,6 +73,7 @@ const std::vector<ListedStage>& stages() {
         unbound(probes::info_clusters(), false),
         listed(stage<probes::RadianceKernel>(), false),
         listed(stage<probes::LambdaKernel>(), false),
+        listed(stage<probes::LevelKernel>(), false),
         listed(stage<ddgi::BlendKernel>(), false),
         listed(stage<ddgi::BorderKernel>(), false),
         listed(stage<ddgi::SampleKernel>(), false),

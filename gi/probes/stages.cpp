@@ -3,12 +3,14 @@
 #include "gi/probes/density.h"
 #include "gi/probes/lambda.h"
 #include "gi/probes/radiance.h"
+#include "gi/probes/level.h"
 #include "gi/probes/share.h"
 #include "gi/probes/supports.h"
 #include "twins/gi.probes.coefficients.comp.h"
 #include "twins/gi.probes.density.comp.h"
 #include "twins/gi.probes.lambda.comp.h"
 #include "twins/gi.probes.radiance.comp.h"
+#include "twins/gi.probes.level.comp.h"
 #include "twins/gi.probes.share.comp.h"
 #include "twins/gi.probes.supports.comp.h"
 
@@ -28,5 +30,7 @@ template <>
 const StageBinding& stage<RadianceKernel>() { return made<RadianceKernel, twins::gi_probes_radiance_comp>(); }
 template <>
 const StageBinding& stage<LambdaKernel>() { return made<LambdaKernel, twins::gi_probes_lambda_comp>(); }
+template <>
+const StageBinding& stage<LevelKernel>() { return made<LevelKernel, twins::gi_probes_level_comp>(); }
 
 }  // namespace plumb

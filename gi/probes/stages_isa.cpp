@@ -2,6 +2,7 @@
 #include "gi/probes/coefficients_kernel.h"
 #include "gi/probes/density_kernel.h"
 #include "gi/probes/radiance_kernel.h"
+#include "gi/probes/level_kernel.h"
 #include "gi/probes/share_kernel.h"
 #include "gi/probes/supports_kernel.h"
 
@@ -117,6 +118,7 @@ void Rows<SupportsKernel, Isa::PLUMB_ISA>::run(const SupportsView& in, int first
 
 template struct Rows<ShareKernel, Isa::PLUMB_ISA>;
 template struct Rows<RadianceKernel, Isa::PLUMB_ISA>;
+template struct Rows<LevelKernel, Isa::PLUMB_ISA>;
 
 template <>
 void Rows<CoefficientsKernel, Isa::PLUMB_ISA>::run(const CoefficientsView& in, int first, int last, const Tiles& tiles,
