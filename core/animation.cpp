@@ -32,20 +32,8 @@ glm::dvec3 placed(const Track& track, const Motion& motion, double frame, const 
     return motion.translate == glm::dvec3(0) ? at : at + frames_since(motion, frame) * motion.translate;
 }
 
-// About the motion's axis (Rodrigues), exact for right angles about the axes of the world.
 glm::dmat3 turned(const Motion& motion, double frame) {
-    const glm::dvec2 sc = sin_cos_deg(frames_since(motion, frame) * motion.turn_deg);
-    const glm::dvec3 k = motion.axis;
-    glm::dmat3 m(0);
-    for (int column = 0; column < 3; ++column)
-        for (int row = 0; row < 3; ++row) m[column][row] = k[column] * k[row] * (1 - sc.y);
-    for (int i = 0; i < 3; ++i) {
-        const int next = (i + 1) % 3, last = (i + 2) % 3;
-        m[i][i] += sc.y;
-        m[next][last] += k[i] * sc.x;
-        m[last][next] -= k[i] * sc.x;
-    }
-    return m;
+    return rotation_about(motion.axis, frames_since(motion, frame) * motion.turn_deg);
 }
 
 // The first key after `frame`.

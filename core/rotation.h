@@ -29,6 +29,21 @@ inline glm::dmat4 rotation_deg(double degrees, int a, int b) {
     return m;
 }
 
+// By `degrees` about a unit axis, counter-clockwise as seen against it (Rodrigues).
+inline glm::dmat3 rotation_about(const glm::dvec3& axis, double degrees) {
+    const glm::dvec2 sc = sin_cos_deg(degrees);
+    glm::dmat3 m(0);
+    for (int column = 0; column < 3; ++column)
+        for (int row = 0; row < 3; ++row) m[column][row] = axis[column] * axis[row] * (1 - sc.y);
+    for (int i = 0; i < 3; ++i) {
+        const int next = (i + 1) % 3, last = (i + 2) % 3;
+        m[i][i] += sc.y;
+        m[next][last] += axis[i] * sc.x;
+        m[last][next] -= axis[i] * sc.x;
+    }
+    return m;
+}
+
 // Rolls about z by angles.z, pitches about x by angles.y, then turns by yaw about y by angles.x.
 inline glm::dmat4 rotation_deg(const glm::dvec3& angles) {
     return rotation_deg(angles.x, 2, 0) * rotation_deg(angles.y, 1, 2) * rotation_deg(angles.z, 0, 1);

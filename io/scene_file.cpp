@@ -102,8 +102,10 @@ class SceneReader {
         TomlReader camera(*table, path_, "[camera]");
         Camera& c = scene_.camera;
         // Half a pose is none: both ends of the line of sight are chosen together.
-        const bool has_pose = camera.has("position") && camera.has("look_at");
-        if (!has_pose && (camera.has("position") || camera.has("look_at")))
+        const auto along = read_yaw_pitch(camera);
+        if (along && camera.has("look_at")) camera.fail("look_at", "stands beside yaw_deg or pitch_deg; expected one or the other");
+        const bool has_pose = camera.has("position") && (along || camera.has("look_at"));
+        if (!has_pose && (camera.has("position") || camera.has("look_at") || along))
             camera.fail(camera.has("position") ? "look_at" : "position", "is missing");
         if (!has_pose && camera_from_.empty()) choose_camera(scene_, flatten(scene_));
         if (has_pose) {
@@ -111,7 +113,7 @@ class SceneReader {
             c = {}, c.reversed_z = reversed_z;
         }
         c.position = camera.vector("position", c.position);
-        c.look_at = camera.vector("look_at", c.look_at);
+        c.look_at = along ? c.position + *along : camera.vector("look_at", c.look_at);
         c.up = camera.vector("up", c.up);
         c.fov_y_deg = camera.number("fov_y_deg", c.fov_y_deg);
         c.near = camera.number("near", c.near);
@@ -237,12 +239,14 @@ class SceneReader {
 
     void read_material(const toml::table& table) {
         TomlReader reader(table, path_, "[[material]]");
+        if (reader.has("index")) return read_material_at(reader);
         const std::string name = reader.word("name", "");
-        if (name.empty()) reader.fail("name", "expected the name of a material");
+        if (name.empty()) reader.fail("name", "expected the name of a material, or its index");
         if (!find_material(name)) {
             if (std::find(described_here_.begin(), described_here_.end(), name) == described_here_.end())
                 reader.fail("name", "no file and no [[mesh]] has a material of that name" + nearest(name));
             scene_.materials.push_back({});
+            ++new_materials_;
             scene_.materials.back().name = name;
             // The picture is the reflectance, unless a factor is given.
             if (reader.has("texture")) scene_.materials.back().reflectance = glm::vec3(1);
@@ -254,6 +258,16 @@ class SceneReader {
             read_surface(reader, m);
             if (texture >= 0) m.texture = texture;
         }
+        reader.finish();
+    }
+
+    // By its number among the materials that the meshes bring, in their order.
+    void read_material_at(TomlReader& reader) {
+        if (reader.has("name")) reader.fail("index", "stands beside a name; expected one or the other");
+        const int count = int(scene_.materials.size()) - int(new_materials_);
+        if (count == 0) reader.fail("index", "no mesh brings a material");
+        Material& m = scene_.materials[std::size_t(reader.integer("index", 0, 0, count - 1))];
+        read_surface(reader, m);
         reader.finish();
     }
 
@@ -339,6 +353,7 @@ class SceneReader {
     std::vector<NamedMesh> named_;
     std::vector<Wanted> wanted_;
     std::vector<std::string> described_here_;
+    std::size_t new_materials_ = 0;    // that this file alone describes: they come last
     bool has_whole_ = false;           // a generated scene among the meshes
     std::string camera_from_;          // which mesh brought a camera; "" if none
     std::vector<Light> model_lights_;  // of all meshes

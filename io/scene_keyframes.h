@@ -1,4 +1,4 @@
-// [[keyframe]] of a scene file: what moves from frame to frame. Private to io/.
+// [[keyframe]] and [[motion]] of a scene file: what moves from frame to frame. Private to io/.
 #pragma once
 
 #include <string>

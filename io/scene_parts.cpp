@@ -52,10 +52,25 @@ glm::dvec3 read_scale(TomlReader& mesh) {
     return scale;
 }
 
+std::optional<Turn> read_turn(TomlReader& reader, const char* key) {
+    const auto n = reader.numbers(key, 4, -1e9, 1e9);
+    if (!n) return {};
+    const glm::dvec3 axis((*n)[1], (*n)[2], (*n)[3]);
+    const double length = std::sqrt(axis.x * axis.x + axis.y * axis.y + axis.z * axis.z);
+    if (!(length > 1e-30)) reader.fail(key, "the axis, its last three numbers, has no length");
+    return Turn{(*n)[0], axis / length};
+}
+
+std::optional<glm::dvec3> read_yaw_pitch(TomlReader& reader) {
+    if (!reader.has("yaw_deg") && !reader.has("pitch_deg")) return {};
+    const double yaw = reader.number("yaw_deg", 0, -1e6, 1e6), pitch = reader.number("pitch_deg", 0, -90, 90);
+    return -glm::dvec3(rotation_deg(glm::dvec3(yaw, pitch, 0))[2]);
+}
+
 glm::dmat4 read_transform(TomlReader& mesh) {
     glm::dmat4 m(1);
     if (const auto rows = mesh.numbers("matrix", 16)) {
-        for (const char* other : {"translate", "rotate_deg", "scale"})
+        for (const char* other : {"translate", "rotate_deg", "turn_deg", "scale"})
             if (mesh.has(other)) mesh.fail(other, "stands beside matrix; expected one or the other");
         for (int row = 0; row < 4; ++row)
             for (int column = 0; column < 4; ++column) m[column][row] = (*rows)[std::size_t(4 * row + column)];
@@ -67,6 +82,10 @@ glm::dmat4 read_transform(TomlReader& mesh) {
     }
     // The object is scaled, rolls about z, pitches about x, turns by yaw about y, and moves.
     m = rotation_deg(mesh.vector("rotate_deg", glm::dvec3(0)));
+    if (const auto turn = read_turn(mesh, "turn_deg")) {
+        if (mesh.has("rotate_deg")) mesh.fail("turn_deg", "stands beside rotate_deg; expected one or the other");
+        m = glm::dmat4(rotation_about(turn->axis, turn->angle_deg));
+    }
     const glm::dvec3 scale = read_scale(mesh);
     for (int axis = 0; axis < 3; ++axis) m[axis] *= scale[axis];
     m[3] = glm::dvec4(mesh.vector("translate", glm::dvec3(0)), 1);
@@ -94,6 +113,10 @@ Light read_light(TomlReader& reader, const std::vector<Light>& others) {
     const glm::dvec3 d = reader.vector("direction", glm::dvec3(0, -1, 0), -1e30, 1e30);
     if (d == glm::dvec3(0)) reader.fail("direction", "has no length");
     light.direction = made_unit(d);
+    if (const auto along = read_yaw_pitch(reader)) {
+        if (reader.has("direction")) reader.fail("direction", "stands beside yaw_deg or pitch_deg; expected one or the other");
+        light.direction = made_unit(*along);
+    }
     if (const auto cone = read_cone(reader)) light.cone_inner_deg = float(cone->x), light.cone_outer_deg = float(cone->y);
     light.intensity = glm::vec3(reader.vector("intensity", glm::dvec3(1), 0, 3e38));
     light.radius = float(reader.number("radius", 0, 0, largest_light_radius));

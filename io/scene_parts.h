@@ -19,6 +19,17 @@ glm::dvec3 read_scale(TomlReader& mesh);
 // cone_deg: inner and outer half angle; none where it is not there.
 std::optional<glm::dvec2> read_cone(TomlReader& light);
 
+// `key`: an angle in degrees and an axis of any length; none where it is not there.
+struct Turn {
+    double angle_deg;
+    glm::dvec3 axis;  // unit
+};
+std::optional<Turn> read_turn(TomlReader& reader, const char* key);
+
+// yaw_deg, pitch_deg: where one looks who turns from -z by yaw, counter-clockwise seen from above, and looks up by pitch;
+// unit; none where neither is there.
+std::optional<glm::dvec3> read_yaw_pitch(TomlReader& reader);
+
 // [[light]]; its name must be none of the others'.
 Light read_light(TomlReader& reader, const std::vector<Light>& others);
 

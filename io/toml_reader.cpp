@@ -161,6 +161,21 @@ glm::dvec3 TomlReader::vector(const std::string& key, const glm::dvec3& fallback
     return n ? glm::dvec3((*n)[0], (*n)[1], (*n)[2]) : fallback;
 }
 
+std::vector<glm::dvec3> TomlReader::vectors(const std::string& key, std::size_t least, std::size_t most) {
+    const std::string expected = fmt::format("a list of {} to {} vectors of three numbers", least, most);
+    const toml::node* value = node(key);
+    const toml::array* array = value ? value->as_array() : nullptr;
+    if (!array || array->size() < least || array->size() > most) fail_type(key, expected);
+    std::vector<glm::dvec3> result;
+    for (const toml::node& element : *array) {
+        const toml::array* three = element.as_array();
+        if (!three || three->size() != 3) fail_type(key, expected);
+        glm::dvec3& v = result.emplace_back(0);
+        for (int c = 0; c < 3; ++c) v[c] = checked(key, (*three)[std::size_t(c)], -unbounded, unbounded);
+    }
+    return result;
+}
+
 glm::dvec3 TomlReader::colour(const std::string& key, const glm::dvec3& fallback, double min, double max) {
     const toml::node* value = node(key);
     if (!value || value->is_array()) return vector(key, fallback, min, max);

@@ -35,6 +35,8 @@ class TomlReader {
                                                double max = unbounded);
     glm::dvec3 vector(const std::string& key, const glm::dvec3& fallback, double min = -unbounded,
                       double max = unbounded);
+    // A list of vectors, as many as that.
+    std::vector<glm::dvec3> vectors(const std::string& key, std::size_t least, std::size_t most);
     // One number for grey, or three.
     glm::dvec3 colour(const std::string& key, const glm::dvec3& fallback, double min, double max);
     // The value as core/fields.h takes it: a number, true/false, a string or three numbers.
