@@ -13,6 +13,9 @@
 #include "gi/probes/lambda.h"
 #include "gi/probes/radiance.h"
 #include "gi/probes/level.h"
+#include "gi/probes/lightmap_uv.h"
+#include "gi/probes/lookup.h"
+#include "gi/probes/run_stages.h"
 #include "gi/probes/share.h"
 #include "gi/probes/supports.h"
 #include "gi/reference/reference.h"
@@ -57,6 +60,11 @@ const std::vector<ListedStage>& stages() {
         listed(stage<filter::ReduceKernel>()),
         listed(stage<filter::UpsampleKernel>()),
         listed(stage<filter::BlurKernel>()),
+        unbound(probes::info_run_data()),
+        unbound(probes::info_hit_surfaces()),
+        unbound(probes::info_rounds()),
+        listed(stage<probes::LightmapUvKernel>()),
+        listed(stage<probes::LookupKernel>()),
         listed(stage<compose::ComposeKernel>()),
         unbound(reference::info()),
         listed(stage<compose::TonemapKernel>()),

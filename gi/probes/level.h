@@ -4,10 +4,10 @@
 #include "core/binding.h"
 #include "core/stage_description.h"
 #include "gi/probes/level_kernel.h"
+#include "gi/probes/lightmap_kernel.h"
 
 namespace plumb::probes {
 
-inline constexpr int most_levels = 4;
 inline constexpr int most_boxes = 1 << 24;
 
 // What levels are measured from, as the kernels have it; view_of() of lod.h makes it.

@@ -4,15 +4,10 @@
 #include "core/binding.h"
 #include "core/stage_description.h"
 #include "gi/probes/radiance_kernel.h"
+#include "gi/probes/run_params.h"
 
 namespace plumb::probes {
 
-// How the last lightmap comes back.
-enum class Feedback : int {
-    corrected,  // rho / pi
-    constant,   // a constant, IPR 3.3.1.5
-    material,   // rho, IPR 3.3.1.5 "a material reflection"
-};
 inline constexpr float published_constant = 0.19f;  // IPR 3.3.1.5, 1/sr
 
 inline constexpr int most_relight_rays = 1 << 15, most_lightmap_side = 1 << 14;

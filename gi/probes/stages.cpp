@@ -4,6 +4,8 @@
 #include "gi/probes/lambda.h"
 #include "gi/probes/radiance.h"
 #include "gi/probes/level.h"
+#include "gi/probes/lightmap_uv.h"
+#include "gi/probes/lookup.h"
 #include "gi/probes/share.h"
 #include "gi/probes/supports.h"
 #include "twins/gi.probes.coefficients.comp.h"
@@ -11,6 +13,8 @@
 #include "twins/gi.probes.lambda.comp.h"
 #include "twins/gi.probes.radiance.comp.h"
 #include "twins/gi.probes.level.comp.h"
+#include "twins/gi.probes.lightmap_uv.comp.h"
+#include "twins/gi.probes.lookup.comp.h"
 #include "twins/gi.probes.share.comp.h"
 #include "twins/gi.probes.supports.comp.h"
 
@@ -32,5 +36,9 @@ template <>
 const StageBinding& stage<LambdaKernel>() { return made<LambdaKernel, twins::gi_probes_lambda_comp>(); }
 template <>
 const StageBinding& stage<LevelKernel>() { return made<LevelKernel, twins::gi_probes_level_comp>(); }
+template <>
+const StageBinding& stage<LightmapUvKernel>() { return made<LightmapUvKernel, twins::gi_probes_lightmap_uv_comp>(); }
+template <>
+const StageBinding& stage<LookupKernel>() { return made<LookupKernel, twins::gi_probes_lookup_comp>(); }
 
 }  // namespace plumb

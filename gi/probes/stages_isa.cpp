@@ -3,6 +3,8 @@
 #include "gi/probes/density_kernel.h"
 #include "gi/probes/radiance_kernel.h"
 #include "gi/probes/level_kernel.h"
+#include "gi/probes/lightmap_uv_kernel.h"
+#include "gi/probes/lookup_kernel.h"
 #include "gi/probes/share_kernel.h"
 #include "gi/probes/supports_kernel.h"
 
@@ -137,5 +139,8 @@ void Rows<CoefficientsKernel, Isa::PLUMB_ISA>::run(const CoefficientsView& in, i
         ++row;
     }
 }
+
+template struct Rows<LightmapUvKernel, Isa::PLUMB_ISA>;
+template struct Rows<LookupKernel, Isa::PLUMB_ISA>;
 
 }  // namespace plumb
