@@ -18,6 +18,7 @@
 #include "gi/probes/run_stages.h"
 #include "gi/probes/share.h"
 #include "gi/probes/supports.h"
+#include "gi/probes/update.h"
 #include "gi/reference/reference.h"
 #include "gi/rsm/all_rays.h"
 #include "gi/rsm/gather.h"
@@ -82,6 +83,9 @@ const std::vector<ListedStage>& stages() {
         listed(stage<probes::RadianceKernel>(), false),
         listed(stage<probes::LambdaKernel>(), false),
         listed(stage<probes::LevelKernel>(), false),
+        listed(stage<probes::BasisKernel>(), false),
+        listed(stage<probes::IrradianceKernel>(), false),
+        listed(stage<probes::LightmapKernel>(), false),
         listed(stage<ddgi::BlendKernel>(), false),
         listed(stage<ddgi::BorderKernel>(), false),
         listed(stage<ddgi::SampleKernel>(), false),

@@ -8,6 +8,8 @@
 #include "gi/probes/lookup.h"
 #include "gi/probes/share.h"
 #include "gi/probes/supports.h"
+#include "gi/probes/update.h"
+#include "twins/gi.probes.basis.comp.h"
 #include "twins/gi.probes.coefficients.comp.h"
 #include "twins/gi.probes.density.comp.h"
 #include "twins/gi.probes.lambda.comp.h"
@@ -15,6 +17,8 @@
 #include "twins/gi.probes.level.comp.h"
 #include "twins/gi.probes.lightmap_uv.comp.h"
 #include "twins/gi.probes.lookup.comp.h"
+#include "twins/gi.probes.irradiance.comp.h"
+#include "twins/gi.probes.lightmap_write.comp.h"
 #include "twins/gi.probes.share.comp.h"
 #include "twins/gi.probes.supports.comp.h"
 
@@ -40,5 +44,11 @@ template <>
 const StageBinding& stage<LightmapUvKernel>() { return made<LightmapUvKernel, twins::gi_probes_lightmap_uv_comp>(); }
 template <>
 const StageBinding& stage<LookupKernel>() { return made<LookupKernel, twins::gi_probes_lookup_comp>(); }
+template <>
+const StageBinding& stage<BasisKernel>() { return made<BasisKernel, twins::gi_probes_basis_comp>(); }
+template <>
+const StageBinding& stage<IrradianceKernel>() { return made<IrradianceKernel, twins::gi_probes_irradiance_comp>(); }
+template <>
+const StageBinding& stage<LightmapKernel>() { return made<LightmapKernel, twins::gi_probes_lightmap_write_comp>(); }
 
 }  // namespace plumb
