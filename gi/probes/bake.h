@@ -87,7 +87,7 @@ class BakeGraph {
     // Of those the ones up to the supports: what traced() needs.
     std::vector<const graph::Node*> nodes_before_rays() const { return {first_.begin(), first_.begin() + 4}; }
     const Bake& bake() const { return bake_; }
-    Bake take() { return std::move(bake_); }  // after the run; the graph is of no more use
+    Bake release() { return std::move(bake_); }  // after the run; the graph is of no more use
     // Called when receivers and probes are known, before the rays.
     void when_sized(std::function<void(std::uint64_t bytes)> call) { sized_ = std::move(call); }
     // Of the block that holds the receiver: what its stages are given, traced anew.

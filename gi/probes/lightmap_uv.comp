@@ -52,7 +52,7 @@ vec4 lightmap_uv(ivec2 at) {
     precise float x = a.w + beta * (b.w - a.w) + gamma * (c.w - a.w);
     precise float y = v.x + beta * (v.y - v.x) + gamma * (v.z - v.x);
     vec4 uv = vec4(has ? x : -1.0, has ? y : -1.0, 0.0, has ? 1.0 : 0.0);
-    TAP(uv, uv);
+    TAP(uv, uv.xyz);
     return uv;
 }
 

@@ -56,7 +56,7 @@ PLUMB_INLINE vec4<F> lightmap_uv(const LightmapUvView& in, index_t<F> px, index_
     tap("beta", beta, "of B, 0..1"), tap("gamma", gamma, "of C, 0..1 - beta");
     const F x = a.w + beta * (b.w - a.w) + gamma * (c.w - a.w), y = v.x + beta * (v.y - v.x) + gamma * (v.z - v.x);
     const vec4<F> uv{select(has, x, F(-1.0f)), select(has, y, F(-1.0f)), F(0.0f), select(has, F(1.0f), F(0.0f))};
-    tap("uv", uv, "on the lightmap; w 1: it has a place there");
+    tap("uv", xyz<F>(uv), "on the lightmap, level of detail; -1, -1: it has no place there");
     return uv;
 }
 

@@ -29,7 +29,7 @@ vec4 lookup(ivec2 pixel) {
     TAP(coarse, coarse);
     vec3 mean = mixed(fine, coarse, share);
     vec4 irradiance = vec4(has ? mean.x : 0.0, has ? mean.y : 0.0, has ? mean.z : 0.0, 0.0);
-    TAP(irradiance, irradiance);
+    TAP(irradiance, irradiance.xyz);
     return irradiance;
 }
 

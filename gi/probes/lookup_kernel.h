@@ -44,7 +44,7 @@ PLUMB_INLINE vec4<F> lookup(const LookupView& in, index_t<F> px, index_t<F> py, 
     tap("coarse", coarse, "of level l + 1, W/m2");
     const vec3<F> mean = mixed<F>(fine, coarse, share);
     const vec4<F> irradiance{select(has, mean.x, F(0.0f)), select(has, mean.y, F(0.0f)), select(has, mean.z, F(0.0f)), F(0.0f)};
-    tap("irradiance", irradiance, "(1 - b) fine + b coarse, W/m2; 0 without a place");
+    tap("irradiance", xyz<F>(irradiance), "(1 - b) fine + b coarse, W/m2; 0 without a place");
     return irradiance;
 }
 

@@ -15,6 +15,7 @@
 #include "tools/plumb/devices.h"
 #include "tools/plumb/explain_device.h"
 #include "tools/plumb/explain_dispatch.h"
+#include "tools/shared/file_store.h"
 #include "tools/shared/probe_bake.h"
 #include "tools/shared/progress.h"
 #include "tools/shared/reports.h"

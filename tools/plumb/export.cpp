@@ -18,6 +18,7 @@
 #include "tools/plumb/export_merge.h"
 #include "tools/plumb/export_readme.h"
 #include "tools/plumb/stage_case.h"
+#include "tools/shared/file_store.h"
 #include "tools/shared/options.h"
 #include "tools/shared/outputs.h"
 #include "tools/shared/probe_bake.h"

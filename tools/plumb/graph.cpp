@@ -12,6 +12,7 @@
 #include "io/file.h"
 #include "tools/plumb/cli.h"
 #include "tools/plumb/graph_page.h"
+#include "tools/shared/file_store.h"
 #include "tools/shared/probe_bake.h"
 #include "tools/shared/progress.h"
 #include "tools/shared/reference_files.h"

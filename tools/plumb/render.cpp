@@ -14,6 +14,7 @@
 #include "tools/plumb/frames.h"
 #include "tools/plumb/pictures.h"
 #include "tools/plumb/sweep_choose.h"
+#include "tools/shared/file_store.h"
 #include "tools/shared/outputs.h"
 #include "tools/shared/probe_bake.h"
 #include "tools/shared/progress.h"

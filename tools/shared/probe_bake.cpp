@@ -148,7 +148,7 @@ std::shared_ptr<const probes::Bake> make_bake(const Scene& scene, const probes::
         if (with.progress) progress = std::make_unique<BakeProgress>(graph), run.progress = progress->callback();
         graph::run(graph.nodes(), run);
     }
-    auto bake = std::make_shared<probes::Bake>(graph.take());
+    auto bake = std::make_shared<probes::Bake>(graph.release());
     if (!with.with_alpha) bake->alpha = {};
     return bake;
 }
