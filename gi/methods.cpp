@@ -12,6 +12,7 @@
 #include "gi/probes/density.h"
 #include "gi/probes/share.h"
 #include "gi/probes/supports.h"
+#include "gi/probes/update.h"
 #include "gi/reference/reference.h"
 #include "gi/rsm/all_rays.h"
 #include "gi/rsm/gather.h"
@@ -68,6 +69,9 @@ const std::vector<ListedStage>& stages() {
         listed(stage<probes::ShareKernel>(), false),
         listed(stage<probes::CoefficientsKernel>(), false),
         unbound(probes::info_clusters(), false),
+        listed(stage<probes::BasisKernel>(), false),
+        listed(stage<probes::IrradianceKernel>(), false),
+        listed(stage<probes::LightmapKernel>(), false),
         listed(stage<ddgi::BlendKernel>(), false),
         listed(stage<ddgi::BorderKernel>(), false),
         listed(stage<ddgi::SampleKernel>(), false),

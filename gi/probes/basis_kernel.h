@@ -49,7 +49,7 @@ PLUMB_INLINE vec4<F> basis(const BasisView& in, index_t<F> s, index_t<F> cluster
     const I probes = N::fetch(in.clusters, cluster * I(4) + I(2)), rank = N::fetch(in.clusters, cluster * I(4) + I(3));
     const I used = coefficients_used<I>(u, N::fetch(in.cluster_level, cluster));
     tap("rank", rank, "of the cluster's matrix"), tap("coefficients", used, "of a probe, by the cluster's level of detail");
-    const I added = select(s < rank, probes, I(0));
+    const I added = select(s < rank, min(probes, I(u.probes)), I(0));
     vec3<F> sum{F(0.0f), F(0.0f), F(0.0f)};
     for (int k = 0; any(I(k) < added); ++k) {
         tap.sample(k);

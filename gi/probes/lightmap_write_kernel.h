@@ -49,7 +49,7 @@ PLUMB_INLINE vec3<F> irradiance_at(const LightmapView& in, index_t<F> place) {
 }
 
 template <class F>
-struct Neighbours {
+struct NeighbourMean {
     vec3<F> sum{F(0.0f), F(0.0f), F(0.0f)};
     F count{0.0f};
 
@@ -66,7 +66,7 @@ struct Neighbours {
 template <class F>
 PLUMB_INLINE vec3<F> mean_of_receivers(const LightmapView& in, index_t<F> x, index_t<F> y) {
     using I = index_t<F>;
-    Neighbours<F> all;
+    NeighbourMean<F> all;
     for (int k = 0; k < 9; ++k) {
         const I cover = cover_at<F>(in, x + I(k % 3 - 1), y + I(k / 3 - 1));
         const mask_t<F> counts = in_range(cover, I(in.u.places));
@@ -86,7 +86,7 @@ PLUMB_INLINE vec4<F> lightmap(const LightmapView& in, index_t<F> x, index_t<F> y
         value = select3<F>(ring_1, mean, value);
     }
     if (any(ring_2)) {
-        Neighbours<F> all;
+        NeighbourMean<F> all;
         for (int k = 0; k < 9; ++k) {
             const I nx = x + I(k % 3 - 1), ny = y + I(k / 3 - 1);
             const mask_t<F> counts = cover_at<F>(in, nx, ny) == I(-2);

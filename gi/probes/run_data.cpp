@@ -68,9 +68,9 @@ void order_places(const FlatClusters& f, int receivers, ClusterData& d) {
 }
 
 // What lies in the strip but the clusters.
-void add_lightmap(RunData& d, const std::vector<glm::ivec2>& texels, glm::ivec2 size, int levels) {
+void add_lightmap(RunData& d, const std::vector<glm::ivec2>& texels, int side, int levels) {
     d.levels = levels;
-    d.cover = lightmap_cover(texels, d.place_of, size, levels);
+    d.cover = lightmap_cover(texels, d.place_of, side, levels);
     d.lightmap_size = {d.cover.width, d.cover.height};
     d.receiver_level.reserve(d.receiver.size());
     for (const std::int32_t i : d.receiver) d.receiver_level.push_back(level_of_texel(texels[std::size_t(i)], levels));
@@ -125,34 +125,23 @@ RunData run_data(const Bake& bake, int levels) {
     RunData d;
     static_cast<ClusterData&>(d) = cluster_data(bake.flat, bake.receivers.count(), bake.coefficients());
     d.probes = bake.relight.probes, d.rays = int(bake.relight_directions.size());
-    add_lightmap(d, bake.receivers.texel, bake.receivers.size, levels);
+    const glm::ivec2 size = bake.receivers.size;
+    if (size.x != size.y) throw InputError(fmt::format("run time: a lightmap of {} x {}: expected a square", size.x, size.y));
+    add_lightmap(d, bake.receivers.texel, size.x, levels);
     return d;
 }
 
-RunData run_data(const BakeArrays& arrays, glm::ivec2 size, int levels) {
+RunData run_data(const BakeArrays& arrays, int side, int levels) {
     RunData d;
     static_cast<ClusterData&>(d) = cluster_data(flat_of(arrays), int(arrays.receivers.size()), arrays.coefficients);
     d.probes = int(arrays.probes.size()), d.rays = arrays.rays;
     std::vector<glm::ivec2> texels;
     for (const BakedReceiver& r : arrays.receivers) texels.push_back(r.texel);
-    add_lightmap(d, texels, size, levels);
+    add_lightmap(d, texels, side, levels);
     return d;
 }
 
 // ---- The lightmap's levels --------------------------------------------------------------------------------------------
-
-std::vector<LightmapLevel> lightmap_levels(glm::ivec2 size, int levels) {
-    if (levels < 1 || levels > most_levels)
-        throw InputError(fmt::format("run time: {} levels of detail: expected 1 to {}", levels, most_levels));
-    std::vector<LightmapLevel> out;
-    int first = 0;
-    for (int k = 0; k < levels; ++k) {
-        const glm::ivec2 of_level((size.x + (1 << k) - 1) >> k, (size.y + (1 << k) - 1) >> k);
-        out.push_back({first, of_level});
-        first += of_level.y + 2;
-    }
-    return out;
-}
 
 int level_of_texel(glm::ivec2 texel, int levels) {
     int level = 0;
@@ -162,35 +151,40 @@ int level_of_texel(glm::ivec2 texel, int levels) {
 
 namespace {
 
+using Level = LightmapLevel<float>;
+
 // Texels of the level with nothing, beside one that `is_source` says yes of, become `ring`.
 template <class IsSource>
-void mark_ring(Image<std::int32_t>& cover, const LightmapLevel& level, Cover ring, IsSource is_source) {
+void mark_ring(Image<std::int32_t>& cover, const Level& level, Cover ring, IsSource is_source) {
     const auto beside_source = [&](int x, int y) {
-        for (int ny = std::max(y - 1, 0); ny <= std::min(y + 1, level.size.y - 1); ++ny)
-            for (int nx = std::max(x - 1, 0); nx <= std::min(x + 1, level.size.x - 1); ++nx)
+        for (int ny = std::max(y - 1, 0); ny <= std::min(y + 1, level.side - 1); ++ny)
+            for (int nx = std::max(x - 1, 0); nx <= std::min(x + 1, level.side - 1); ++nx)
                 if (is_source(cover(nx, level.first + ny))) return true;
         return false;
     };
-    for (int y = 0; y < level.size.y; ++y)
-        for (int x = 0; x < level.size.x; ++x)
+    for (int y = 0; y < level.side; ++y)
+        for (int x = 0; x < level.side; ++x)
             if (std::int32_t& c = cover(x, level.first + y); c == cover_nothing && beside_source(x, y)) c = ring;
 }
 
 }  // namespace
 
-Image<std::int32_t> lightmap_cover(const std::vector<glm::ivec2>& texels, const std::vector<std::int32_t>& place_of,
-                                   glm::ivec2 size, int levels) {
-    const std::vector<LightmapLevel> parts = lightmap_levels(size, levels);
-    Image<std::int32_t> cover(size.x, parts.back().first + parts.back().size.y, cover_nothing);
+Image<std::int32_t> lightmap_cover(const std::vector<glm::ivec2>& texels, const std::vector<std::int32_t>& place_of, int side,
+                                   int levels) {
+    if (levels < 1 || levels > most_levels)
+        throw InputError(fmt::format("run time: {} levels of detail: expected 1 to {}", levels, most_levels));
+    Image<std::int32_t> cover(side, lightmap_rows(side, levels), cover_nothing);
+    std::vector<Level> of;
+    for (int k = 0; k < levels; ++k) of.push_back(lightmap_level<float>(side, levels, k));
     for (std::size_t i = 0; i < texels.size(); ++i) {
         const glm::ivec2 t = texels[i];
-        if (t.x < 0 || t.y < 0 || t.x >= size.x || t.y >= size.y)
-            throw InputError(fmt::format("run time: receiver {} at texel {}, {} of a lightmap of {} x {}", i, t.x, t.y, size.x, size.y));
+        if (t.x < 0 || t.y < 0 || t.x >= side || t.y >= side)
+            throw InputError(fmt::format("run time: receiver {} at texel {}, {} of a lightmap of {} x {}", i, t.x, t.y, side, side));
         if (cover(t.x, t.y) != cover_nothing)
             throw InputError(fmt::format("run time: two receivers at texel {}, {} of the lightmap", t.x, t.y));
-        for (int k = 0; k <= level_of_texel(t, levels); ++k) cover(t.x >> k, parts[std::size_t(k)].first + (t.y >> k)) = place_of.at(i);
+        for (int k = 0; k <= level_of_texel(t, levels); ++k) cover(t.x >> k, of[std::size_t(k)].first + (t.y >> k)) = place_of.at(i);
     }
-    for (const LightmapLevel& level : parts) {
+    for (const Level& level : of) {
         mark_ring(cover, level, cover_ring_1, [](std::int32_t c) { return c >= 0; });
         mark_ring(cover, level, cover_ring_2, [](std::int32_t c) { return c == cover_ring_1; });
     }

@@ -8,13 +8,12 @@
 
 #include "core/image.h"
 #include "gi/probes/flat_clusters.h"
+#include "gi/probes/lightmap_kernel.h"
 
 namespace plumb::probes {
 
 struct Bake;
 struct BakeArrays;
-
-inline constexpr int most_levels = 4;  // of detail (IPR 4.2)
 
 // Clusters and the receivers in them. A receiver's place is its index in these lists: cluster by cluster, ascending within
 // each, and at the end those that no probe supports. The receivers may be texels of a lightmap or points in space.
@@ -39,29 +38,23 @@ struct RunData : ClusterData {
     Image<std::int32_t> cover;                 // [strip]: place of the receiver; or one of Cover
     glm::ivec2 lightmap_size{0};               // of the strip
 };
-// Throws InputError for levels other than 1 to 4.
+// Throws InputError for levels other than 1 to most_levels (lightmap_kernel.h).
 RunData run_data(const Bake& bake, int levels = 1);
-// The same of data textures that were read back (textures.h). size: of the lightmap, which they do not hold.
-RunData run_data(const BakeArrays& arrays, glm::ivec2 size, int levels = 1);
+// The same of data textures that were read back (textures.h). side: of the lightmap, which they do not hold.
+RunData run_data(const BakeArrays& arrays, int side, int levels = 1);
 
 // ---- The lightmap's levels --------------------------------------------------------------------------------------------
 
 // Texels of the strip where no receiver is: nothing, or beside receivers (1), or beside those (2).
 enum Cover : std::int32_t { cover_nothing = -1, cover_ring_1 = -2, cover_ring_2 = -3 };
 
-// Levels lie below each other, two empty rows between: level k at rows [first, first + size.y), columns [0, size.x).
-struct LightmapLevel {
-    int first = 0;
-    glm::ivec2 size{0};
-};
-std::vector<LightmapLevel> lightmap_levels(glm::ivec2 size, int levels);
-
 // How many trailing zero bits both coordinates have, at most levels - 1.
 int level_of_texel(glm::ivec2 texel, int levels);
 
-// Texel (x, y) of level k shows the receiver at texel (x << k, y << k) of level 0. Rings as extend_borders() has them, in each
-// level for itself. place_of: [receivers]. Throws InputError for a texel beyond the lightmap, or one with two receivers.
-Image<std::int32_t> lightmap_cover(const std::vector<glm::ivec2>& texels, const std::vector<std::int32_t>& place_of,
-                                   glm::ivec2 size, int levels);
+// Of levels as lightmap_kernel.h has them: texel (x, y) of level k shows the receiver at texel (x << k, y << k) of level 0. Rings as
+// extend_borders() has them, in each level for itself. place_of: [receivers]. Throws InputError for a texel beyond the lightmap, or
+// one with two receivers.
+Image<std::int32_t> lightmap_cover(const std::vector<glm::ivec2>& texels, const std::vector<std::int32_t>& place_of, int side,
+                                   int levels);
 
 }  // namespace plumb::probes

@@ -3,8 +3,12 @@
 #include "gi/probes/density.h"
 #include "gi/probes/share.h"
 #include "gi/probes/supports.h"
+#include "gi/probes/update.h"
+#include "twins/gi.probes.basis.comp.h"
 #include "twins/gi.probes.coefficients.comp.h"
 #include "twins/gi.probes.density.comp.h"
+#include "twins/gi.probes.irradiance.comp.h"
+#include "twins/gi.probes.lightmap_write.comp.h"
 #include "twins/gi.probes.share.comp.h"
 #include "twins/gi.probes.supports.comp.h"
 
@@ -20,5 +24,11 @@ template <>
 const StageBinding& stage<ShareKernel>() { return made<ShareKernel, twins::gi_probes_share_comp>(); }
 template <>
 const StageBinding& stage<CoefficientsKernel>() { return made<CoefficientsKernel, twins::gi_probes_coefficients_comp>(); }
+template <>
+const StageBinding& stage<BasisKernel>() { return made<BasisKernel, twins::gi_probes_basis_comp>(); }
+template <>
+const StageBinding& stage<IrradianceKernel>() { return made<IrradianceKernel, twins::gi_probes_irradiance_comp>(); }
+template <>
+const StageBinding& stage<LightmapKernel>() { return made<LightmapKernel, twins::gi_probes_lightmap_write_comp>(); }
 
 }  // namespace plumb
