@@ -77,6 +77,7 @@ const TappedTwin tapped_twins[] = {
     {"gi/ddgi/sample_kernel.h", {"gi/ddgi/sample.comp"}},
     {"gi/probes/coefficients_kernel.h", {"gi/probes/coefficients.comp"}},
     {"gi/probes/density_kernel.h", {"gi/probes/density.comp"}},
+    {"gi/probes/level_kernel.h", {"gi/probes/level.comp", "gi/probes/level.glsl"}},
     {"gi/probes/share_kernel.h", {"gi/probes/share.comp"}},
     {"gi/probes/supports_kernel.h", {"gi/probes/supports.comp"}},
     {"gi/compose/compose_kernel.h", {"gi/compose/compose.comp"}},
