@@ -39,7 +39,7 @@ int level_of_box(int i) {
                            l.w * u.margins.z;
     TAP(radius, radius);
     precise float slack = 1e-5 * (radius + sqrt(centre.x * centre.x + centre.y * centre.y + centre.z * centre.z));
-    precise float reach = radius + slack;
+    precise float reach = radius + (0.0 < radius ? slack : 0.0);
     float scale = zone_scale(centre, reach, u.forward.xyz, u.zones, u.scales);
     TAP(scale, scale);
     precise vec3 d = vec3(max(distance - l.w * u.margins.x, 0.0) * scale, max(distance - l.w * u.margins.y, 0.0) * scale,

@@ -107,7 +107,8 @@ PLUMB_INLINE Level<F> level_of_box(const LevelView& in, index_t<F> px, index_t<F
     const vec3<F> half{to.x - centre.x, to.y - centre.y, to.z - centre.z};
     const F radius = sqrt(dot3(half, half)) + low.w * F(u.margins[2]);
     tap("radius", radius, "of a ball around the grown box, m");
-    const F slack = F(1e-5f) * (radius + sqrt(dot3(centre, centre)));
+    // A point is asked as point_distance() asks it.
+    const F slack = select(F(0.0f) < radius, F(1e-5f) * (radius + sqrt(dot3(centre, centre))), F(0.0f));
     const F scale = zone_scale<F>(centre, radius + slack, u.forward, u.zones, u.scales);
     tap("scale", scale, "of the zone");
     const vec3<F> d{max(distance - low.w * F(u.margins[0]), F(0.0f)) * scale,

@@ -80,6 +80,7 @@ const TappedTwin tapped_twins[] = {
     {"gi/probes/lambda_kernel.h", {"gi/probes/lambda.comp"}},
     {"gi/probes/radiance_kernel.h", {"gi/probes/radiance.comp"}},
     {"gi/probes/lightmap_kernel.h", {"gi/probes/lightmap_levels.glsl"}},
+    {"gi/probes/level_kernel.h", {"gi/probes/level.comp", "gi/probes/level.glsl"}},
     {"gi/probes/share_kernel.h", {"gi/probes/share.comp"}},
     {"gi/probes/supports_kernel.h", {"gi/probes/supports.comp"}},
     {"gi/compose/compose_kernel.h", {"gi/compose/compose.comp"}},
