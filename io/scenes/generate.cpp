@@ -24,6 +24,9 @@ const std::vector<GeneratedScene>& generated_scenes() {
          4'000'000, 1'000, 20'000'000, scenes::city},
         {"rooms", "a furnished flat, another one for every seed", 60'000, 20'000, 4'000'000, scenes::rooms},
         {"stress", "degenerate and extreme triangles, a case a cell", 20'000, 2'000, 4'000'000, scenes::stress},
+        {"container", "a cargo container to be moved through other scenes (IPR figure 5.20)", 2'400, 600, 400'000,
+         scenes::container},
+        {"character", "a figure in mid-stride to be moved through other scenes", 4'800, 1'600, 400'000, scenes::character},
     };
     return scenes;
 }

@@ -39,6 +39,8 @@ Scene hall(const GenerateOptions& options);
 Scene city(const GenerateOptions& options);
 Scene rooms(const GenerateOptions& options);
 Scene stress(const GenerateOptions& options);
+Scene container(const GenerateOptions& options);
+Scene character(const GenerateOptions& options);
 }  // namespace scenes
 
 }  // namespace plumb::io
