@@ -75,6 +75,9 @@ struct ProbeBuffers {
     Image4 surface, emitted, place;          // of relight hits (gi/probes/hit_surfaces.h)
     Buffer<float> harmonics, weights;        // as probes.lambda reads them
     std::vector<std::int32_t> probe_level, cluster_level;
+    probes::Lod lod;                         // of the bake
+    probes::LodBoxes boxes;                  // of what has a level of detail; empty without
+    Image4 placed;                           // `place` with the level that a hit is looked up in; empty without levels
     Image4 before;                           // the lightmap that relight rays look up: of the round, or the frame, before
     Image4 radiance, lambda, basis, irradiance, lightmap;
     Image4 uv;                               // of the frame's pixels

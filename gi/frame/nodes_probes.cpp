@@ -6,6 +6,7 @@
 #include "gi/frame/isr.h"
 #include "gi/probes/bake.h"
 #include "gi/probes/hit_surfaces.h"
+#include "gi/probes/lod.h"
 #include "gi/probes/lookup.h"
 #include "gi/probes/run_loop.h"
 #include "gi/probes/run_stages.h"
@@ -67,13 +68,19 @@ void add_data(Context& c, Nodes& nodes) {
     node.reads = [&c](graph::Reads& r) {
         if (r.hashes()) r.source("bake", probes::bake_key(bake_of(c)));
         r.source("geometry", c.keys.geometry);
+        probes::LodParams lod = c.settings.lod;
+        r.fields(probes::fields(lod));
     };
     node.outputs = [&p] { return probes::lent(p.data, p.charted, p.harmonics, p.weights); };
     node.run = [&c, &p](const RunOptions&, graph::NodeRun& run) {
         const probes::Bake& b = bake_of(c);
-        p.data = probes::run_data(b);
+        p.lod = probes::lod_of(c.settings.lod, b);
+        p.data = probes::run_data(b, p.lod.levels);
         p.charted = probes::charted_triangles(c.scene, c.world().geometry, b.atlas);
-        p.harmonics = b.harmonics, p.weights = b.relight_weights;
+        p.harmonics = b.harmonics;
+        p.weights = p.lod.off() ? b.relight_weights
+                                : probes::level_weights(b.relight_directions, {p.lod.rays.begin(), p.lod.rays.begin() + p.lod.levels});
+        p.boxes = p.lod.off() ? probes::LodBoxes() : probes::lod_boxes(b);
         p.probe_level.assign(std::size_t(p.data.probes), 0), p.cluster_level.assign(p.data.clusters.size(), 0);
         run.bytes = (p.data.matrix.size() + p.data.u.size()) * sizeof(float);
         run.reason = fmt::format("{} receivers, {} probes, {} clusters, lightmap {} x {}", p.data.count(), p.data.probes,
@@ -118,9 +125,56 @@ void add_surfaces(Context& c, int view, Nodes& nodes) {
 
 }  // namespace
 
+namespace {
+
+// Levels of detail of clusters and probes, and of the hits' lookups.
+void add_levels(Context& c, Nodes& nodes) {
+    ProbeBuffers& p = c.frame.probes;
+    const StageBinding& binding = stage<probes::LevelKernel>();
+    PlannedNode node = begin_node(c, binding, "probes", "what is far takes less", double(c.views[1].size.y) * 2);
+    node.of_pixels = false;
+    const auto view = [&c] { return make_view(c.scene.camera, double(c.size.x) / c.size.y, c.scene.convention, c.size); };
+    const auto clusters = [&p, view] {
+        const View v = view();
+        probes::LevelInputs in{&p.boxes.cluster_low, &p.boxes.cluster_high, probes::rule_at(p.lod, glm::vec3(v.eye), glm::vec3(v.forward))};
+        return data_of(in);
+    };
+    node.size = [&p] { return glm::ivec2(int(p.boxes.cluster_low.size()), 1); };
+    node.dispatches = [=] { return std::vector<StageData>{clusters()}; };
+    node.reads = [&p, view](graph::Reads& r) {
+        const View v = view();
+        r.value(v.eye, v.forward);
+        r.list(p.data.matrix), r.image(p.place);
+    };
+    node.outputs = [&p] {
+        Bundle b;
+        lend(b, "level", {std::int64_t(p.cluster_level.size()), 1}, p.cluster_level.data());
+        lend(b, "probe_level", {std::int64_t(p.probe_level.size()), 1}, p.probe_level.data());
+        lend(b, "place", p.placed);
+        return b;
+    };
+    node.run = [&c, &p, view](const RunOptions& options, graph::NodeRun& run) {
+        const View v = view();
+        const probes::Levels levels = probes::levels_at(p.lod, bake_of(c), p.boxes, glm::vec3(v.eye), glm::vec3(v.forward), options);
+        p.cluster_level = levels.cluster, p.probe_level = levels.probe;
+        p.placed = p.place;
+        for (std::size_t i = 0; i < levels.hit.size(); ++i) p.placed.texels[i].z = float(levels.hit[i]);
+        const probes::LodCounts counts = probes::lod_counts(p.lod, bake_of(c), levels);
+        run.reason = fmt::format("{} of {} receivers are computed", counts.receivers, p.data.count());
+    };
+    node.explain = [=, &binding](glm::ivec2 at) { return plumb::explain(binding, clusters(), at); };
+    node.leave_out = [&p] { p.placed = {}; };
+    node.fill = [] {};
+    node.results = {};
+    nodes.push_back(std::move(node));
+}
+
+}  // namespace
+
 void add_probe_hits(Context& c, int view, Nodes& nodes) {
     add_data(c, nodes);
     add_surfaces(c, view, nodes);
+    if (c.settings.lod.levels > 1) add_levels(c, nodes);
 }
 
 // ---- The lightmap, and what pixels read of it ------------------------------------------------------------------------
@@ -134,9 +188,9 @@ probes::UpdateBuffers buffers_of(Context& c) {
     probes::UpdateBuffers b;
     b.data = &p.data, b.harmonics = &p.harmonics, b.weights = &p.weights;
     b.probe_level = &p.probe_level, b.cluster_level = &p.cluster_level;
-    b.counts = {1, {p.data.rays}, {p.data.coefficients}};
+    b.counts = {p.lod.levels, p.lod.rays, p.lod.coefficients};
     b.feedback = c.settings.probe_run.feedback, b.constant = c.settings.probe_run.reflection;
-    b.surface = &p.surface, b.emitted = &p.emitted, b.place = &p.place;
+    b.surface = &p.surface, b.emitted = &p.emitted, b.place = p.lod.off() ? &p.place : &p.placed;
     b.direct = behind ? &p.last.direct : &c.direct(1);
     b.last_lightmap = behind ? &p.last.lightmap : &p.before;
     b.radiance = &p.radiance, b.lambda = &p.lambda, b.basis = &p.basis, b.irradiance = &p.irradiance, b.lightmap = &p.lightmap;
@@ -222,7 +276,11 @@ void add_of_pixels(Context& c, Nodes& nodes, const std::string& why, const std::
 void add_indirect(Context& c, Nodes& nodes) {
     ProbeBuffers& p = c.frame.probes;
     add_of_pixels(c, nodes, "where pixels lie on the lightmap", "uv",
-                  [&c, &p] { return probes::LightmapUvInputs{&c.frame.gbuffer.position, &c.frame.gbuffer.id, &p.charted}; },
+                  [&c, &p] {
+                      const View v = make_view(c.scene.camera, double(c.size.x) / c.size.y, c.scene.convention, c.size);
+                      return probes::LightmapUvInputs{&c.frame.gbuffer.position, &c.frame.gbuffer.id, &p.charted,
+                                                      probes::fragment_rule_at(p.lod, glm::vec3(v.eye), glm::vec3(v.forward))};
+                  },
                   [&p]() -> Image4& { return p.uv; });
     add_of_pixels(c, nodes, "indirect light", "irradiance",
                   [&c, &p] { return probes::LookupInputs{&p.uv, pipelined(c) ? &p.last.lightmap : &p.lightmap, p.data.levels}; },

@@ -32,8 +32,8 @@ const std::vector<MethodInfo>& methods() {
 }
 
 std::vector<std::string> method_tables() {
-    return {"rsm", "isr", "indirect", "shadow", "direct", "compose", "tonemap", "reference", "probes", "layout"};
- }
+    return {"rsm", "isr", "indirect", "shadow", "direct", "compose", "tonemap", "reference", "probes", "lod", "layout"};
+}
 
 std::vector<Field> table_fields(Settings& s, const std::string& table, const std::string& place) {
     if (table == "rsm") return rsm::fields(s.rsm);
@@ -49,6 +49,7 @@ std::vector<Field> table_fields(Settings& s, const std::string& table, const std
         for (Field& field : probes::fields(s.probe_run)) all.push_back(field);
         return all;
     }
+    if (table == "lod") return probes::fields(s.lod);
     if (table == "layout") return raster::fields(s.layout);
     throw InputError(fmt::format("{}: unknown table [{}]; the nearest known one is [{}]", place, table,
                                  nearest_name(table, method_tables())));

@@ -11,6 +11,7 @@
 #include "gi/filter/filter_params.h"
 #include "gi/isr/isr_params.h"
 #include "gi/probes/bake_params.h"
+#include "gi/probes/lod.h"
 #include "gi/probes/run_params.h"
 #include "gi/reference/reference.h"
 #include "gi/rsm/gather.h"
@@ -48,6 +49,7 @@ struct Settings {
     reference::PathParams reference;  // of the method reference and of the truth
     probes::BakeParams probes;        // of `plumb bake`, and of the method probes where it has no bake
     probes::RunParams probe_run;      // of the method probes
+    probes::LodParams lod;            // of the method probes
     std::shared_ptr<const probes::Bake> bake;  // that the method probes reads; planning needs none
     std::uint32_t seed = 1;
     bool truth = false;   // also trace what the method approximates
@@ -55,7 +57,7 @@ struct Settings {
 };
 
 // The tables of a scene file that hold parameters: "rsm", "isr", "indirect", "shadow", "direct", "compose", "tonemap", "reference",
-// "probes", "layout" (of a custom layout).
+// "probes", "lod", "layout" (of a custom layout).
 std::vector<std::string> method_tables();
 
 // The parameters of one table; throws InputError at `place` for a table that does not exist.

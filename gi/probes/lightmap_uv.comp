@@ -2,6 +2,7 @@
 // Twin of lightmap_uv_kernel.h: where on the lightmap a pixel's surface lies.
 #extension GL_GOOGLE_include_directive : require
 #include "core/tap.glsl"
+#include "gi/probes/level.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
@@ -10,6 +11,13 @@ layout(std140, binding = 0) uniform LightmapUvUniforms {
     int height;
     int triangles;  // that id counts
     int charted;    // that have a place on the lightmap
+    int levels;     // of detail; 1: none
+    vec4 eye;
+    vec4 forward;
+    vec4 zones;
+    vec4 scales;
+    vec4 distances;
+    vec4 widths;
 } u;
 layout(binding = 1) uniform sampler2D position_image;                           // xyz m
 layout(std430, binding = 2) readonly buffer Id { ivec2 id[]; };                 // object, triangle
@@ -51,7 +59,14 @@ vec4 lightmap_uv(ivec2 at) {
     TAP(gamma, gamma);
     precise float x = a.w + beta * (b.w - a.w) + gamma * (c.w - a.w);
     precise float y = v.x + beta * (v.y - v.x) + gamma * (v.z - v.x);
-    vec4 uv = vec4(has ? x : -1.0, has ? y : -1.0, 0.0, has ? 1.0 : 0.0);
+    float distance = point_distance(p.xyz, u.eye.xyz, u.forward.xyz, u.zones, u.scales);
+    TAP(distance, distance);
+    int level = level_of(vec3(distance), u.distances, u.levels);
+    float share = blend_of(distance, level, u.distances, u.widths, u.levels);
+    TAP(level, level);
+    TAP(share, share);
+    precise float z = float(level) + share;
+    vec4 uv = vec4(has ? x : -1.0, has ? y : -1.0, has ? z : 0.0, has ? 1.0 : 0.0);
     TAP(uv, uv.xyz);
     return uv;
 }

@@ -34,8 +34,13 @@ StageData data_of(const LightmapUvInputs& in) {
     static const std::int32_t no_triangle = -1;
     static const glm::vec4 no_corners[4] = {};
     const std::int64_t triangles = std::int64_t(in.charted->charted_of.size()), corners = std::int64_t(in.charted->corners.size());
-    const LightmapUvUniforms u{position.width, position.height, std::int32_t(std::max<std::int64_t>(triangles, 1)),
-                               std::int32_t(std::max<std::int64_t>(corners / 4, 1))};
+    LightmapUvUniforms u{position.width, position.height, std::int32_t(std::max<std::int64_t>(triangles, 1)),
+                         std::int32_t(std::max<std::int64_t>(corners / 4, 1)), in.rule.levels, {}, {}, {}, {}, {}, {}, {}};
+    const auto put = [](float* to, const glm::vec4& from) {
+        for (int c = 0; c < 4; ++c) to[c] = from[c];
+    };
+    put(u.eye, in.rule.eye), put(u.forward, in.rule.forward), put(u.zones, in.rule.zones);
+    put(u.scales, in.rule.scales), put(u.distances, in.rule.distances), put(u.widths, in.rule.widths);
     StageData d = begin_data<LightmapUvKernel>(size_of(position), u);
     lend(d, {{"position", in.position}});
     lend(d.inputs, "id", {std::int64_t(in.id->size()), 2}, &in.id->data()->x);

@@ -4,6 +4,7 @@
 #include "core/binding.h"
 #include "core/scene.h"
 #include "core/stage_description.h"
+#include "gi/probes/level.h"
 #include "gi/probes/lightmap_uv_kernel.h"
 
 namespace plumb::probes {
@@ -23,6 +24,7 @@ struct LightmapUvInputs {
     const Image4* position = nullptr;        // xyz m
     const Image<glm::ivec2>* id = nullptr;   // object, triangle; -1, -1: nothing
     const ChartedTriangles* charted = nullptr;
+    LevelRule rule;                          // of pixels: fragment_rule_at()
 };
 
 inline StageDescription<LightmapUvView> describe(LightmapUvKernel) {
@@ -39,8 +41,8 @@ inline StageDescription<LightmapUvView> describe(LightmapUvKernel) {
                    {.name = "corners", .at = &View::corners, .unit = "m",
                     .meaning = "[charted triangle][4] xyz of its corners, u in w; their v",
                     .count = [](const View& v) { return 4 * std::size_t(v.u.charted); }, .why = "four a charted triangle"}},
-        .outputs = {{.name = "uv", .at = &View::uv, .meaning = "coordinates on the lightmap, w 1; -1, -1, 0, 0: it has none", .fixed = 8}},
-        .uniforms = {{"triangles", 1, 0x7fffffff}, {"charted", 1, 1 << 29}},
+        .outputs = {{.name = "uv", .at = &View::uv, .meaning = "coordinates on the lightmap, level of detail, w 1; -1, -1, 0, 0: it has none", .fixed = 8}},
+        .uniforms = {{"triangles", 1, 0x7fffffff}, {"charted", 1, 1 << 29}, {"levels", 1, most_levels}},
         .cost = {3, "pixels"},
     };
 }

@@ -6,9 +6,11 @@
 //     b = (d22 d1 - d12 d2) / (d11 d22 - d12^2)        d11 = e1.e1, d12 = e1.e2, d22 = e2.e2, d1 = e1.(p - A), d2 = e2.(p - A)
 //
 // which is the same to rounding, and holds for positions that a target has rounded, too.
+//
+// Beside it the pixel's level of detail, by its distance (IPR 4.2.4): whole levels, and the share of the next coarser one.
 #pragma once
 
-#include "core/number.h"
+#include "gi/probes/level_kernel.h"
 
 namespace plumb::probes {
 
@@ -17,8 +19,16 @@ struct LightmapUvUniforms {
     std::int32_t width, height;
     std::int32_t triangles;  // that `id` counts: of the frame
     std::int32_t charted;    // that have a place on the lightmap: static ones
+    std::int32_t levels;     // of detail; 1: none
+    std::int32_t padding[3];
+    float eye[4];            // xyz m
+    float forward[4];        // xyz unit
+    float zones[4];          // cosine, sine of the front's half angle; of the side's
+    float scales[4];         // xyz: of distances in front, at the side, behind
+    float distances[4];      // xyz m: where levels 1, 2, 3 begin
+    float widths[4];         // xyz m: over which a pixel changes to them
 };
-static_assert(sizeof(LightmapUvUniforms) == 16);
+static_assert(sizeof(LightmapUvUniforms) == 128);
 
 struct LightmapUvView {
     LightmapUvUniforms u;
@@ -28,11 +38,6 @@ struct LightmapUvView {
     const float* corners;                // [charted][4][4]: xyz of A, B, C in m, w their u; then their v, and 0
     float* uv;                           // out: [height][width][4]
 };
-
-template <class F>
-PLUMB_INLINE F dot_of(const vec3<F>& a, const vec3<F>& b) {
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
 
 template <class F, class Tap>
 PLUMB_INLINE vec4<F> lightmap_uv(const LightmapUvView& in, index_t<F> px, index_t<F> py, Tap& tap) {
@@ -48,14 +53,20 @@ PLUMB_INLINE vec4<F> lightmap_uv(const LightmapUvView& in, index_t<F> px, index_
     const vec4<F> a = N::fetch4(in.corners, first), b = N::fetch4(in.corners, first + I(1)), c = N::fetch4(in.corners, first + I(2)),
                   v = N::fetch4(in.corners, first + I(3)), p = N::fetch4(in.position, pixel);
     const vec3<F> e1{b.x - a.x, b.y - a.y, b.z - a.z}, e2{c.x - a.x, c.y - a.y, c.z - a.z}, d{p.x - a.x, p.y - a.y, p.z - a.z};
-    const F d11 = dot_of<F>(e1, e1), d12 = dot_of<F>(e1, e2), d22 = dot_of<F>(e2, e2), d1 = dot_of<F>(e1, d), d2 = dot_of<F>(e2, d);
+    const F d11 = dot3(e1, e1), d12 = dot3(e1, e2), d22 = dot3(e2, e2), d1 = dot3(e1, d), d2 = dot3(e2, d);
     const F area = d11 * d22 - d12 * d12;                         tap("area", area, "d11 d22 - d12^2, m4");
     const F scale = F(1.0f) / select(area > F(0.0f), area, F(1.0f));
     const F beta = max(F(0.0f), min((d22 * d1 - d12 * d2) * scale, F(1.0f)));
     const F gamma = max(F(0.0f), min((d11 * d2 - d12 * d1) * scale, F(1.0f) - beta));
     tap("beta", beta, "of B, 0..1"), tap("gamma", gamma, "of C, 0..1 - beta");
     const F x = a.w + beta * (b.w - a.w) + gamma * (c.w - a.w), y = v.x + beta * (v.y - v.x) + gamma * (v.z - v.x);
-    const vec4<F> uv{select(has, x, F(-1.0f)), select(has, y, F(-1.0f)), F(0.0f), select(has, F(1.0f), F(0.0f))};
+    const F distance = point_distance<F>(xyz<F>(p), u.eye, u.forward, u.zones, u.scales);
+    tap("distance", distance, "from the eye, scaled by zones, m");
+    const I level = level_of<F>({distance, distance, distance}, u.distances, u.levels);
+    const F share = blend_of<F>(distance, level, u.distances, u.widths, u.levels);
+    tap("level", level, "of detail"), tap("share", share, "of the next coarser level");
+    const vec4<F> uv{select(has, x, F(-1.0f)), select(has, y, F(-1.0f)), select(has, N::from_index(level) + share, F(0.0f)),
+                     select(has, F(1.0f), F(0.0f))};
     tap("uv", xyz<F>(uv), "on the lightmap, level of detail; -1, -1: it has no place there");
     return uv;
 }
