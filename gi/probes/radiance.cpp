@@ -6,9 +6,11 @@ namespace plumb::probes {
 
 namespace {
 
-bool is_flag(float w) { return w == 0 || w == 1; }
+// Without a branch: they are asked of every ray of every frame. False for what is no number.
+bool is_flag(float w) { return w * (w - 1) == 0; }
 bool is_level(float z, int levels) {
-    return (z == 0) | ((z == 1) & (levels > 1)) | ((z == 2) & (levels > 2)) | ((z == 3) & (levels > 3));
+    const std::int32_t k = number<float>::truncate_to_index(z);
+    return in_range(k, levels) & (float(k) == z);
 }
 
 const Buffer<glm::vec4>& listed(const char* name, const Buffer<glm::vec4>* list, std::int64_t count) {
@@ -21,10 +23,9 @@ const Buffer<glm::vec4>& listed(const char* name, const Buffer<glm::vec4>* list,
 
 void check_radiance(RadianceView& v, Buffer<float>&) {
     const std::ptrdiff_t rays = std::ptrdiff_t(v.u.width) * v.u.height;
-    int wrong = 0;
-    for (std::ptrdiff_t i = 0; i < rays; ++i)
-        wrong |= int(!is_flag(v.surface[4 * i + 3])) | int(!is_level(v.place[4 * i + 2], v.u.levels));
-    for (std::ptrdiff_t i = 0; wrong != 0 && i < rays; ++i) {
+    bool all = true;
+    for (std::ptrdiff_t i = 0; i < rays; ++i) all &= is_flag(v.surface[4 * i + 3]) & is_level(v.place[4 * i + 2], v.u.levels);
+    for (std::ptrdiff_t i = 0; !all && i < rays; ++i) {
         if (const float w = v.surface[4 * i + 3]; !is_flag(w))
             throw InputError(fmt::format("probes.radiance: surface: w of ray {} is {:g}: expected 0 or 1", i, w));
         if (const float z = v.place[4 * i + 2]; !is_level(z, v.u.levels))

@@ -10,6 +10,7 @@
 #include "gi/probes/coefficients.h"
 #include "gi/probes/density.h"
 #include "gi/probes/share.h"
+#include "gi/stability/relight.h"
 
 namespace plumb::stability {
 
@@ -71,6 +72,7 @@ std::vector<StageData> bake_data(const Scene& scene, const RunOptions& options) 
                                                   block.supporting.data(), block.seen.data(), block.visible.data(),
                                                   block.shares.data()};
     all.push_back(owned_by<probes::CoefficientsKernel>(probes::data_of(coefficients)));
+    for (StageData& data : relight_data(scene, graph, options)) all.push_back(std::move(data));
     return all;
 }
 

@@ -14,6 +14,7 @@
 #include "gi/probes/share.h"
 #include "gi/probes/supports.h"
 #include "gi/stability/bake.h"
+#include "gi/stability/relight.h"
 
 namespace plumb::stability {
 
@@ -264,6 +265,7 @@ const std::vector<BakeCase>& bake_cases() {
     static const std::vector<BakeCase> all = [] {
         std::vector<BakeCase> list;
         add_candidates(list), add_supports(list), add_shares(list), add_coefficients(list);
+        for (BakeCase& c : relight_cases()) list.push_back(std::move(c));
         return list;
     }();
     return all;

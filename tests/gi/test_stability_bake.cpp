@@ -7,6 +7,8 @@
 #include "gi/lend.h"
 #include "gi/probes/coefficients.h"
 #include "gi/probes/density.h"
+#include "gi/probes/lambda.h"
+#include "gi/probes/radiance.h"
 #include "gi/probes/share.h"
 #include "gi/probes/supports.h"
 #include "gi/stability/bake.h"
@@ -29,7 +31,8 @@ Cell cell_of(const StageData& data) {
     return cells[0];
 }
 
-const std::set<std::string> all_stages = {"probes.density", "probes.supports", "probes.share", "probes.coefficients"};
+const std::set<std::string> all_stages = {"probes.density", "probes.supports", "probes.share", "probes.coefficients", "probes.radiance",
+                                           "probes.lambda"};
 
 }  // namespace
 
@@ -63,11 +66,36 @@ TEST_CASE("stability: condition numbers of a bake's stages that are known", "[st
     const glm::vec4 seen(0, 0, 2, 1);
     const probes::CoefficientsInputs alpha{1, 1, 1, 0, rows.data(), &supporting, &seen, &sees, &share};
     CHECK(cell_of(probes::data_of(alpha)).condition == Approx(2 + 1 / 1.1283792).epsilon(1e-5));
+
+    // f = rho / pi I: one each; of a texel alone no place moves it. c I: of c, too, and not of rho.
+    const Buffer<glm::vec4> surface = {{0.5f, 0.5f, 0.5f, 1}}, none = {{0, 0, 0, 0}}, middle = {{0.5f, 0.5f, 0, 0}}, one_w = {{1, 1, 1, 0}};
+    const Image4 lightmap(1, 1, glm::vec4(2));
+    probes::RadianceInputs ray;
+    ray.probes = ray.rays = 1, ray.constant = 0.25f;
+    ray.surface = &surface, ray.emitted = &none, ray.direct = &none, ray.place = &middle, ray.lightmap = &lightmap;
+    for (const probes::Feedback f : {probes::Feedback::corrected, probes::Feedback::constant, probes::Feedback::material}) {
+        ray.feedback = f;
+        CHECK(cell_of(probes::data_of(ray)).condition == Approx(2).epsilon(1e-5));
+    }
+    // What is emitted is there as it is.
+    const Buffer<glm::vec4> black = {{0, 0, 0, 0}};
+    ray.surface = &black, ray.emitted = &one_w;
+    CHECK(cell_of(probes::data_of(ray)).condition == Approx(1).epsilon(1e-5));
+
+    // lambda = w f Y: one each.
+    const Buffer<glm::vec4> radiance = {{0.25f, 2, 1, 0}};
+    const Buffer<float> harmonics = {-0.5f}, weights = {4};
+    const std::vector<std::int32_t> level = {0};
+    probes::LambdaInputs lambda;
+    lambda.probes = lambda.rays = lambda.coefficients = 1, lambda.level_rays = {1}, lambda.level_coefficients = {1};
+    lambda.radiance = &radiance, lambda.harmonics = &harmonics, lambda.weights = &weights, lambda.probe_level = &level;
+    CHECK(cell_of(probes::data_of(lambda)).condition == Approx(3).epsilon(1e-5));
 }
 
 TEST_CASE("stability: every case of a bake by hand is within its budget, or is refused as it says", "[stability][probes]") {
     const std::set<std::string> refused = {"radius of 1e-20", "denormal weights", "weights that are no numbers", "hits infinitely far",
-                                           "hits 2^61 m from a probe", "a hit that is no number"};
+                                           "hits 2^61 m from a probe", "a hit that is no number", "rays at a level that there is not",
+                                           "rays that half reflect", "a probe of a level that there is not"};
     std::set<std::string> names, stages;
     for (const BakeCase& c : bake_cases()) {
         CHECK(names.insert(c.name).second);

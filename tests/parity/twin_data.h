@@ -12,6 +12,7 @@
 #include "tests/parity/twin_data_isr.h"
 #include "tests/parity/twin_data_parts.h"
 #include "tests/parity/twin_data_probes.h"
+#include "tests/parity/twin_data_relight.h"
 
 namespace plumb::test {
 
@@ -194,6 +195,7 @@ inline std::vector<StageData> compute_cases(glm::ivec2 size) {
         tonemap_case(size, {compose::Operator::exposure, 11.9f, 0.03f, 2.1f, 1.58f}, "tonemap.figure_a_1"),
     };
     for (StageData& data : probe_cases(size)) cases.push_back(std::move(data));
+    for (StageData& data : relight_cases(size)) cases.push_back(std::move(data));
     for (StageData& data : isr_cases(size)) cases.push_back(std::move(data));
     return cases;
 }

@@ -1,6 +1,7 @@
 // The stages of a bake of probes, on the Cornell box: 78 probes, 10 of them a receiver, 512 rays, degree 7. A block of 1024
 // receivers for probes.share and probes.coefficients, a dispatch of 32,767 receivers for probes.supports, the first candidates of
-// the box for probes.density. By instruction set, on one and on two threads.
+// the box for probes.density; all rays of all probes for probes.radiance and probes.lambda. By instruction set, on one and on two
+// threads.
 //
 //     tools/bench probes
 //
@@ -17,6 +18,8 @@
 #include "gi/probes/bake.h"
 #include "gi/probes/coefficients.h"
 #include "gi/probes/density.h"
+#include "gi/probes/lambda.h"
+#include "gi/probes/radiance.h"
 #include "gi/probes/share.h"
 #include "io/scene_file.h"
 
@@ -73,6 +76,42 @@ const Box& box() {
     return b;
 }
 
+// What all rays of all probes of the box end on, under a direct light and a lightmap of one radiance; and what they bring.
+struct Relight {
+    Buffer<glm::vec4> surface, emitted, direct, place, radiance;
+    Image4 lightmap;
+    Buffer<float> harmonics, weights;
+    std::vector<std::int32_t> level;
+    probes::RadianceInputs rays;
+    probes::LambdaInputs sums;
+
+    Relight() {
+        const probes::Bake& bake = box().graph.bake();
+        const Buffer<glm::vec4> directions = probes::relight_directions(bake.params.relight_rays);
+        const probes::RelightHits hits =
+            probes::relight_rays(bake.atlas, raster::surface_args(bake.atlas.geometry, box().graph.surfaces(), View{}),
+                                 box().graph.query(), bake.placement.probes, directions, {});
+        for (std::size_t i = 0; i < hits.material.size(); ++i) {
+            const bool front = hits.material[i] >= 0;
+            surface.push_back(front ? glm::vec4(0.5f, 0.5f, 0.5f, 1) : glm::vec4(0));
+            emitted.emplace_back(0.1f, 0.1f, 0.1f, 0), direct.emplace_back(1, 1, 1, 0), place.emplace_back(hits.uv[i], 0, 0);
+        }
+        lightmap = Image4(bake.atlas.size.x, bake.atlas.size.x, glm::vec4(2, 2, 2, 1));
+        rays.probes = hits.probes, rays.rays = hits.rays, rays.side = lightmap.width;
+        rays.surface = &surface, rays.emitted = &emitted, rays.direct = &direct, rays.place = &place, rays.lightmap = &lightmap;
+        run(rays, {}, radiance);
+        harmonics = probes::harmonics_of(directions, bake.params.degree), weights = probes::level_weights(directions, {hits.rays});
+        level.assign(std::size_t(hits.probes), 0);
+        sums.probes = hits.probes, sums.rays = hits.rays, sums.coefficients = sh::count(bake.params.degree);
+        sums.level_rays = {hits.rays}, sums.level_coefficients = {sums.coefficients};
+        sums.radiance = &radiance, sums.harmonics = &harmonics, sums.weights = &weights, sums.probe_level = &level;
+    }
+};
+const Relight& relight() {
+    static const Relight r;
+    return r;
+}
+
 struct Work {
     StageData data;
     double operations;
@@ -99,6 +138,14 @@ Work coefficients() {
     double seen = 0;
     for (const std::int32_t bits : box().block.visible) seen += std::popcount(std::uint32_t(bits));
     return {box().coefficients(), seen * (16 + 6 * 8 + 4 * 28 + 2 * 64)};
+}
+
+// Of each ray 15 for what comes of direct light and the lightmap, 12 for its place, 27 for the texels around it.
+Work radiance() { return {probes::data_of(relight().rays), double(relight().surface.size()) * (15 + 12 + 27)}; }
+// A product and a sum of each coefficient, ray and channel, and a weight of each ray and channel.
+Work lambda() {
+    const probes::LambdaInputs& in = relight().sums;
+    return {probes::data_of(in), double(in.probes) * in.rays * 3 * (2 * in.coefficients + 1)};
 }
 
 double bytes_of(const StageBinding& binding, const StageData& data) {
@@ -133,7 +180,9 @@ void run_stage(benchmark::State& state, const StageBinding& binding, Work (*make
                                    {"supports", stage<probes::SupportsKernel>, supports},
                                    {"share", stage<probes::ShareKernel>, [] { return share(false); }},
                                    {"share_published", stage<probes::ShareKernel>, [] { return share(true); }},
-                                   {"coefficients", stage<probes::CoefficientsKernel>, coefficients}};
+                                   {"coefficients", stage<probes::CoefficientsKernel>, coefficients},
+                                   {"radiance", stage<probes::RadianceKernel>, radiance},
+                                   {"lambda", stage<probes::LambdaKernel>, lambda}};
     for (const Stage& s : stages)
         for (const Isa isa : supported_isas())
             for (const int threads : {1, 2}) {
