@@ -8,10 +8,9 @@
 
 namespace plumb::probes {
 
-inline constexpr int most_lod_levels = 4;
 inline constexpr int most_boxes = 1 << 24;
 
-// What levels are measured from, as the kernels have it; view_of() of lod.h makes it.
+// What levels are measured from, as the kernels have it; rule_at() of lod.h makes it.
 struct LevelRule {
     int levels = 1;
     glm::vec4 eye{0}, forward{0, 0, -1, 0};  // m; unit
@@ -46,7 +45,7 @@ inline StageDescription<LevelView> describe(LevelKernel) {
                    {.name = "high", .at = &View::high, .unit = "m", .meaning = "xyz the high corner; w unused", .fixed = 8,
                     .count = count, .why = "count of them"}},
         .outputs = {{.name = "level", .at = &View::level, .meaning = "level of detail, 0 the finest"}},
-        .uniforms = {{"count", 1, most_boxes}, {"levels", 1, most_lod_levels}},
+        .uniforms = {{"count", 1, most_boxes}, {"levels", 1, most_levels}},
         .refuses =
             [](const View& v, glm::ivec2 size) {
                 return std::string(std::int64_t(size.x) * size.y < v.u.count ? "fewer items than boxes" : "");

@@ -14,7 +14,7 @@ namespace plumb::probes {
 
 namespace {
 
-constexpr int n = most_lod_levels;
+constexpr int n = most_levels;
 
 std::array<float, 3> distances(const LodParams& p) { return {p.distance_1, p.distance_2, p.distance_3}; }
 std::array<int, n> degrees(const LodParams& p) { return {p.degree_0, p.degree_1, p.degree_2, p.degree_3}; }
@@ -175,12 +175,6 @@ LevelRule fragment_rule_at(const Lod& lod, const glm::vec3& eye, const glm::vec3
     LevelRule rule = rule_at(lod, eye, forward);
     rule.distances = lod.fragment_distances;
     return rule;
-}
-
-int receiver_level(const glm::ivec2& texel, int levels) {
-    int level = 0;
-    while (level < levels - 1 && (((texel.x | texel.y) >> level) & 1) == 0) ++level;
-    return level;
 }
 
 }  // namespace plumb::probes

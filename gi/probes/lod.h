@@ -48,7 +48,7 @@ void validate(const LodParams& params);
 // What the parameters are for one scene and bake.
 struct Lod {
     int levels = 1;
-    std::array<int, most_lod_levels> degree{}, coefficients{}, rays{};  // equal to the last level's beyond it
+    std::array<int, most_levels> degree{}, coefficients{}, rays{};  // equal to the last level's beyond it
     HitLevel hit_level = HitLevel::own;
     ProbeLevel probe_level = ProbeLevel::clusters;
     LevelRule rule;                  // of boxes and hits; eye and forward are the view's
@@ -89,16 +89,14 @@ struct Levels {
 Levels levels_at(const Lod& lod, const Bake& bake, const LodBoxes& boxes, const glm::vec3& eye, const glm::vec3& forward,
                  const RunOptions& options);
 
-// How many trailing zero bits both coordinates have, at most levels - 1 (IPR 4.2.3); of (0, 0) levels - 1.
-int receiver_level(const glm::ivec2& texel, int levels);
-// Whether a receiver is computed (IPR 4.2.3).
+// Whether a receiver is computed (IPR 4.2.3); its level is level_of_texel() of run_data.h.
 constexpr bool is_computed(int receiver_level, int cluster_level) { return receiver_level >= cluster_level; }
 
 // ---- What is left out ---------------------------------------------------------------------------------------------------
 
 struct LodCounts {
     std::int64_t receivers = 0;                            // computed
-    std::array<std::int64_t, most_lod_levels> clusters{}, probes{};  // in each level
+    std::array<std::int64_t, most_levels> clusters{}, probes{};  // in each level
     std::int64_t rays = 0;                                 // relight rays that are summed
     std::int64_t lambda_terms = 0;                         // rays x coefficients, of all probes
     std::int64_t basis_terms = 0;                          // coefficients x rank, of all clusters' probes
@@ -108,6 +106,6 @@ struct LodCounts {
 LodCounts lod_counts(const Lod& lod, const Bake& bake, const Levels& levels);
 
 // Charts whose receivers are all missing in a level: what lies on them is 0 there.
-std::array<int, most_lod_levels> charts_missing(const Bake& bake, int levels);
+std::array<int, most_levels> charts_missing(const Bake& bake, int levels);
 
 }  // namespace plumb::probes

@@ -7,6 +7,7 @@
 #include "core/error.h"
 #include "gi/probes/bake.h"
 #include "gi/probes/lod.h"
+#include "gi/probes/run_data.h"
 
 namespace plumb::probes {
 
@@ -133,7 +134,7 @@ LodCounts lod_counts(const Lod& lod, const Bake& bake, const Levels& levels) {
         n.basis_terms += probes * lod.coefficients[std::size_t(level)] * rank;
         for (std::int32_t i = flat.first_receiver[c]; i < flat.first_receiver[c + 1]; ++i) {
             const glm::ivec2 texel = bake.receivers.texel[std::size_t(flat.receivers[std::size_t(i)])];
-            if (!is_computed(receiver_level(texel, lod.levels), level)) continue;
+            if (!is_computed(level_of_texel(texel, lod.levels), level)) continue;
             ++n.receivers;
             n.irradiance_terms += rank;
         }
@@ -143,16 +144,16 @@ LodCounts lod_counts(const Lod& lod, const Bake& bake, const Levels& levels) {
     return n;
 }
 
-std::array<int, most_lod_levels> charts_missing(const Bake& bake, int levels) {
+std::array<int, most_levels> charts_missing(const Bake& bake, int levels) {
     const std::size_t charts = bake.atlas.charts.size();
     std::vector<int> most(charts, -1);
     for (int i = 0; i < bake.receivers.count(); ++i) {
         const std::int32_t chart = bake.atlas.chart[std::size_t(bake.receivers.triangle[std::size_t(i)])];
         if (chart < 0) continue;
         int& level = most[std::size_t(chart)];
-        level = std::max(level, receiver_level(bake.receivers.texel[std::size_t(i)], levels));
+        level = std::max(level, level_of_texel(bake.receivers.texel[std::size_t(i)], levels));
     }
-    std::array<int, most_lod_levels> missing{};
+    std::array<int, most_levels> missing{};
     for (int k = 0; k < levels; ++k)
         missing[std::size_t(k)] = int(std::count_if(most.begin(), most.end(), [&](int level) { return level < k; }));
     return missing;

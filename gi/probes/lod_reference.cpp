@@ -1,6 +1,7 @@
 #include "gi/probes/lod_reference.h"
 
 #include "gi/probes/bake.h"
+#include "gi/probes/run_data.h"
 
 namespace plumb::probes {
 
@@ -31,7 +32,7 @@ std::vector<glm::dvec3> lod_irradiance(const Bake& bake, const Lod& lod, const L
                     basis[s] += double(cluster.sigma_vt[(s * cluster.probes.size() + p) * all + j]) *
                                 lambda[std::size_t(cluster.probes[p]) * all + j];
         for (const std::int32_t i : cluster.receivers) {
-            if (!is_computed(receiver_level(bake.receivers.texel[std::size_t(i)], lod.levels), level)) continue;
+            if (!is_computed(level_of_texel(bake.receivers.texel[std::size_t(i)], lod.levels), level)) continue;
             for (std::size_t s = 0; s < basis.size(); ++s)
                 irradiance[std::size_t(i)] += double(bake.clusters.u[std::size_t(i) * kept + s]) * basis[s];
         }

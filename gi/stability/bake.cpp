@@ -9,6 +9,7 @@
 #include "gi/probes/bake.h"
 #include "gi/probes/coefficients.h"
 #include "gi/probes/density.h"
+#include "gi/probes/level.h"
 #include "gi/probes/share.h"
 #include "gi/stability/relight.h"
 
@@ -30,6 +31,26 @@ StageData owned_by(const StageData& data, const std::string& form = "") {
     StageData own = owned(stage<Kernel>(), data);
     own.label = data.stage + form;
     return own;
+}
+
+// Levels of the probes, and of boxes around receivers, seen by a viewer at the first receiver who looks at the last.
+StageData level_data(const probes::Bake& bake) {
+    Buffer<glm::vec4> low = bake.placement.probes, high = low;
+    const float radius = float(bake.radius.radius_m);
+    for (glm::vec4& p : low) p.w = radius;
+    const Buffer<glm::vec4>& all = bake.receivers.position;
+    for (std::size_t i = 0; i < all.size(); i += 64) {
+        glm::vec4 a = all[i], b = a;
+        for (std::size_t k = i; k < std::min(i + 64, all.size()); ++k) a = glm::min(a, all[k]), b = glm::max(b, all[k]);
+        low.push_back(a), high.push_back(b);
+    }
+    probes::LevelRule rule;
+    const glm::vec3 view = glm::vec3(all.back()) - glm::vec3(all.front());
+    const float length = std::sqrt(glm::dot(view, view));
+    rule.levels = 4, rule.eye = all.front(), rule.forward = glm::vec4(view / std::max(length, 1e-30f), 0);
+    rule.zones = {0.5f, 0.8660254f, -0.5f, 0.8660254f}, rule.scales = {1, 2, 4, 0};
+    rule.distances = {0.1f * length, 0.3f * length, 0.6f * length, 0}, rule.margins = {1, 2, 4, 0};
+    return probes::data_of(probes::LevelInputs{&low, &high, rule});
 }
 
 }  // namespace
@@ -58,6 +79,8 @@ std::vector<StageData> bake_data(const Scene& scene, const RunOptions& options) 
     all.push_back(owned_by<probes::DensityKernel>(probes::data_of(probes::DensityInputs{&bake.placement.candidates, radius})));
     for (const StageData& data : steps.back()->dispatches())
         all.push_back(owned_by<probes::SupportsKernel>(data));
+
+    all.push_back(owned_by<probes::LevelKernel>(level_data(bake)));
 
     const probes::TracedBlock block = graph.traced(0, options);
     const Buffer<float> factors = probes::ray_factors(

@@ -11,6 +11,7 @@
 #include "gi/probes/coefficients.h"
 #include "gi/probes/density.h"
 #include "gi/probes/directions.h"
+#include "gi/probes/level.h"
 #include "gi/probes/share.h"
 #include "gi/probes/supports.h"
 #include "gi/stability/bake.h"
@@ -118,6 +119,39 @@ void add_supports(std::vector<BakeCase>& out) {
     out.push_back(supports("probes 1e-14 m apart", "as is their radius", close, close_probes, 2e-14f));
     out.push_back(supports("probes 1e14 m apart", "as is their radius", wide, wide_probes, 2e14f));
     out.push_back(supports("denormal receivers", "coordinates of 1e-40", scattered(16, 1e-40f, 20), probes, 2));
+}
+
+// ---- Levels of detail
+// -----------------------------------------------------------------------------------------------
+
+BakeCase levels(const std::string& name, const std::string& meaning, const Points& low, const Points& high, float distance) {
+    return {name, group, meaning, [=] {
+                probes::LevelRule rule;
+                rule.levels = 4, rule.forward = {0, 0, 1, 0}, rule.margins = {1, 2, 4, 0};
+                rule.distances = {distance, 2 * distance, 4 * distance, 0};
+                rule.zones = {0.5f, 0.8660254f, -0.5f, 0.8660254f}, rule.scales = {1, 2, 4, 0};
+                return std::vector{own<probes::LevelKernel>(probes::data_of(probes::LevelInputs{&low, &high, rule}), name)};
+            }};
+}
+
+Points times(Points points, float factor) {
+    for (glm::vec4& p : points) p *= factor;
+    return points;
+}
+
+void add_levels(std::vector<BakeCase>& out) {
+    const Points boxes = scattered(64, 8, 60);
+    Points high = boxes;
+    for (glm::vec4& p : high) p += glm::vec4(1, 1, 1, 0);
+    Points margins = boxes;
+    for (glm::vec4& p : margins) p.w = 2;
+    out.push_back(levels("viewer in the box", "a box around the eye, and one that touches it", {{-1, -1, -1, 0}, {0, -1, -1, 0}},
+                         {{1, 1, 1, 0}, {1, 1, 1, 0}}, 2));
+    out.push_back(levels("boxes at a level's distance", "distances within 8 ULP of it", near_the_radius(), near_the_radius(), 0.7f));
+    out.push_back(levels("boxes within their margin", "nearer than margins reach: distances are 0", margins, high, 2));
+    out.push_back(levels("boxes 1e-14 m apart", "as are levels", times(boxes, 1e-14f), times(high, 1e-14f), 2e-14f));
+    out.push_back(levels("boxes 1e14 m apart", "as are levels", times(boxes, 1e14f), times(high, 1e14f), 2e14f));
+    out.push_back(levels("a box at the apex of the zones", "a point where the eye is: its direction is none", {{0, 0, 0, 0}}, {{0, 0, 0, 0}}, 1));
 }
 
 // ---- Rays
@@ -266,6 +300,7 @@ const std::vector<BakeCase>& bake_cases() {
         std::vector<BakeCase> list;
         add_candidates(list), add_supports(list), add_shares(list), add_coefficients(list);
         for (BakeCase& c : relight_cases()) list.push_back(std::move(c));
+        add_candidates(list), add_supports(list), add_levels(list), add_shares(list), add_coefficients(list);
         return list;
     }();
     return all;

@@ -3,6 +3,7 @@
 #include "core/hash.h"
 #include "gi/probes/lod.h"
 #include "gi/probes/lod_reference.h"
+#include "gi/probes/run_loop.h"
 #include "probe_bakes.h"
 
 using namespace plumb;
@@ -73,7 +74,32 @@ Update update(const LodParams& params, const glm::vec3& eye = corner, const glm:
     return u;
 }
 
-int level_of_receiver(std::size_t i, int levels) { return receiver_level(room().receivers.texel[i], levels); }
+// The same by the stages, in floats: all light of a ray is emitted where it ends.
+struct Stages {
+    RunData data;
+    Image4 radiance, lambda, basis, irradiance, lightmap;
+};
+Stages by_stages(const Lod& lod, const Levels& levels) {
+    Stages s;
+    s.data = run_data(room(), lod.levels);
+    const RelightHits& hits = room().relight;
+    Image4 emitted(hits.rays, hits.probes);
+    const Radiances f = lit();
+    for (std::size_t k = 0; k < f.size(); ++k) emitted.texels[k] = glm::vec4(glm::vec3(f[k]), 0);
+    const Image4 nothing(hits.rays, hits.probes), black(s.data.lightmap_size.x, s.data.lightmap_size.y);
+    const Buffer<float> weights = level_weights(room().relight_directions, {lod.rays.begin(), lod.rays.begin() + lod.levels});
+    UpdateBuffers b;
+    b.data = &s.data, b.harmonics = &room().harmonics, b.weights = &weights;
+    b.probe_level = &levels.probe, b.cluster_level = &levels.cluster;
+    b.counts = {lod.levels, lod.rays, lod.coefficients};
+    b.surface = b.place = b.direct = &nothing, b.emitted = &emitted, b.last_lightmap = &black;
+    b.read_lambda = &s.lambda, b.read_basis = &s.basis;
+    b.radiance = &s.radiance, b.lambda = &s.lambda, b.basis = &s.basis, b.irradiance = &s.irradiance, b.lightmap = &s.lightmap;
+    update(b, {});
+    return s;
+}
+
+int level_of_receiver(std::size_t i, int levels) { return level_of_texel(room().receivers.texel[i], levels); }
 
 }  // namespace
 
@@ -145,18 +171,18 @@ TEST_CASE("lod: says what it cannot use", "[probes][lod][refusal]") {
 }
 
 TEST_CASE("lod: a receiver's level is the number of zero bits that both coordinates end in", "[probes][lod][IPR 4.2.3][analytic]") {
-    CHECK(receiver_level({0, 0}, 4) == 3);
-    CHECK(receiver_level({1, 0}, 4) == 0);
-    CHECK(receiver_level({2, 4}, 4) == 1);
-    CHECK(receiver_level({12, 4}, 4) == 2);
-    CHECK(receiver_level({8, 16}, 4) == 3);
-    CHECK(receiver_level({8, 16}, 3) == 2);
-    CHECK(receiver_level({8, 16}, 1) == 0);
+    CHECK(level_of_texel({0, 0}, 4) == 3);
+    CHECK(level_of_texel({1, 0}, 4) == 0);
+    CHECK(level_of_texel({2, 4}, 4) == 1);
+    CHECK(level_of_texel({12, 4}, 4) == 2);
+    CHECK(level_of_texel({8, 16}, 4) == 3);
+    CHECK(level_of_texel({8, 16}, 3) == 2);
+    CHECK(level_of_texel({8, 16}, 1) == 0);
     // Of 16 x 16 texels a quarter has each next level: table 5.8 has 67 682, 16 857, 4 210, 1 073 receivers.
     std::array<int, 4> at_least{};
     for (int y = 0; y < 16; ++y)
         for (int x = 0; x < 16; ++x)
-            for (int k = 0; k < 4; ++k) at_least[std::size_t(k)] += is_computed(receiver_level({x, y}, 4), k) ? 1 : 0;
+            for (int k = 0; k < 4; ++k) at_least[std::size_t(k)] += is_computed(level_of_texel({x, y}, 4), k) ? 1 : 0;
     CHECK(at_least == std::array{256, 64, 16, 4});
 }
 
@@ -180,6 +206,52 @@ TEST_CASE("lod: levels that are all alike change no bit of what is computed", "[
     const Update near = update(alike(four(1e3f, 1e3f, 1e3f)));
     CHECK(near.irradiance == without.irradiance);
     CHECK(lod_counts(near.lod, room(), near.levels).receivers == lod_counts(without.lod, room(), without.levels).receivers);
+}
+
+TEST_CASE("lod: the stages leave each level's texels as they are without level of detail, to the bit", "[probes][lod][pruning]") {
+    const Lod lod = lod_of(alike(four()), room());
+    const Levels levels = levels_of(lod);
+    Levels all = levels;
+    std::fill(all.cluster.begin(), all.cluster.end(), 0), std::fill(all.probe.begin(), all.probe.end(), 0);
+    const Stages with = by_stages(lod, levels), without = by_stages(lod, all);
+    std::array<std::int64_t, 4> kept{}, changed{};
+    for (int k = 0, first = 0, side = room().receivers.size.x; k < 4; first += side + 2, side = (side + 1) / 2, ++k)
+        for (int y = first; y < first + side; ++y)
+            for (int x = 0; x < side; ++x) {
+                const std::int32_t place = with.data.cover(x, y);
+                if (place < 0 || with.data.cluster[std::size_t(place)] < 0) continue;
+                if (levels.cluster[std::size_t(with.data.cluster[std::size_t(place)])] > k) {
+                    REQUIRE(with.lightmap(x, y) == glm::vec4(0, 0, 0, 1));  // never stale
+                    continue;
+                }
+                ++(with.lightmap(x, y) == without.lightmap(x, y) ? kept : changed)[std::size_t(k)];
+            }
+    for (std::size_t k = 0; k < 4; ++k) CHECK(kept[k] > 20);
+    CHECK(changed == std::array<std::int64_t, 4>{});
+    CHECK(with.lambda.texels == without.lambda.texels);
+    CHECK(with.basis.texels == without.basis.texels);
+}
+
+TEST_CASE("lod: the stages compute what the formulas say, to rounding", "[probes][lod]") {
+    for (const bool published : {false, true}) {
+        LodParams p = four();
+        if (published) p.probe_level = ProbeLevel::radius;
+        const Update u = update(p);
+        const Stages s = by_stages(u.lod, u.levels);
+        double most = 0, worst = 0;
+        std::int64_t computed = 0;
+        for (std::size_t i = 0; i < u.irradiance.size(); ++i) {
+            const glm::vec4 stage = s.irradiance.texels[std::size_t(s.data.place_of[i])];
+            computed += stage.w == 1 ? 1 : 0;
+            for (int c = 0; c < 3; ++c) {
+                most = std::max(most, std::fabs(u.irradiance[i][c]));
+                worst = std::max(worst, std::fabs(double(stage[c]) - u.irradiance[i][c]));
+            }
+        }
+        CHECK(computed == lod_counts(u.lod, room(), u.levels).receivers);
+        CHECK(most > 1);
+        CHECK(worst < 2e-5 * most);  // sums of 512 rays, 1,500 coefficients and 32 singular values: some 30 roundings of 6e-8 by chance
+    }
 }
 
 TEST_CASE("lod: fewer rays and coefficients far away leave what level 0 computes of probes of level 0 as it was",
@@ -258,7 +330,7 @@ void look_up(const Image<std::int32_t>& at, const Point& p, int level, const Lev
             if (room().flat.cluster_of[i] < 0) continue;
             const std::size_t cluster = std::size_t(room().flat.cluster_of[i]);
             ++found.read;
-            found.black += is_computed(receiver_level({x * wide, y * wide}, 4), levels.cluster[cluster]) ? 0 : 1;
+            found.black += is_computed(level_of_texel({x * wide, y * wide}, 4), levels.cluster[cluster]) ? 0 : 1;
             const glm::dvec3 d = glm::dvec3(room().receivers.position[i]) - glm::dvec3(p.position);
             found.beyond += std::sqrt(glm::dot(d, d)) > double(wide) * double(boxes().cluster_low[cluster].w) ? 1 : 0;
         }

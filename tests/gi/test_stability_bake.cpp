@@ -33,6 +33,7 @@ Cell cell_of(const StageData& data) {
 
 const std::set<std::string> all_stages = {"probes.density", "probes.supports", "probes.share", "probes.coefficients", "probes.radiance",
                                            "probes.lambda"};
+const std::set<std::string> all_stages = {"probes.density", "probes.supports", "probes.level", "probes.share", "probes.coefficients"};
 
 }  // namespace
 
@@ -125,7 +126,8 @@ TEST_CASE("stability: the stages of a bake have cells in a room of 0.2 mm and of
             CHECK(cell.ok);
             CHECK_FALSE(cell.refused);
             CHECK(cell.pixels > 0);
-            CHECK(cell.used > 0);  // rounding is there, and it is seen
+            // Rounding is there, and it is seen; of a level, a whole number, only where it turns.
+            if (cell.stage != "probes.level") CHECK(cell.used > 0);
             stages.insert(cell.stage);
         }
         CHECK(stages == all_stages);

@@ -8,6 +8,7 @@
 #include "gi/ddgi/sample.h"
 #include "gi/probes/coefficients.h"
 #include "gi/probes/density.h"
+#include "gi/probes/level.h"
 #include "gi/probes/share.h"
 #include "gi/probes/supports.h"
 #include "tests/parity/twin_data_parts.h"
@@ -39,6 +40,26 @@ inline StageData supports_case(glm::ivec2 size, float radius, int overlaps, cons
     const double probes = n;
     set_uniform(parity::find_binding(d.stage, "test"), d, "probes", {&probes, 1}, "test");
     return named(d, id);
+}
+
+// Boxes and points around an eye, near and far, before it and behind; every seventh holds it. One more lies behind the list.
+inline StageData level_case(glm::ivec2 size, int levels, const std::string& id) {
+    const int n = size.x * size.y - 5;
+    Buffer<glm::vec4> low = scattered(n + 1, 86), high = low;
+    for (int i = 0; i <= n; ++i) {
+        glm::vec4 &a = low[std::size_t(i)], &b = high[std::size_t(i)];
+        a = 16.0f * (a - 0.5f), a.w = i % 3 == 0 ? 0 : 0.5f * noise(i, 3, 0, 86);
+        for (int c = 0; c < 3; ++c) b[c] = a[c] + (i % 2 == 0 ? 3 * noise(i, c, 1, 86) : 0);
+        if (i % 7 == 0)
+            for (int c = 0; c < 3; ++c) a[c] = -a[c] < 0 ? -a[c] : a[c], b[c] = -a[c] + 1;
+        b.w = 0;
+    }
+    const probes::LevelUniforms u{size.x, size.y, n, levels, {0.25f, -0.5f, 0.75f, 0}, {0.48f, 0.6f, -0.64f, 0}, {0.5f, 0.8660254f, -0.25f, 0.96824584f},
+                                  {1, 1.5f, 3, 0}, {2.5f, 5, 9, 0}, {1, 2, 4, 0}};
+    StageData d = begin_data<probes::LevelKernel>(size, u);
+    lend(d.inputs, "low", {n + 1, 4}, &low[0].x);
+    lend(d.inputs, "high", {n + 1, 4}, &high[0].x);
+    return named(owned_data(d), id);
 }
 
 // What receivers' rays met: points, directions of those that met nothing, what no probe sees; a probe without weight.
@@ -129,6 +150,8 @@ inline std::vector<StageData> probe_cases(glm::ivec2 size) {
         density_case(size, 0.3f, "probes.density"),
         supports_case(size, 0.4f, 15, "probes.supports"),  // most receivers have fewer
         supports_case(size, 2, 16, "probes.supports.all"),  // every probe is in reach
+        level_case(size, 4, "probes.level"),
+        level_case(size, 2, "probes.level.two"),
         share_case(size, false, "probes.share"),
         share_case(size, true, "probes.share.published"),
         coefficients_case(size, "probes.coefficients"),

@@ -75,7 +75,7 @@ TEST_CASE("stability: no stage leaves its budget in any case, whatever the numbe
                                            "hemicube: hemicube without a normal",
                                            "texture_space: chart that is no number",
                                            "probes.density: offset 1e7", "probes.supports: offset 1e7",
-                                           "probes.share: offset 1e7", "probes.coefficients: offset 1e7",
+                                           "probes.share: offset 1e7", "probes.coefficients: offset 1e7", "probes.level: offset 1e7",
                                            "probes.density: radius of 1e-20", "probes.share: denormal weights",
                                            "probes.share: weights that are no numbers", "probes.share: hits infinitely far",
                                            "probes.coefficients: hits 2^61 m from a probe",

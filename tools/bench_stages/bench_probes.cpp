@@ -20,6 +20,7 @@
 #include "gi/probes/density.h"
 #include "gi/probes/lambda.h"
 #include "gi/probes/radiance.h"
+#include "gi/probes/level.h"
 #include "gi/probes/share.h"
 #include "io/scene_file.h"
 
@@ -57,6 +58,18 @@ struct Box {
     StageData density() const {
         const probes::Placement& p = graph.bake().placement;
         return probes::data_of(probes::DensityInputs{&p.candidates, float(p.rho_m)});
+    }
+    // As many boxes as a bake of 512,026 receivers has clusters and probes; every other is of the side's zone.
+    StageData level() const {
+        static Buffer<glm::vec4> low, high;
+        for (int i = int(low.size()); i < 1024; ++i) {
+            const float x = 0.1f * float(i);
+            low.push_back({x, 0, i % 2 ? 0.0f : -x, 0.5f}), high.push_back({x + 4, 4, i % 2 ? 4.0f : 4 - x, 0});
+        }
+        probes::LevelRule rule;
+        rule.levels = 4, rule.distances = {10, 20, 40, 0}, rule.margins = {1, 2, 4, 0};
+        rule.zones = {0.5f, 0.8660254f, -0.5f, 0.8660254f}, rule.scales = {1, 2, 4, 0};
+        return probes::data_of(probes::LevelInputs{&low, &high, rule});
     }
     StageData supporting() const {
         return probes::data_of(supports, 0, std::min(graph.bake().receivers.count(), probes::receivers_a_dispatch));
@@ -127,6 +140,9 @@ Work supports() {
     const StageData data = box().supporting();
     return {data, double(data.size.y) * (8.0 * double(box().graph.bake().placement.probes.size()) + 7.0 * data.size.x)};
 }
+// Of each box: 6 for the corners from the eye, 6 for the gap, 6 for its length, 18 for centre and radius, 22 for the zone, 9 for the
+// distances that are compared.
+Work level() { return {box().level(), 67.0 * 1024}; }
 // Of each ray a sum over slots, a product and a quotient; W(x) takes 4 more.
 Work share(bool published) {
     const probes::TracedBlock& b = box().block;
@@ -178,6 +194,7 @@ void run_stage(benchmark::State& state, const StageBinding& binding, Work (*make
     };
     static const Stage stages[] = {{"density", stage<probes::DensityKernel>, density},
                                    {"supports", stage<probes::SupportsKernel>, supports},
+                                   {"level", stage<probes::LevelKernel>, level},
                                    {"share", stage<probes::ShareKernel>, [] { return share(false); }},
                                    {"share_published", stage<probes::ShareKernel>, [] { return share(true); }},
                                    {"coefficients", stage<probes::CoefficientsKernel>, coefficients},

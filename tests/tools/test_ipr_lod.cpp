@@ -1,0 +1,136 @@
+// plumb experiment ipr, level of detail: the thesis' figures, setups, gaps, and a small bake measured.
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "core/error.h"
+#include "tests/gi/probe_bakes.h"
+#include "tools/experiments/ipr_lod.h"
+
+using namespace plumb;
+using namespace plumb::cli;
+using namespace plumb::test;
+
+namespace {
+
+// A room of 8 m under a lamp.
+struct Room {
+    Scene scene = furnished(4);
+    probes::BakeParams params = small();
+    std::unique_ptr<probes::BakeGraph> graph;
+
+    Room() {
+        Light lamp;
+        lamp.type = LightType::point, lamp.position = {2, 3, 1}, lamp.intensity = {40, 30, 20};
+        scene.lights = {lamp};
+        scene.camera.position = {-3.5, -2, -3.5}, scene.camera.look_at = {2, -1, 2}, scene.camera.fov_y_deg = 60;
+        params.placement.count = 12, params.placement.overlaps = 4, params.receiver_rays = 32, params.receivers_per_m2 = 30;
+        params.relight_rays = 512, params.gap = 24;
+        graph = std::make_unique<probes::BakeGraph>(scene, params);
+        run_all(*graph);
+    }
+};
+const Room& room() {
+    static const Room r;
+    return r;
+}
+const LodBench& bench() {
+    static const RunOptions options;
+    static const LodBench b(room().scene, room().graph->bake(), options);
+    return b;
+}
+LodView view() { return {"corner", room().scene.camera, {96, 64}}; }
+
+}  // namespace
+
+TEST_CASE("experiment ipr: the thesis' speed-ups are the quotients of its times", "[experiment][probes][IPR tables 5.5 to 5.9]") {
+    REQUIRE(thesis_lod_tables().size() == 5);
+    for (const LodTable& t : thesis_lod_tables()) {
+        const auto slowest = std::max_element(t.rows.begin(), t.rows.end(), [](const LodFigures& a, const LodFigures& b) { return a.ms < b.ms; });
+        for (const LodFigures& f : t.rows) {
+            CAPTURE(t.number, f.setup);
+            // As they are printed: times to 0.01 ms, quotients to 0.01; table 5.8's are of times with more digits.
+            CHECK(std::fabs(f.speed_up - slowest->ms / f.ms) < 0.011 + 0.005 * (slowest->ms + f.ms) / (f.ms * f.ms));
+            (void)lod_setup(f.setup);
+        }
+    }
+}
+
+TEST_CASE("experiment ipr: setups of the thesis fit a bake of 512 rays and degree 7", "[experiment][probes]") {
+    for (const char* name : {"NO LOD", "S0", "S1", "S2", "D0", "D1", "D2", "SD0", "SD1", "SD2", "LOD 0", "LOD 3", "SH 0", "SH 7"}) {
+        CAPTURE(name);
+        const probes::Lod lod = probes::lod_of(lod_setup(name).params, 100, 7, 512, 24);
+        CHECK(lod.degree[0] == (std::string(name) == "S2" || std::string(name) == "SD1" ? 4 : std::string(name) == "SH 0" ? 0 : 7));
+    }
+    CHECK(probes::lod_of(lod_setup("S0").params, 100, 7, 512, 24).rays == std::array{512, 256, 128, 64});
+    CHECK(probes::lod_of(lod_setup("S1").params, 100, 7, 512, 24).rays == std::array{512, 256, 128, 128});  // 64 rays integrate degree 4
+    CHECK(probes::lod_of(lod_setup("SD2").params, 100, 7, 512, 24).degree == std::array{7, 2, 0, 0});
+    CHECK_THROWS_AS(lod_setup("S3"), InputError);
+}
+
+TEST_CASE("experiment ipr: the largest gap is the one below the least that shows", "[experiment][probes]") {
+    const auto pair = [](int near, int far, double seen) {
+        LodSeam s;
+        s.near = near, s.far = far, s.seen = seen;
+        return s;
+    };
+    CHECK(largest_gaps({pair(3, 2, 0.01), pair(3, 1, 0.019), pair(3, 0, 0.05)}).largest_gap == 2);
+    CHECK(largest_gaps({pair(3, 2, 0.01), pair(3, 1, 0.03), pair(3, 0, 0.01)}).largest_gap == 1);
+    CHECK(largest_gaps({pair(3, 2, 0.01), pair(3, 1, 0.01), pair(3, 0, 0.01)}).largest_gap == 3);
+    const LodSeams low = largest_gaps({pair(3, 2, 0.01), pair(3, 1, 0.01), pair(3, 0, 0.05), pair(1, 0, 0.2)});
+    CHECK(low.largest_gap == 0);
+    CHECK(low.largest_gap_from_top == 2);
+    CHECK_THROWS_AS(largest_gaps({}), InputError);
+}
+
+TEST_CASE("experiment ipr: level of detail measured in a small room", "[experiment][probes][lod]") {
+    LodSetup near{"near", lod_setup("D0").params};
+    near.params.distance_1 = near.params.distance_2 = near.params.distance_3 = 100;
+    LodSetup zones{"zones", lod_setup("D0").params};
+    zones.params.distance_1 = 1.5f, zones.params.distance_2 = 3, zones.params.distance_3 = 6;
+    LodSetup plain = zones;
+    plain.name = "plain", zones.params.zones = true;
+    const std::vector<LodMeasured> m = bench().measure(view(), {near, lod_setup("LOD 1"), lod_setup("SH 7"), lod_setup("SH 3"), lod_setup("SH 0"), plain, zones}, 1);
+    REQUIRE(m.size() == 8);
+    const auto all = m[0].receivers;
+    CHECK(m[0].setup == "NO LOD");
+    CHECK(all > 5000);
+    for (const LodMeasured& row : m) {
+        CAPTURE(row.setup);
+        CHECK(row.ms > 0);
+        REQUIRE(row.ssim);
+        CHECK(*row.ssim > 0.5);
+        CHECK(row.worst >= row.error);
+    }
+    // Where level 0 reaches everything, and where the one level has all degrees, every pixel has the same bits.
+    for (const std::size_t same : {std::size_t(0), std::size_t(1), std::size_t(3)}) {
+        CHECK(m[same].receivers == all);
+        CHECK(m[same].error == 0);
+        CHECK(m[same].picture.texels == m[0].picture.texels);
+        CHECK(*m[same].ssim == Approx(1));
+    }
+    CHECK(std::fabs(double(m[2].receivers) / double(all) - 0.25) < 0.05);
+    CHECK(m[2].error > 0);
+    CHECK(m[5].error > m[4].error);  // degree 0 against degree 3
+    CHECK(m[4].error > 0);
+    CHECK(m[6].receivers < all);
+    CHECK(m[7].receivers < m[6].receivers);
+    CHECK(lod_text("room", m, &thesis_lod_tables()[3]).find("LOD 1") != std::string::npos);
+}
+
+TEST_CASE("experiment ipr: seams grow with the gap, and there is none within a degree", "[experiment][probes][lod]") {
+    const LodSeams seams = bench().seams();
+    REQUIRE(seams.pairs.size() == 36);
+    for (const LodSeam& s : seams.pairs) {
+        CAPTURE(s.near, s.far);
+        CHECK(s.seen <= s.tenth);
+        if (s.gap() == 0) CHECK(s.tenth == 0);
+        if (s.gap() > 0) CHECK(s.tenth > 0);
+    }
+    CHECK(seams.pairs[7].near == 7);
+    CHECK(seams.pairs[7].far == 0);
+    CHECK(seams.pairs[7].visible());  // a constant radiance for all that a probe sees
+    CHECK(seams.largest_gap < 7);
+    CHECK(seams.largest_gap_from_top >= seams.largest_gap);
+    CHECK(seams_text(seams).find("thesis: 2") != std::string::npos);
+}

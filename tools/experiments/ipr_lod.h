@@ -1,0 +1,106 @@
+// plumb experiment ipr, its part on level of detail (IPR 5.2.2): the thesis' setups and figures, ours beside them, and the largest gap
+// in the degree of neighbouring levels that leaves no visible seam.
+#pragma once
+
+#include <array>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/camera.h"
+#include "gi/probes/lod.h"
+#include "gi/probes/run_loop.h"
+#include "tools/shared/reports.h"
+
+namespace plumb::cli {
+
+// ---- What the thesis prints ---------------------------------------------------------------------------------------------
+
+struct LodFigures {
+    std::string setup;
+    std::int64_t receivers = 0;  // active ones; 0: not printed
+    double ms = 0, speed_up = 1;
+    std::optional<double> ssim;
+};
+struct LodTable {
+    std::string number, title;  // "5.5", "Open Hall, camera 1"
+    std::vector<LodFigures> rows;
+};
+const std::vector<LodTable>& thesis_lod_tables();  // 5.5 to 5.9
+
+// Setups by name: "NO LOD"; "S0" to "S2" (table 5.4); "LOD 0" to "LOD 3" (5.8); "SH 0" to "SH 7" (5.9); "D0" to "D2" (5.10);
+// "SD0" to "SD2" (5.11). The thesis does not say how many rays a level has in them: 512, 256, 128, 64 as its default (4.2.1), or the
+// fewest whose weights integrate the level's degree; all of them where only distances, or only degrees, or only the lightmap are
+// tested. Throws InputError for another name.
+struct LodSetup {
+    std::string name;
+    probes::LodParams params;
+};
+LodSetup lod_setup(const std::string& name);
+std::vector<LodSetup> lod_setups(const std::vector<std::string>& names);
+
+// ---- Ours ---------------------------------------------------------------------------------------------------------------
+
+struct LodView {
+    std::string name;
+    Camera camera;
+    glm::ivec2 size{320, 180};
+};
+
+// Of one setup in one view, against no level of detail.
+struct LodMeasured {
+    std::string setup;
+    probes::LodCounts counts;
+    std::int64_t receivers = 0;             // active: computed
+    double ms = 0, speed_up = 1;            // one update, levels included: the median
+    std::optional<double> ssim;             // of the displayed picture
+    double error = 0, worst = 0;            // of indirect irradiance of pixels: mean |difference| / mean; largest of 64 x 64 pixels' means
+    std::vector<std::string> notes;
+    Image4 picture;                         // displayed, 0..1
+};
+
+// A step between levels that differ in degree alone, over all lit receivers: what a boundary shows, wherever it lies.
+struct LodSeam {
+    int near = 7, far = 7;  // degrees
+    double mean = 0;        // of |step| / irradiance
+    double tenth = 0;       // what a tenth of the receivers exceed
+    double seen = 0;        // the same, of steps that are larger than those between neighbouring texels
+    int gap() const { return near - far; }
+    bool visible() const;
+};
+// An 8-bit sRGB code at middle grey is 2.4 / (128 + 14) = 1.7 % of its luminance; the eye's Weber fraction is 1 to 2 %. A seam is
+// called visible where a tenth of its length shows more than this, and more than the light's own change to the next texel.
+inline constexpr double visible_step = 0.02, visible_length = 0.1;
+
+struct LodSeams {
+    std::vector<LodSeam> pairs;   // near 7 to 0, far from near to 0
+    int largest_gap = 0;          // without a visible seam, whatever the near degree is, of those that pairs ask
+    int largest_gap_from_top = 0; // where the near degree is the bake's
+};
+
+// What the pairs' largest gaps are. Throws InputError for no pairs.
+LodSeams largest_gaps(std::vector<LodSeam> pairs);
+
+// Scene and bake, lit by lamps, sky and emission; the bake must be whole. Both must outlive it.
+class LodBench {
+  public:
+    LodBench(const Scene& scene, const probes::Bake& bake, const RunOptions& options);
+    ~LodBench();
+
+    // The first of them is no level of detail, whether it is asked for or not. updates: of which the time is the median.
+    std::vector<LodMeasured> measure(const LodView& view, const std::vector<LodSetup>& setups, int updates = 5) const;
+    LodSeams seams() const;
+
+  private:
+    struct World;
+    std::unique_ptr<World> world_;
+};
+
+std::string lod_text(const std::string& title, const std::vector<LodMeasured>& ours, const LodTable* thesis);
+std::string seams_text(const LodSeams& seams);
+Json lod_json(const std::vector<LodMeasured>& ours);
+Json seams_json(const LodSeams& seams);
+
+}  // namespace plumb::cli

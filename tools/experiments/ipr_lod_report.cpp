@@ -1,0 +1,75 @@
+// plumb experiment ipr: level of detail as text and JSON.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "tools/experiments/ipr_lod.h"
+
+namespace plumb::cli {
+
+namespace {
+
+std::string ssim_text(const std::optional<double>& ssim) { return ssim ? fmt::format("{:.4f}", *ssim) : "-"; }
+
+const LodFigures* find(const LodTable* table, const std::string& setup) {
+    if (!table) return nullptr;
+    const auto at = std::find_if(table->rows.begin(), table->rows.end(), [&](const LodFigures& f) { return f.setup == setup; });
+    return at == table->rows.end() ? nullptr : &*at;
+}
+
+}  // namespace
+
+std::string lod_text(const std::string& title, const std::vector<LodMeasured>& ours, const LodTable* thesis) {
+    std::string text = title + (thesis ? fmt::format(" (thesis: table {}, {})", thesis->number, thesis->title) : "") + "\n";
+    text += fmt::format("{:<8} {:>9} {:>6} {:>9} {:>8} {:>8} {:>8} {:>8}   {}\n", "setup", "receivers", "share", "ms", "speed-up", "SSIM", "error",
+                        "worst", "thesis: receivers, share, speed-up, SSIM");
+    for (const LodMeasured& m : ours) {
+        const auto share = [](std::int64_t n, std::int64_t of) { return of > 0 ? 100 * double(n) / double(of) : 0.0; };
+        text += fmt::format("{:<8} {:>9} {:>5.1f}% {:>9.3f} {:>8.2f} {:>8} {:>7.2f}% {:>7.2f}%", m.setup, m.receivers,
+                            share(m.receivers, ours[0].receivers), m.ms, m.speed_up, ssim_text(m.ssim), 100 * m.error, 100 * m.worst);
+        if (const LodFigures* f = find(thesis, m.setup))
+            text += fmt::format("   {:>7} {:>5.1f}% {:>5.2f} {}", f->receivers, share(f->receivers, thesis->rows[0].receivers), f->speed_up, ssim_text(f->ssim));
+        text += "\n";
+        for (const std::string& note : m.notes) text += "         " + note + "\n";
+    }
+    return text;
+}
+
+std::string seams_text(const LodSeams& seams) {
+    std::string text = fmt::format("Seams between levels that differ in degree alone: what a tenth of a seam's length exceeds, of the irradiance; "
+                                   "visible above {:g} %\n", 100 * visible_step);
+    text += "near, far   gap     mean    tenth     seen\n";
+    for (const LodSeam& s : seams.pairs)
+        if (s.gap() > 0)
+            text += fmt::format("{:>4}, {:>3} {:>5} {:>7.2f}% {:>7.2f}% {:>7.2f}%{}\n", s.near, s.far, s.gap(), 100 * s.mean, 100 * s.tenth,
+                                100 * s.seen, s.visible() ? "  visible" : "");
+    return text + fmt::format("largest gap without a visible seam: {} from the bake's degree, {} from any (thesis: 2)\n", seams.largest_gap_from_top,
+                              seams.largest_gap);
+}
+
+Json lod_json(const std::vector<LodMeasured>& ours) {
+    Json rows = Json::array();
+    for (const LodMeasured& m : ours)
+        rows.push_back({{"setup", m.setup},
+                        {"receivers", m.receivers},
+                        {"clusters", m.counts.clusters},
+                        {"probes", m.counts.probes},
+                        {"rays", m.counts.rays},
+                        {"bytes", m.counts.bytes},
+                        {"ms", m.ms},
+                        {"speed_up", m.speed_up},
+                        {"ssim", m.ssim ? Json(*m.ssim) : Json(nullptr)},
+                        {"error", m.error},
+                        {"worst", m.worst},
+                        {"notes", m.notes}});
+    return rows;
+}
+
+Json seams_json(const LodSeams& seams) {
+    Json pairs = Json::array();
+    for (const LodSeam& s : seams.pairs)
+        pairs.push_back({{"near", s.near}, {"far", s.far}, {"mean", s.mean}, {"tenth", s.tenth}, {"seen", s.seen}, {"visible", s.visible()}});
+    return {{"largest_gap", seams.largest_gap}, {"largest_gap_from_top", seams.largest_gap_from_top}, {"pairs", pairs}};
+}
+
+}  // namespace plumb::cli
