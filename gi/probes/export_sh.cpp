@@ -11,7 +11,7 @@ namespace {
 const std::vector<std::string> functions = {"1", "y", "z", "x", "xy", "yz", "3zz-1", "xz", "xx-yy"};
 std::vector<std::string> first_functions(std::size_t count) { return {functions.begin(), functions.begin() + std::ptrdiff_t(count)}; }
 
-// What the polynomials of `functions` are multiplied by to be orthonormal: sqrt(1, 3, 15, 15, 5, 15, 15 / ...) of StupidSH, A2.
+// What the polynomials of `functions` are multiplied by to be orthonormal (Sloan 2008, "Stupid Spherical Harmonics Tricks").
 double norm(int i) {
     static const std::array<double, 9> values = [] {
         const double l0 = std::sqrt(1 / (4 * host::pi)), l1 = std::sqrt(3 / (4 * host::pi)), l2 = std::sqrt(15 / (4 * host::pi)),

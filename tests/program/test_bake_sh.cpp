@@ -1,4 +1,5 @@
 // plumb bake --export-sh: what probes see, for engines.
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "tests/program/bake_runs.h"
@@ -6,6 +7,7 @@
 namespace plumb::program {
 
 using nlohmann::json;
+namespace fs = std::filesystem;
 
 TEST_CASE("bake --export-sh: every form of the same light", "[program][export]") {
     const std::string folder = fresh_folder("bake_sh"), scene = small_scene(folder);
