@@ -10,8 +10,15 @@
 #include "gi/probes/bake_steps.h"
 #include "gi/probes/coefficients.h"
 #include "gi/probes/density.h"
+#include "gi/probes/lambda.h"
+#include "gi/probes/radiance.h"
+#include "gi/probes/level.h"
+#include "gi/probes/lightmap_uv.h"
+#include "gi/probes/lookup.h"
+#include "gi/probes/run_stages.h"
 #include "gi/probes/share.h"
 #include "gi/probes/supports.h"
+#include "gi/probes/update.h"
 #include "gi/reference/reference.h"
 #include "gi/rsm/all_rays.h"
 #include "gi/rsm/gather.h"
@@ -54,6 +61,11 @@ const std::vector<ListedStage>& stages() {
         listed(stage<filter::ReduceKernel>()),
         listed(stage<filter::UpsampleKernel>()),
         listed(stage<filter::BlurKernel>()),
+        unbound(probes::info_run_data()),
+        unbound(probes::info_hit_surfaces()),
+        unbound(probes::info_rounds()),
+        listed(stage<probes::LightmapUvKernel>()),
+        listed(stage<probes::LookupKernel>()),
         listed(stage<compose::ComposeKernel>()),
         unbound(reference::info()),
         listed(stage<compose::TonemapKernel>()),
@@ -68,6 +80,12 @@ const std::vector<ListedStage>& stages() {
         listed(stage<probes::ShareKernel>(), false),
         listed(stage<probes::CoefficientsKernel>(), false),
         unbound(probes::info_clusters(), false),
+        listed(stage<probes::RadianceKernel>(), false),
+        listed(stage<probes::LambdaKernel>(), false),
+        listed(stage<probes::LevelKernel>(), false),
+        listed(stage<probes::BasisKernel>(), false),
+        listed(stage<probes::IrradianceKernel>(), false),
+        listed(stage<probes::LightmapKernel>(), false),
         listed(stage<ddgi::BlendKernel>(), false),
         listed(stage<ddgi::BorderKernel>(), false),
         listed(stage<ddgi::SampleKernel>(), false),

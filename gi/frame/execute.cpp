@@ -35,6 +35,7 @@ void forget(Context& c, const Plan& plan) {
     if (!makes(plan, "truth")) f.truth_display = {};
     const isr::IsrParams& isr = c.settings.isr;
     if (!gathers_isr(c.settings)) f.isr = {};
+    if (!lights_probes(c.settings)) f.probes = {};
     if (isr.bounces < 2) f.isr.reflectance = {};
     if (isr.guard > 0) f.isr.radiosity = {};  // the wider view's takes its place
     if (isr.blur == isr::Blur::none) f.isr.blurred_across = f.isr.blurred = {};
@@ -64,7 +65,7 @@ void execute_in(KeptMemory& memory, const Scene& scene, const Settings& settings
     memory.irradiance.resize(c.lights.size()), memory.irradiance_error.resize(c.lights.size());
     graph.make_room();
     forget(c, plan);
-    if (!c.keeps && !gathers_isr(settings)) begin_sum(c);
+    if (!c.keeps && sums_gathers(settings)) begin_sum(c);
 
     graph::RunWith with{options, progress};
     if (kept) with.kept = &memory.made;

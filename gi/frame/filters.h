@@ -10,6 +10,7 @@
 
 namespace plumb::frame {
 
+bool sums_gathers(const Settings& settings);     // indirect light is a sum of gathers, or nothing
 bool filters_indirect(const Settings& settings);
 bool halves_indirect(const Settings& settings);  // gathers run at half size
 

@@ -13,6 +13,9 @@
 #include "gi/frame/settings.h"
 #include "gi/frame/truth.h"
 #include "gi/graph/graph.h"
+#include "gi/probes/lightmap_uv.h"
+#include "gi/probes/run_data.h"
+#include "gi/probes/run_loop.h"
 #include "raster/gbuffer.h"
 #include "raster/rsm.h"
 
@@ -42,7 +45,8 @@ Plan plan(const Scene& scene, const Settings& settings);
 
 using StageRun = graph::NodeRun;
 
-// What method isr draws beside the frame (gi/frame/isr.h): a guard band around it, layers behind it, other cameras.
+// What a method lights beside the frame (gi/frame/isr.h): a guard band around it, layers behind it, other cameras; what probes'
+// rays meet.
 struct SourceView {
     std::string name;          // "guard", "layer 2", "camera 1"
     Camera camera;
@@ -63,6 +67,24 @@ struct IsrBuffers {
     Image4 blurred_across, blurred;
 };
 
+// What method probes makes (gi/probes); empty where its stages do not run. What relight rays meet are pixels of a view of its own,
+// Frame::views[1]: columns rays, rows probes.
+struct ProbeBuffers {
+    probes::RunData data;                    // of the bake, as the stages read it
+    probes::ChartedTriangles charted;
+    Image4 surface, emitted, place;          // of relight hits (gi/probes/hit_surfaces.h)
+    Buffer<float> harmonics, weights;        // as probes.lambda reads them
+    std::vector<std::int32_t> probe_level, cluster_level;
+    Image4 before;                           // the lightmap that relight rays look up: of the round, or the frame, before
+    Image4 radiance, lambda, basis, irradiance, lightmap;
+    Image4 uv;                               // of the frame's pixels
+    probes::Convergence converged;           // of the rounds; loop = converged
+    // Of the frame before, loop = pipelined; empty: there was none.
+    struct {
+        Image4 direct, lambda, basis, lightmap;
+    } last;
+};
+
 struct Frame {
     raster::GBuffer gbuffer;
     // [lights][1, or 6 faces of a point light]; size 0 where none was needed, or nothing can be seen.
@@ -76,6 +98,7 @@ struct Frame {
     Image4 gathered;           // the sum of all gathers, W/m2, at their own size; w: linear depth, m (VRSM fig. 4.4)
     Image4 upsampled, blurred_across;  // what further filters read
     IsrBuffers isr;
+    ProbeBuffers probes;
     std::vector<SourceView> views;  // of method isr; [0] stands for the frame itself and is empty
     Image4 indirect_error;     // standard error of `indirect`, by channel, W/m2; empty where no rsm.all_rays ran
     Image4 radiance;           // outgoing, W/(m2 sr)

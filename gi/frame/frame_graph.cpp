@@ -104,7 +104,11 @@ void FrameGraph::add_nodes() {
     const int lights = casts_shadows(c.settings) ? int(c.lights.size()) : 0, views = int(c.views.size());
     add_gbuffer(c, 0, nodes_);
     add_filters_before(c, nodes_);
-    for (int v = 1; v < views; ++v) add_gbuffer(c, v, nodes_);
+    for (int v = 1; v < views; ++v)
+        if (c.views[std::size_t(v)].kind == ViewKind::probe_rays)
+            add_probe_hits(c, v, nodes_);
+        else
+            add_gbuffer(c, v, nodes_);
     for (int l = 0; l < lights; ++l) {
         add_maps(c, l, nodes_);
         add_map_blurs(c, l, nodes_);
@@ -115,6 +119,7 @@ void FrameGraph::add_nodes() {
     add_filters_after(c, nodes_);
     for (int v = 0; v < views; ++v) add_direct(c, v, nodes_);
     add_isr(c, nodes_);
+    add_probes(c, nodes_);
     add_compose(c, nodes_);
     if (c.settings.method == Method::reference) add_traced(c, "color", "the picture", nodes_);
     add_tonemap(c, nodes_);
@@ -191,7 +196,7 @@ void FrameGraph::make_room() {
         visibility.resize(lights * c.pixels(v), 1.0f);
         if (lit) std::fill(visibility.begin(), visibility.end(), 1.0f);
     }
-    if (gathers_isr(c.settings)) f.indirect_error = {};
+    if (!sums_gathers(c.settings)) f.indirect_error = {};
 }
 
 void FrameGraph::fill() {

@@ -4,6 +4,7 @@
 //     nodes_raster.cpp   G-buffers and maps            nodes_filter.cpp    filters of indirect light
 //     nodes_direct.cpp   shadows and direct light      nodes_isr.cpp       image-space radiosity
 //     nodes_rsm.cpp      gathers and their sum         nodes_compose.cpp   the picture, and what is path traced
+//     nodes_probes.cpp   irradiance probes
 #pragma once
 
 #include <memory>
@@ -170,6 +171,8 @@ void begin_sum(Context& c);  // sets the sum to 0, for gathers that add to it
 void add_filters_before(Context& c, Nodes& nodes);
 void add_filters_after(Context& c, Nodes& nodes);
 void add_isr(Context& c, Nodes& nodes);
+void add_probe_hits(Context& c, int view, Nodes& nodes);
+void add_probes(Context& c, Nodes& nodes);
 void add_compose(Context& c, Nodes& nodes);
 void add_tonemap(Context& c, Nodes& nodes);
 void add_traced(Context& c, const std::string& layer, const std::string& why, Nodes& nodes);

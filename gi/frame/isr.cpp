@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "core/host_math.h"
+#include "gi/probes/bake.h"
 
 namespace plumb::frame {
 
@@ -41,12 +42,20 @@ bool gathers_isr(const Settings& settings) {
     return settings.method == Method::isr && (settings.isr.mode == isr::Mode::f2 || settings.isr.mode == isr::Mode::f3);
 }
 
+bool lights_probes(const Settings& settings) { return settings.method == Method::probes; }
+
 bool casts_shadows(const Settings& settings) {
     return settings.method != Method::isr || settings.isr.mode == isr::Mode::f2 || settings.isr.mode == isr::Mode::f4;
 }
 
 std::vector<IsrView> isr_views(const Scene& scene, const Settings& settings) {
     std::vector<IsrView> views{{ViewKind::own, "", scene.camera, scene.frame_size}};
+    if (lights_probes(settings)) {
+        const probes::BakeParams& p = settings.probes;
+        const glm::ivec2 size = settings.bake ? glm::ivec2(settings.bake->relight.rays, settings.bake->relight.probes)
+                                              : glm::ivec2(p.relight_rays, p.placement.count > 0 ? p.placement.count : p.placement.least);
+        views.push_back({ViewKind::probe_rays, "probe rays", scene.camera, size});
+    }
     if (!gathers_isr(settings)) return views;
     const int guard = settings.isr.guard;
     if (guard > 0) {

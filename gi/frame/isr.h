@@ -1,4 +1,4 @@
-// Image-space radiosity in a frame (gi/isr): the views that it draws beside the frame.
+// The views beside the frame: those that image-space radiosity draws, and what probes' rays meet, a ray a pixel.
 //
 // Light comes from sources: what the frame itself sees, or a wider view in its place (guard band), and what is added to
 // it (depth layers, additional cameras). Every source but the frame has a G-buffer, shadows and direct light of its own
@@ -12,7 +12,7 @@
 
 namespace plumb::frame {
 
-enum class ViewKind : int { own, guard, layer, camera };
+enum class ViewKind : int { own, guard, layer, camera, probe_rays };
 
 struct IsrView {
     ViewKind kind = ViewKind::own;
@@ -22,10 +22,11 @@ struct IsrView {
     int margin = 0;        // coarse pixels on each side of the frame
     int behind = 0;        // of a layer: the view that it lies behind
 };
-// [0] is the frame itself; the others as Frame::views.
+// [0] is the frame itself; the others as Frame::views. Without a bake the size of the probes' view is a guess.
 std::vector<IsrView> isr_views(const Scene& scene, const Settings& settings);
 
 bool gathers_isr(const Settings& settings);    // method isr in a mode that shows indirect light
+bool lights_probes(const Settings& settings);  // method probes
 bool casts_shadows(const Settings& settings);  // not in ISR's modes F3 and F5
 
 // What no setting of [isr] alone says: throws InputError.

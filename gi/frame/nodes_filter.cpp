@@ -10,6 +10,8 @@ bool halves_indirect(const Settings& settings) {
     return settings.method == Method::rsm && settings.indirect.resolution == filter::Resolution::half;
 }
 
+bool sums_gathers(const Settings& settings) { return !gathers_isr(settings) && !lights_probes(settings); }
+
 bool filters_indirect(const Settings& settings) {
     return halves_indirect(settings) ||
            (settings.method == Method::rsm && settings.indirect.blur != filter::Blur::none);

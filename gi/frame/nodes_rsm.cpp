@@ -208,7 +208,7 @@ void add_gather(Context& c, int l, Nodes& nodes) {
 
 // Where nothing is kept, gathers add to the sum themselves: a thousand lights hold no thousand images.
 void add_sum(Context& c, Nodes& nodes) {
-    if (gathers_isr(c.settings)) return;
+    if (!sums_gathers(c.settings)) return;
     PlannedNode node = begin_node(c, filters_indirect(c.settings) ? "gathered" : "indirect", "", "", 0, {});
     node.listed = false;
     const bool filtered = filters_indirect(c.settings);

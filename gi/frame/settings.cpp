@@ -25,6 +25,7 @@ const std::vector<MethodInfo>& methods() {
         {Method::direct, "direct", {"truth.direct"}},
         {Method::rsm, "rsm", {"truth.direct", "truth.indirect"}},
         {Method::isr, "isr", {"truth.direct", "truth.indirect"}},
+        {Method::probes, "probes", {}},
         {Method::reference, "reference", {}},
     };
     return all;
@@ -43,7 +44,11 @@ std::vector<Field> table_fields(Settings& s, const std::string& table, const std
     if (table == "compose") return compose::fields(s.compose);
     if (table == "tonemap") return compose::fields(s.tonemap);
     if (table == "reference") return reference::fields(s.reference);
-    if (table == "probes") return probes::fields(s.probes);
+    if (table == "probes") {
+        std::vector<Field> all = probes::fields(s.probes);
+        for (Field& field : probes::fields(s.probe_run)) all.push_back(field);
+        return all;
+    }
     if (table == "layout") return raster::fields(s.layout);
     throw InputError(fmt::format("{}: unknown table [{}]; the nearest known one is [{}]", place, table,
                                  nearest_name(table, method_tables())));

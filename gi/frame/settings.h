@@ -1,6 +1,7 @@
 // What a frame is rendered with: the parameters of every stage, by the names of scene files and `plumb stages`.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -10,14 +11,19 @@
 #include "gi/filter/filter_params.h"
 #include "gi/isr/isr_params.h"
 #include "gi/probes/bake_params.h"
+#include "gi/probes/run_params.h"
 #include "gi/reference/reference.h"
 #include "gi/rsm/gather.h"
 #include "raster/layout.h"
 
+namespace plumb::probes {
+struct Bake;
+}
+
 namespace plumb::frame {
 
 // reference: the picture itself is path traced.
-enum class Method : int { direct, rsm, isr, reference };
+enum class Method : int { direct, rsm, isr, probes, reference };
 
 // What everything that goes through all methods knows of one: its parameters are those of the table of its name.
 struct MethodInfo {
@@ -40,7 +46,9 @@ struct Settings {
     compose::ComposeParams compose;
     compose::TonemapParams tonemap;
     reference::PathParams reference;  // of the method reference and of the truth
-    probes::BakeParams probes;        // of `plumb bake`
+    probes::BakeParams probes;        // of `plumb bake`, and of the method probes where it has no bake
+    probes::RunParams probe_run;      // of the method probes
+    std::shared_ptr<const probes::Bake> bake;  // that the method probes reads; planning needs none
     std::uint32_t seed = 1;
     bool truth = false;   // also trace what the method approximates
     bool pruning = true;  // false: every stage runs, needed or not; the picture is the same

@@ -62,7 +62,7 @@ struct Bake {
 };
 
 // Of all that a bake depends on but its parameters: the geometry, which material each triangle has, and where materials are
-// cut out by their masks. Light, reflectance and emission are the run time's.
+// cut out by their masks. Light, reflectance and emission are the run time's. A bake's geometry is flatten_static(scene).
 std::uint64_t scene_hash(const Scene& scene, const Geometry& geometry);
 
 struct Part {
@@ -78,7 +78,7 @@ int black_receivers(const Bake& bake);
 
 class BakeGraph {
   public:
-    // The scene must outlive it. memory_limit: bytes; a bake that needs more (memory.h) is refused once that is known. Throws
+    // Bakes the scene's static meshes (static_scene.h). The scene must outlive it. memory_limit: bytes; a bake that needs more (memory.h) is refused once that is known. Throws
     // InputError for parameters out of range.
     BakeGraph(const Scene& scene, const BakeParams& params, Part part = {}, std::uint64_t memory_limit = ~std::uint64_t(0));
     ~BakeGraph();
@@ -87,6 +87,7 @@ class BakeGraph {
     // Of those the ones up to the supports: what traced() needs.
     std::vector<const graph::Node*> nodes_before_rays() const { return {first_.begin(), first_.begin() + 4}; }
     const Bake& bake() const { return bake_; }
+    Bake release() { return std::move(bake_); }  // after the run; the graph is of no more use
     // Called when receivers and probes are known, before the rays.
     void when_sized(std::function<void(std::uint64_t bytes)> call) { sized_ = std::move(call); }
     // Of the block that holds the receiver: what its stages are given, traced anew.

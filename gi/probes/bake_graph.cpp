@@ -5,6 +5,7 @@
 #include "gi/probes/bake_world.h"
 #include "gi/probes/kept_steps.h"
 #include "gi/probes/memory.h"
+#include "gi/probes/static_scene.h"
 
 namespace plumb::probes {
 
@@ -20,7 +21,7 @@ BakeGraph::BakeGraph(const Scene& scene, const BakeParams& params, Part part, st
     validate(params);
     if (part.count < 1 || part.index < 0 || part.index >= part.count)
         throw InputError(fmt::format("part {}/{}: expected 1/N to N/N", part.index + 1, part.count));
-    world_->geometry = flatten(scene);
+    world_->geometry = flatten_static(scene);
     bake_.params = params;
     bake_.transport = transport_params(params, sends_light(scene.environment));
     bake_.scene_hash = probes::scene_hash(scene, world_->geometry);

@@ -1,6 +1,10 @@
 #include "core/shade_rows.h"
 #include "gi/probes/coefficients_kernel.h"
 #include "gi/probes/density_kernel.h"
+#include "gi/probes/radiance_kernel.h"
+#include "gi/probes/level_kernel.h"
+#include "gi/probes/lightmap_uv_kernel.h"
+#include "gi/probes/lookup_kernel.h"
 #include "gi/probes/share_kernel.h"
 #include "gi/probes/supports_kernel.h"
 
@@ -115,6 +119,8 @@ void Rows<SupportsKernel, Isa::PLUMB_ISA>::run(const SupportsView& in, int first
 }
 
 template struct Rows<ShareKernel, Isa::PLUMB_ISA>;
+template struct Rows<RadianceKernel, Isa::PLUMB_ISA>;
+template struct Rows<LevelKernel, Isa::PLUMB_ISA>;
 
 template <>
 void Rows<CoefficientsKernel, Isa::PLUMB_ISA>::run(const CoefficientsView& in, int first, int last, const Tiles& tiles,
@@ -133,5 +139,8 @@ void Rows<CoefficientsKernel, Isa::PLUMB_ISA>::run(const CoefficientsView& in, i
         ++row;
     }
 }
+
+template struct Rows<LightmapUvKernel, Isa::PLUMB_ISA>;
+template struct Rows<LookupKernel, Isa::PLUMB_ISA>;
 
 }  // namespace plumb

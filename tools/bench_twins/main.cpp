@@ -13,6 +13,7 @@
 #include "core/parallel.h"
 #include "gi/frame/frame_graph.h"
 #include "gi/frame/kept.h"
+#include "gi/frame/probe_bake.h"
 #include "gi/parity/stages.h"
 #include "gi/rsm/gather.h"
 #include "io/scene_file.h"
@@ -56,6 +57,7 @@ void measure(const vulkan::Device& device, const std::string& file, const Option
     if (options.samples > 0) settings.rsm.samples = options.samples;
     for (Light& light : scene.lights)
         if (options.rsm_size > 0) light.rsm_size = options.rsm_size;
+    frame::add_bake(scene, settings);
     const frame::Plan plan = frame::plan(scene, settings);
     frame::KeptStages kept;
     const frame::Frame& frame = frame::execute(scene, settings, plan, options.run, kept);

@@ -13,6 +13,7 @@
 #include "gi/compose/compose.h"
 #include "gi/filter/filter.h"
 #include "gi/frame/frame.h"
+#include "gi/frame/probe_bake.h"
 #include "gi/parity/stages.h"
 #include "io/document.h"
 #include "io/scene_file.h"
@@ -124,7 +125,8 @@ void append(const Panel& panel, const std::filesystem::path& source, std::vector
         if (std::find(panel.off.begin(), panel.off.end(), light.name) != panel.off.end()) light.on = false;
     }
     for (const std::string& setting : panel.settings) set(scene, setting, panel.place);
-    const frame::Settings settings = frame::settings_of(scene);
+    frame::Settings settings = frame::settings_of(scene);
+    frame::add_bake(scene, settings);
     const frame::Plan plan = frame::plan(scene, settings);
     const frame::Frame frame = frame::execute(scene, settings, plan, {});
     for (StageData& data : parity::frame_data(scene, settings, plan, frame)) {

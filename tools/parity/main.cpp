@@ -7,6 +7,7 @@
 #include <map>
 
 #include "core/error.h"
+#include "gi/frame/probe_bake.h"
 #include "gi/parity/stages.h"
 #include "gi/parity/verdict.h"
 #include "io/scene_file.h"
@@ -62,6 +63,7 @@ void judge_frame(const vulkan::Device& device, const std::string& file, glm::ive
         set_field(find_field(fields, "gather", "--gathers"), gather, "--gathers");
     }
     if (options.samples > 0) settings.rsm.samples = options.samples;
+    frame::add_bake(scene, settings);
     const frame::Plan plan = frame::plan(scene, settings);
     const frame::Frame frame = frame::execute(scene, settings, plan, {});
     for (const StageData& data : parity::frame_data(scene, settings, plan, frame)) {

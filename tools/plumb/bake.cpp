@@ -14,16 +14,19 @@
 #include "gi/frame/settings.h"
 #include "gi/probes/debug_layers.h"
 #include "gi/probes/memory.h"
+#include "gi/probes/static_scene.h"
 #include "io/file.h"
 #include "io/image_file.h"
 #include "tools/plumb/bake_sh.h"
 #include "tools/plumb/cli.h"
 #include "tools/plumb/graph_page.h"
 #include "tools/shared/bake_file.h"
+#include "tools/shared/bake_progress.h"
 #include "tools/shared/bake_textures.h"
 #include "tools/shared/file_store.h"
 #include "tools/shared/output_place.h"
 #include "tools/shared/outputs.h"
+#include "tools/shared/probe_bake.h"
 #include "tools/shared/process_memory.h"
 #include "tools/shared/progress.h"
 #include "tools/shared/reports.h"
@@ -77,54 +80,6 @@ probes::Part part_of(const std::string& text) {
     const std::string expected = "I/N, 2/4 say, or 'launcher'";
     return {number_of(text.substr(0, slash), "--part", expected) - 1, number_of(text.substr(slash + 1), "--part", expected)};
 }
-
-// Bytes that the system would give; all there are where it does not tell.
-std::uint64_t memory_there() {
-    std::ifstream file("/proc/meminfo");
-    std::string name, unit;
-    std::uint64_t kilobytes = 0;
-    while (file >> name >> kilobytes >> unit)
-        if (name == "MemAvailable:") return kilobytes * 1024;
-    return ~std::uint64_t(0);
-}
-
-// "step (receivers 0 to 1023)": one of many nodes of a step.
-bool is_block(const std::string& label) { return label.find(" (") != std::string::npos; }
-std::string step_of(const std::string& label) { return label.substr(0, label.find(" (")); }
-
-// Of those, the ones that take nearly all of the time.
-bool is_slow(const std::string& label) { return label.starts_with("probes.coefficients ("); }
-
-// Says how far the blocks are.
-class BakeProgress {
-  public:
-    explicit BakeProgress(const probes::BakeGraph& graph) : graph_(graph), bar_({}) {}
-    graph::Progress callback() {
-        if (!bar_.callback()) return {};
-        return [this](const std::string& label, double done) { show(label, done); };
-    }
-
-  private:
-    void show(const std::string& label, double done) {
-        const std::lock_guard lock(mutex_);
-        const auto now = std::chrono::steady_clock::now();
-        if (label != label_ && is_slow(label_)) ++blocks_;
-        if (label != label_ && blocks_ == 0) start_ = now;
-        if (label == label_ && now - last_ < std::chrono::milliseconds(100)) return;
-        label_ = label, last_ = now;
-        const int blocks = graph_.bake().alpha.empty() ? 0 : graph_.blocks_here();
-        const double share = blocks > 0 ? std::min(1.0, (blocks_ + (is_slow(label) ? done : 0)) / blocks) : 0;
-        const double passed = std::chrono::duration<double>(now - start_).count();
-        const double left = share > 0.01 ? passed * (1 - share) / share : -1;
-        std::fprintf(stderr, "\r\033[K%s", progress_line(label, share, left, 80).c_str());
-    }
-    const probes::BakeGraph& graph_;
-    ProgressBar bar_;  // wipes the line at the end
-    std::mutex mutex_;
-    std::string label_;
-    int blocks_ = 0;
-    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now(), last_{};
-};
 
 std::uint8_t byte_of(float x) { return std::uint8_t(255 * std::clamp(x, 0.0f, 1.0f) + 0.5f); }
 
@@ -211,7 +166,7 @@ int verify(const BakeOptions& given) {
         throw InputError("bake: --verify reads a file and bakes nothing: not with other options");
     const Scene scene = load(given.scene);
     const io::DescribedFile file = io::read_described(given.verified, bake_kind);
-    io::require_scene(file, probes::scene_hash(scene, flatten(scene)), scene.name);
+    io::require_scene(file, probes::scene_hash(scene, probes::flatten_static(scene)), scene.name);
     check_bake(file);
     check_sky(file, scene);
     std::vector<std::vector<std::string>> rows;

@@ -15,6 +15,8 @@
 #include "tools/plumb/devices.h"
 #include "tools/plumb/explain_device.h"
 #include "tools/plumb/explain_dispatch.h"
+#include "tools/shared/file_store.h"
+#include "tools/shared/probe_bake.h"
 #include "tools/shared/progress.h"
 #include "tools/shared/reports.h"
 #include "tools/shared/scene_command.h"
@@ -216,7 +218,8 @@ int explain(const ExplainOptions& given) {
     const RunOptions options = given.common.run_options();
     const glm::ivec2 pixel = parse_pixel(given.pixel);
     const Scene scene = load(given.scene);
-    const frame::Settings settings = settings_of(scene, given.scene);
+    frame::Settings settings = settings_of(scene, given.scene);
+    add_bake(scene, settings, {options, given.scene.no_cache ? "" : cache_folder(), !given.common.json});
     const int light = given.light.empty() ? -1 : find_light(scene, given.light);
     const frame::Plan plan = up_to(frame::plan(scene, settings), scene, settings, given.stage);
     require_explainable(given, pixel, scene);

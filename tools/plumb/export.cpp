@@ -18,8 +18,10 @@
 #include "tools/plumb/export_merge.h"
 #include "tools/plumb/export_readme.h"
 #include "tools/plumb/stage_case.h"
+#include "tools/shared/file_store.h"
 #include "tools/shared/options.h"
 #include "tools/shared/outputs.h"
+#include "tools/shared/probe_bake.h"
 #include "tools/shared/progress.h"
 #include "tools/shared/reports.h"
 #include "tools/shared/scene_command.h"
@@ -161,6 +163,7 @@ int run_export(const ExportOptions& given) {
     const std::uint64_t id = export_id(scene, settings, maker);
     if (given.stage != "all") settings = frame::settings_running(settings, given.stage);
     settings.truth = false;
+    add_bake(scene, settings, {options, given.scene.no_cache ? "" : cache_folder(), !given.common.json});
     const int light = given.light.empty() ? -1 : find_light(scene, given.light);
     const frame::Plan plan = frame::plan(scene, settings);
     const std::vector<frame::PlannedStage> stages = chosen(plan, given, light);

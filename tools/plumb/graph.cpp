@@ -12,6 +12,8 @@
 #include "io/file.h"
 #include "tools/plumb/cli.h"
 #include "tools/plumb/graph_page.h"
+#include "tools/shared/file_store.h"
+#include "tools/shared/probe_bake.h"
 #include "tools/shared/progress.h"
 #include "tools/shared/reference_files.h"
 #include "tools/shared/reports.h"
@@ -71,7 +73,8 @@ std::vector<GraphNode> nodes_of(const frame::Plan& plan, const frame::Frame& fra
 int graph(const GraphOptions& given) {
     const RunOptions options = given.common.run_options();
     const Scene scene = load(given.scene);
-    const frame::Settings settings = settings_of(scene, given.scene);
+    frame::Settings settings = settings_of(scene, given.scene);
+    add_bake(scene, settings, {options, given.scene.no_cache ? "" : cache_folder(), !given.common.json});
     const frame::Plan plan = frame::plan(scene, settings);
     const std::string cache = given.scene.no_cache ? "" : cache_folder();
     ReferenceFiles references(cache);

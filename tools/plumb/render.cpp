@@ -14,7 +14,9 @@
 #include "tools/plumb/frames.h"
 #include "tools/plumb/pictures.h"
 #include "tools/plumb/sweep_choose.h"
+#include "tools/shared/file_store.h"
 #include "tools/shared/outputs.h"
+#include "tools/shared/probe_bake.h"
 #include "tools/shared/progress.h"
 #include "tools/shared/reference_files.h"
 #include "tools/shared/reports.h"
@@ -211,6 +213,7 @@ int render(const RenderOptions& given) {
     check_frames(given, scene, settings);
     Job job{given, start, {read_ms}, std::move(scene), std::move(settings), nullptr, Outputs(given.folder)};
     if (!given.budget.empty()) choose(job);
+    add_bake(job.scene, job.settings, {given.common.run_options(), given.scene.no_cache ? "" : cache_folder(), !given.common.json});
     return given.frames > 0 ? render_frames(job) : render_one(job);
 }
 

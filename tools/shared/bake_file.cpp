@@ -191,12 +191,33 @@ io::DescribedFile bake_file(const probes::Bake& b, const std::string& scene, boo
     return file;
 }
 
-void check_bake(const io::DescribedFile& file) {
+probes::FlatClusters flat_clusters_of(const io::DescribedFile& file) {
     const auto list = [&](const char* name, auto type) {
         using T = decltype(type);
         const auto values = io::elements<T>(file, name, {any_extent});
         return std::vector<T>(values.begin(), values.end());
     };
+    probes::FlatClusters f;
+    const Array& u = array_of(file, "receiver_u", DType::f32, {any_extent, any_extent});
+    f.singular_values = int(u.shape[1]);
+    const auto us = elements<float>(u, u.shape);
+    f.u.assign(us.begin(), us.end());
+    f.first_receiver = list("cluster_first_receiver", std::int32_t()), f.receivers = list("cluster_receiver", std::int32_t());
+    f.first_probe = list("cluster_first_probe", std::int32_t()), f.probes = list("cluster_probe", std::int32_t());
+    f.rank = list("cluster_rank", std::int32_t()), f.first_value = list("cluster_first_value", std::int32_t());
+    const auto matrices = list("cluster_matrix", float());
+    f.sigma_vt.assign(matrices.begin(), matrices.end());
+    f.spectrum = list("cluster_singular_value", double());
+    f.cluster_of = list("receiver_cluster", std::int32_t());
+    const auto boxes = io::elements<float>(file, "cluster_box", {f.count(), 2, 3});
+    f.box.assign(boxes.begin(), boxes.end());
+    const auto errors = io::elements<double>(file, "cluster_error", {f.count(), 2});
+    f.errors.assign(errors.begin(), errors.end());
+    for (const std::int32_t r : f.rank) f.first_row.push_back(f.first_row.back() + r);
+    return f;
+}
+
+void check_bake(const io::DescribedFile& file) {
     const auto rows_of = [&](const char* name, DType dtype, Shape shape) { return array_of(file, name, dtype, shape).shape[0]; };
     const std::int64_t receivers = rows_of("receiver_position", DType::f32, {any_extent, 4});
     for (const auto& [name, dtype, width] : std::vector<std::tuple<const char*, DType, std::int64_t>>{
@@ -229,23 +250,7 @@ void check_bake(const io::DescribedFile& file) {
     within("relight_triangle", {probes, rays}, -1, triangles, "a triangle");
     within("triangle_chart", {triangles}, -1, charts, "a chart");
 
-    probes::FlatClusters f;
-    const Array& u = array_of(file, "receiver_u", DType::f32, {receivers, any_extent});
-    f.singular_values = int(u.shape[1]);
-    const auto us = elements<float>(u, u.shape);
-    f.u.assign(us.begin(), us.end());
-    f.first_receiver = list("cluster_first_receiver", std::int32_t()), f.receivers = list("cluster_receiver", std::int32_t());
-    f.first_probe = list("cluster_first_probe", std::int32_t()), f.probes = list("cluster_probe", std::int32_t());
-    f.rank = list("cluster_rank", std::int32_t()), f.first_value = list("cluster_first_value", std::int32_t());
-    const auto matrices = list("cluster_matrix", float());
-    f.sigma_vt.assign(matrices.begin(), matrices.end());
-    f.spectrum = list("cluster_singular_value", double());
-    f.cluster_of = list("receiver_cluster", std::int32_t());
-    const auto boxes = io::elements<float>(file, "cluster_box", {f.count(), 2, 3});
-    f.box.assign(boxes.begin(), boxes.end());
-    const auto errors = io::elements<double>(file, "cluster_error", {f.count(), 2});
-    f.errors.assign(errors.begin(), errors.end());
-    for (const std::int32_t r : f.rank) f.first_row.push_back(f.first_row.back() + r);
+    const probes::FlatClusters f = flat_clusters_of(file);
     try {
         probes::clusters_of(f, int(coefficients));
     } catch (const InputError& e) {

@@ -16,6 +16,9 @@ io::DescribedFile bake_file(const probes::Bake& bake, const std::string& scene, 
 // Throws InputError that names the file: an array that is missing or of another type or shape, lists that do not fit each other.
 void check_bake(const io::DescribedFile& file);
 
+// Its clusters. Throws InputError for an array that is missing or of another type or shape.
+probes::FlatClusters flat_clusters_of(const io::DescribedFile& file);
+
 // Throws InputError where the sky, or its absence, asks for another solution of rays that meet nothing than the bake has.
 void check_sky(const io::DescribedFile& file, const Scene& scene);
 

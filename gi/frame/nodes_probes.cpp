@@ -1,0 +1,257 @@
+// Irradiance probes at run time: from what relight rays meet, and the light there, to indirect light of every pixel.
+#include <fmt/format.h>
+
+#include "gi/frame/filters.h"
+#include "gi/frame/frame_graph.h"
+#include "gi/frame/isr.h"
+#include "gi/probes/bake.h"
+#include "gi/probes/hit_surfaces.h"
+#include "gi/probes/lookup.h"
+#include "gi/probes/run_loop.h"
+#include "gi/probes/run_stages.h"
+
+namespace plumb::frame {
+
+namespace {
+
+const probes::Bake& bake_of(const Context& c) {
+    if (!c.settings.bake) throw InputError("method probes: Settings::bake is missing");
+    return *c.settings.bake;
+}
+
+bool pipelined(const Context& c) { return c.settings.probe_run.loop == probes::Loop::pipelined; }
+
+PlannedNode begin_host(Context& c, const StageInfo& info, const std::string& why, glm::ivec2 size) {
+    PlannedNode node = begin_node(c, info.name, "probes", why, 0, {});
+    node.of_pixels = false, node.by_name = false;
+    node.size = [=] { return size; };
+    node.fill = [] {};
+    return node;
+}
+
+// The node of a stage of the lightmap's update. inputs(): its typed inputs.
+template <class InputsOf, class To>
+void add_stage(Context& c, Nodes& nodes, const std::string& why, const std::string& tap, double turns, InputsOf inputs, To result) {
+    using Kernel = typename decltype(inputs())::Kernel;
+    const StageBinding& binding = stage<Kernel>();
+    PlannedNode node = begin_node(c, binding, "probes", why, turns);
+    node.of_pixels = false;
+    node.size = [=] {
+        const Image4& made = result();
+        return glm::ivec2(made.width, made.height);
+    };
+    node.dispatches = [=] { return std::vector<StageData>{data_of(inputs())}; };
+    node.reads = [=, &binding](graph::Reads& r) { r.dispatch(binding, data_of(inputs())); };
+    node.outputs = [=, &binding] { return lent(binding.outputs[0].name, result()); };
+    node.run = [=, &binding](const RunOptions& options, graph::NodeRun& run) {
+        plumb::run(binding, data_of(inputs()), options, result());
+        run.bytes = bytes_of(result());
+    };
+    node.explain = [=, &binding](glm::ivec2 at) { return plumb::explain(binding, data_of(inputs()), at); };
+    node.leave_out = [=] { result() = {}; };
+    node.fill = [] {};
+    node.results = {{binding.outputs[0].name, binding.outputs[0].name, tap}};
+    nodes.push_back(std::move(node));
+}
+
+}  // namespace
+
+// ---- What does not depend on light ------------------------------------------------------------------------------------
+
+namespace {
+
+void add_data(Context& c, Nodes& nodes) {
+    ProbeBuffers& p = c.frame.probes;
+    PlannedNode node = begin_host(c, probes::info_run_data(), c.settings.bake ? "what is known of the scene" : text_of(probes::expected_bake(c.scene, c.settings.probes)), {1, 1});
+    if (!c.settings.bake) node.plan.expected_ms = probes::expected_bake(c.scene, c.settings.probes).ms;
+    node.reads = [&c](graph::Reads& r) {
+        if (r.hashes()) r.source("bake", probes::bake_key(bake_of(c)));
+        r.source("geometry", c.keys.geometry);
+    };
+    node.outputs = [&p] { return probes::lent(p.data, p.charted, p.harmonics, p.weights); };
+    node.run = [&c, &p](const RunOptions&, graph::NodeRun& run) {
+        const probes::Bake& b = bake_of(c);
+        p.data = probes::run_data(b);
+        p.charted = probes::charted_triangles(c.scene, c.world().geometry, b.atlas);
+        p.harmonics = b.harmonics, p.weights = b.relight_weights;
+        p.probe_level.assign(std::size_t(p.data.probes), 0), p.cluster_level.assign(p.data.clusters.size(), 0);
+        run.bytes = (p.data.matrix.size() + p.data.u.size()) * sizeof(float);
+        run.reason = fmt::format("{} receivers, {} probes, {} clusters, lightmap {} x {}", p.data.count(), p.data.probes,
+                                 p.data.clusters.size(), b.atlas.size.x, b.atlas.size.y);
+    };
+    node.leave_out = [&p] { p = {}; };
+    nodes.push_back(std::move(node));
+}
+
+void add_surfaces(Context& c, int view, Nodes& nodes) {
+    ProbeBuffers& p = c.frame.probes;
+    PlannedNode node = begin_host(c, probes::info_hit_surfaces(), "light is gathered there", c.views[std::size_t(view)].size);
+    set_view(c, node, view);
+    node.plan.reason = "light is gathered there";
+    node.reads = [&c](graph::Reads& r) {
+        if (r.hashes()) r.source("bake", probes::bake_key(bake_of(c)));
+        r.source("surfaces", c.keys.surfaces), r.source("emission", c.keys.emission);
+        r.value(c.scene.environment.radiance), r.image(c.scene.environment.map);
+    };
+    node.outputs = [&c, &p, view] {
+        Bundle b;
+        const raster::GBuffer& g = c.gbuffer(view);
+        lend(b, "position", g.position), lend(b, "normal", g.normal);
+        lend(b, "surface", p.surface), lend(b, "emitted", p.emitted), lend(b, "place", p.place);
+        return b;
+    };
+    node.run = [&c, &p, view](const RunOptions& options, graph::NodeRun& run) {
+        probes::HitSurfaces made = probes::hit_surfaces(c.scene, bake_of(c), options);
+        raster::GBuffer& g = c.gbuffer(view);
+        g.position = std::move(made.position), g.normal = std::move(made.normal);
+        g.covered = covered_by(g.normal);
+        p.surface = std::move(made.surface), p.emitted = std::move(made.emitted), p.place = std::move(made.place);
+        run.bytes = 5 * bytes_of(p.surface);
+    };
+    node.leave_out = [&c, view, size = c.views[std::size_t(view)].size] {
+        raster::GBuffer& g = c.gbuffer(view);
+        g.position = g.normal = Image4(size.x, size.y);
+        g.covered = raster::Covered(size);
+    };
+    nodes.push_back(std::move(node));
+}
+
+}  // namespace
+
+void add_probe_hits(Context& c, int view, Nodes& nodes) {
+    add_data(c, nodes);
+    add_surfaces(c, view, nodes);
+}
+
+// ---- The lightmap, and what pixels read of it ------------------------------------------------------------------------
+
+namespace {
+
+// Where each stage of an update reads and writes: in a pipeline it reads what the frame before has left.
+probes::UpdateBuffers buffers_of(Context& c) {
+    ProbeBuffers& p = c.frame.probes;
+    const bool behind = pipelined(c);
+    probes::UpdateBuffers b;
+    b.data = &p.data, b.harmonics = &p.harmonics, b.weights = &p.weights;
+    b.probe_level = &p.probe_level, b.cluster_level = &p.cluster_level;
+    b.counts = {1, {p.data.rays}, {p.data.coefficients}};
+    b.feedback = c.settings.probe_run.feedback, b.constant = c.settings.probe_run.reflection;
+    b.surface = &p.surface, b.emitted = &p.emitted, b.place = &p.place;
+    b.direct = behind ? &p.last.direct : &c.direct(1);
+    b.last_lightmap = behind ? &p.last.lightmap : &p.before;
+    b.radiance = &p.radiance, b.lambda = &p.lambda, b.basis = &p.basis, b.irradiance = &p.irradiance, b.lightmap = &p.lightmap;
+    b.read_lambda = behind ? &p.last.lambda : &p.lambda;
+    b.read_basis = behind ? &p.last.basis : &p.basis;
+    return b;
+}
+
+// Rounds until further ones add no more than the tolerance; the stages after it make the last of them once more.
+probes::Convergence run_rounds(Context& c, const RunOptions& options, Image4& before, ProbeBuffers& made) {
+    probes::UpdateBuffers b = buffers_of(c);
+    b.direct = &c.direct(1);
+    b.radiance = &made.radiance, b.lambda = &made.lambda, b.basis = &made.basis, b.irradiance = &made.irradiance;
+    b.lightmap = &made.lightmap;
+    return probes::converge(b, c.settings.probe_run, options, before);
+}
+
+// What the first frame of a pipeline finds.
+void begin_pipeline(Context& c, const RunOptions& options, graph::NodeRun& run) {
+    ProbeBuffers& p = c.frame.probes;
+    if (!p.last.lightmap.empty()) return;
+    ProbeBuffers made;
+    Image4 before;
+    run.reason = text_of(run_rounds(c, options, before, made));
+    p.last = {c.direct(1), std::move(made.lambda), std::move(made.basis), std::move(made.lightmap)};
+    if (c.settings.probe_run.start == probes::Start::converged) return;
+    for (Image4* image : {&p.last.direct, &p.last.lambda, &p.last.basis, &p.last.lightmap})
+        std::fill(image->texels.begin(), image->texels.end(), glm::vec4(0));
+}
+
+void add_rounds(Context& c, Nodes& nodes) {
+    ProbeBuffers& p = c.frame.probes;
+    const bool behind = pipelined(c);
+    PlannedNode node = begin_host(c, probes::info_rounds(), behind ? "what the first frame finds" : "light is reflected again and again", {1, 1});
+    node.reads = [=, &c, &p](graph::Reads& r) {
+        const probes::RunParams& params = c.settings.probe_run;
+        r.value(params.tolerance, params.rounds, params.feedback, params.reflection, behind);
+        r.list(p.data.matrix), r.list(p.data.u), r.list(p.harmonics), r.list(p.weights);
+        r.image(p.surface), r.image(p.emitted), r.image(p.place), r.image(c.direct(1));
+    };
+    // What lies there counts by its content: the end of each frame writes it anew.
+    node.outputs = [=, &p] { return behind ? Bundle() : lent("lightmap", p.before); };
+    node.run = [=, &c, &p](const RunOptions& options, graph::NodeRun& run) {
+        if (behind) return begin_pipeline(c, options, run);
+        ProbeBuffers made;
+        p.converged = run_rounds(c, options, p.before, made);
+        run.reason = text_of(p.converged);
+        run.bytes = bytes_of(p.before);
+    };
+    node.leave_out = [&p] { p.before = {}, p.last = {}; };
+    nodes.push_back(std::move(node));
+}
+
+void add_update(Context& c, Nodes& nodes) {
+    ProbeBuffers& p = c.frame.probes;
+    const double hits = double(c.views[1].size.x) * c.views[1].size.y;
+    const double coefficients = c.settings.bake ? double(c.settings.bake->coefficients()) : 64;
+    const double receivers = c.settings.bake ? double(c.settings.bake->receivers.count()) : 65536;
+    const double side = c.settings.bake ? double(c.settings.bake->atlas.size.x) : 512;
+    add_stage(c, nodes, "what relight rays bring", "f", hits, [&c] { return probes::radiance_inputs(buffers_of(c)); },
+              [&p]() -> Image4& { return p.radiance; });
+    add_stage(c, nodes, "what probes see", "lambda", hits * coefficients, [&c] { return probes::lambda_inputs(buffers_of(c)); },
+              [&p]() -> Image4& { return p.lambda; });
+    add_stage(c, nodes, "what clusters get", "basis", receivers, [&c] { return probes::basis_inputs(buffers_of(c)); },
+              [&p]() -> Image4& { return p.basis; });
+    add_stage(c, nodes, "what receivers get", "irradiance", receivers * 32,
+              [&c] { return probes::irradiance_inputs(buffers_of(c)); }, [&p]() -> Image4& { return p.irradiance; });
+    add_stage(c, nodes, "the lightmap", "lightmap", side * side, [&c] { return probes::lightmap_inputs(buffers_of(c)); },
+              [&p]() -> Image4& { return p.lightmap; });
+}
+
+// Of what pixels of the frame read.
+template <class InputsOf, class To>
+void add_of_pixels(Context& c, Nodes& nodes, const std::string& why, const std::string& tap, InputsOf inputs, To result) {
+    add_stage(c, nodes, why, tap, double(c.size.x) * c.size.y, inputs, result);
+    PlannedNode& node = nodes.back();
+    node.of_pixels = true;
+    node.size = [&c] { return c.size; };
+    node.leave_out = [=, size = c.size] { result() = Image4(size.x, size.y); };
+    node.fill = {};
+}
+
+void add_indirect(Context& c, Nodes& nodes) {
+    ProbeBuffers& p = c.frame.probes;
+    add_of_pixels(c, nodes, "where pixels lie on the lightmap", "uv",
+                  [&c, &p] { return probes::LightmapUvInputs{&c.frame.gbuffer.position, &c.frame.gbuffer.id, &p.charted}; },
+                  [&p]() -> Image4& { return p.uv; });
+    add_of_pixels(c, nodes, "indirect light", "irradiance",
+                  [&c, &p] { return probes::LookupInputs{&p.uv, pipelined(c) ? &p.last.lightmap : &p.lightmap, p.data.levels}; },
+                  [&c]() -> Image4& { return c.frame.indirect; });
+}
+
+// What the next frame of a pipeline finds.
+void add_latch(Context& c, Nodes& nodes) {
+    ProbeBuffers& p = c.frame.probes;
+    PlannedNode node = begin_node(c, "pipeline", "", "", 0, {});
+    node.listed = false;
+    node.reads = [&c, &p](graph::Reads& r) {
+        for (const Image4* image : {const_cast<const Image4*>(&c.direct(1)), const_cast<const Image4*>(&p.lambda), const_cast<const Image4*>(&p.basis), const_cast<const Image4*>(&p.lightmap)})
+            r.image(*image);
+    };
+    node.outputs = [] { return Bundle(); };
+    node.run = [&c, &p](const RunOptions&, graph::NodeRun&) { p.last = {c.direct(1), p.lambda, p.basis, p.lightmap}; };
+    node.leave_out = [] {};
+    nodes.push_back(std::move(node));
+}
+
+}  // namespace
+
+void add_probes(Context& c, Nodes& nodes) {
+    if (!lights_probes(c.settings)) return;
+    add_rounds(c, nodes);
+    add_update(c, nodes);
+    add_indirect(c, nodes);
+    if (pipelined(c)) add_latch(c, nodes);
+}
+
+}  // namespace plumb::frame

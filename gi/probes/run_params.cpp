@@ -1,0 +1,19 @@
+#include "gi/probes/run_params.h"
+
+namespace plumb::probes {
+
+std::vector<Field> fields(RunParams& p) {
+    return {
+        {"file", &p.file, "", "a bake of this scene; empty: one is made, and kept (plumb bake)", -unbounded, unbounded, {}, false},
+        {"loop", as_int(p.loop), "", "rounds until nothing changes, or one a frame with the latency of a GPU's pipeline (IPR figure 3.30)",
+         -unbounded, unbounded, {"converged", "pipelined"}, false},
+        {"tolerance", &p.tolerance, "", "what further rounds may add, of the mean irradiance", 1e-6, 1, {}, false},
+        {"rounds", &p.rounds, "", "rounds at most", 1, 1e6, {}, false},
+        {"feedback", as_int(p.feedback), "", "what comes back of the lightmap's irradiance: rho / pi; as published a constant, or rho (IPR 3.3.1.5)",
+         -unbounded, unbounded, {"corrected", "constant", "material"}, false},
+        {"reflection", &p.reflection, "", "the constant of feedback = constant (IPR 3.3.1.5)", 0, 100, {}, false},
+        {"start", as_int(p.start), "", "what pipelined frames begin with", -unbounded, unbounded, {"converged", "black"}, false},
+    };
+}
+
+}  // namespace plumb::probes

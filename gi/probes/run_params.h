@@ -1,0 +1,34 @@
+// The parameters of irradiance probes at run time: the part of the table [probes] of a scene file that a bake does not depend on.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/fields.h"
+
+namespace plumb::probes {
+
+// converged: rounds until nothing changes. pipelined: one round a frame, each stage on what the others left in the frame before,
+// as a GPU's two branches have it (IPR figure 3.30): what happens in frame n is in the picture of frame n + 4.
+enum class Loop : int { converged, pipelined };
+// What of the lightmap's irradiance comes back from a surface.
+enum class Feedback : int {
+    corrected,  // rho / pi
+    constant,   // a constant, IPR 3.3.1.5
+    material,   // rho, IPR 3.3.1.5 "a material reflection"
+};
+// What pipelined frames begin with.
+enum class Start : int { converged, black };
+
+struct RunParams {
+    std::string file;                        // a bake; empty: one is made, and kept
+    Loop loop = Loop::converged;
+    float tolerance = 1e-3f;                 // of what later rounds add, of the mean irradiance
+    int rounds = 1000;                       // at most
+    Feedback feedback = Feedback::corrected;
+    float reflection = 0.19f;                // c of the constant feedback (IPR 3.3.1.5)
+    Start start = Start::converged;
+};
+std::vector<Field> fields(RunParams& params);
+
+}  // namespace plumb::probes

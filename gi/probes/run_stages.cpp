@@ -1,0 +1,94 @@
+#include "gi/probes/run_stages.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "core/content_hasher.h"
+#include "gi/probes/bake.h"
+#include "gi/probes/run_params.h"
+#include "gi/probes/static_scene.h"
+
+namespace plumb::probes {
+
+namespace {
+
+StageInfo step(const std::string& name, const std::string& source, std::vector<Port> inputs, std::vector<Port> outputs,
+               const std::vector<std::string>& params) {
+    RunParams defaults;
+    StageInfo s;
+    s.name = name, s.source = source;
+    s.inputs = std::move(inputs), s.outputs = std::move(outputs);
+    s.params = describe(fields(defaults), params);
+    return s;
+}
+
+const Port bake = {"bake", "arrays", "", "of plumb bake"};
+const Port lightmap = {"lightmap", "image rgba32f", "W/m2", "irradiance"};
+
+// Rays a second of one core, exact, of scenes of middle size.
+constexpr double rays_a_ms = 8000;
+
+}  // namespace
+
+StageInfo info_run_data() {
+    return step("probes.data", "IPR 3.2.5; without a twin: what a bake holds, laid out for the stages that read it", {bake},
+                {{"matrix", "buffer f32", "", "Sigma V^T of each cluster"}, {"transport", "buffer f32", "", "U"}}, {"file"});
+}
+
+StageInfo info_hit_surfaces() {
+    return step("probes.surfaces", "IPR 3.2.3.1, 3.3.1.1; without a twin: materials where relight rays end, when a material changes",
+                {bake, {"materials", "buffer f32 x 4", "", "of the scene"}},
+                {{"surface", "image rgba32f", "", "[probe][ray] reflectance"}, {"emitted", "image rgba32f", "W/(m2 sr)", "[probe][ray] radiance"}}, {});
+}
+
+StageInfo info_rounds() {
+    return step("probes.rounds", "IPR 3.3.1.5; without a twin: it runs the stages of an update until they change nothing",
+                {{"surface", "image rgba32f", "", "[probe][ray]"}, {"direct", "image rgba32f", "W/m2", "[probe][ray]"}}, {lightmap},
+                {"loop", "tolerance", "rounds", "feedback", "reflection", "start"});
+}
+
+std::uint64_t bake_key(const Bake& b) {
+    ContentHasher h;
+    h.add(b.scene_hash, b.atlas.size, b.relight.probes, b.relight.rays, b.params.degree);
+    h.add_all(b.atlas.uv), h.add_all(b.receivers.texel);
+    h.add_all(b.relight.material), h.add_all(b.relight.uv), h.add_all(b.relight.position);
+    h.add_all(b.relight_weights), h.add_all(b.harmonics);
+    h.add_all(b.flat.receivers), h.add_all(b.flat.probes), h.add_all(b.flat.rank), h.add_all(b.flat.sigma_vt), h.add_all(b.flat.u);
+    return h.hash;
+}
+
+Bundle lent(const RunData& d, const ChartedTriangles& c, const Buffer<float>& harmonics, const Buffer<float>& weights) {
+    Bundle b;
+    const auto list = [&](const char* name, const auto& values) { lend(b, name, {std::int64_t(values.size())}, values.data()); };
+    const auto of4 = [&](const char* name, const auto& values) {
+        lend(b, name, {std::int64_t(values.size()), 4}, values.empty() ? nullptr : &values[0].x);
+    };
+    of4("clusters", d.clusters), list("cluster_probes", d.cluster_probes), list("matrix", d.matrix), list("cluster", d.cluster);
+    list("transport", d.u), list("receiver_level", d.receiver_level), list("cover", d.cover.texels);
+    list("charted_of", c.charted_of), of4("corners", c.corners), list("harmonics", harmonics), list("weights", weights);
+    return b;
+}
+
+ExpectedBake expected_bake(const Scene& scene, const BakeParams& p) {
+    const Geometry g = flatten_static(scene);
+    double area = 0;
+    for (const glm::uvec3& t : g.triangles) {
+        const glm::dvec3 a(g.vertices[t.x].position), u = glm::dvec3(g.vertices[t.y].position) - a, v = glm::dvec3(g.vertices[t.z].position) - a;
+        const glm::dvec3 n(u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x);
+        area += std::sqrt(n.x * n.x + n.y * n.y + n.z * n.z) / 2;
+    }
+    ExpectedBake e;
+    const double side = double(p.lightmap_size);
+    e.receivers = p.lightmap_size > 0 ? side * side / 2 : area * double(p.receivers_per_m2);
+    e.rays = e.receivers * (double(p.receiver_rays) * (1 + p.placement.overlaps) + p.test_rays);
+    e.ms = e.rays / rays_a_ms;
+    return e;
+}
+
+std::string text_of(const ExpectedBake& e) {
+    return fmt::format("without a bake one is made and kept: about {:.2g} receivers, at most {:.2g} million rays, some {:.2g} s of a core",
+                       e.receivers, e.rays * 1e-6, e.ms * 1e-3);
+}
+
+}  // namespace plumb::probes

@@ -1,0 +1,19 @@
+// What of a scene is baked: its static meshes. Those that move (Mesh::dynamic) block no ray, have no receivers and no probes near
+// them; the run time lights them by the spatial receivers.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/scene.h"
+
+namespace plumb::probes {
+
+// flatten() of the scene without its dynamic meshes: Geometry::object counts static meshes alone. Throws InputError where every
+// mesh is dynamic.
+Geometry flatten_static(const Scene& scene);
+
+// Of each triangle of flatten(scene): its index in flatten_static(scene), which is that of a bake's atlas; -1 of dynamic meshes.
+std::vector<std::int32_t> static_triangles(const Scene& scene, const Geometry& geometry);
+
+}  // namespace plumb::probes
