@@ -37,7 +37,7 @@ std::int32_t RunTime::receiver_at(const Image<std::int32_t>& receivers, const gl
     return -1;
 }
 
-std::vector<glm::dvec3> RunTime::probes_lambda() const {
+std::vector<glm::dvec3> RunTime::lambda() const {
     std::vector<glm::dvec3> f = relit_.emitted;
     for (std::size_t k = 0; k < f.size(); ++k) {
         const std::int32_t receiver = receiver_of_[k];
@@ -65,10 +65,10 @@ std::vector<glm::dvec3> clustered_irradiance(const Bake& b, const std::vector<gl
 }
 
 void RunTime::round() {
-    const std::vector<glm::dvec3> lambda = probes_lambda();
+    const std::vector<glm::dvec3> of_probes = lambda();
     irradiance_ = transport_ == Transport::clustered
-                      ? clustered_irradiance(bake_, lambda)
-                      : probes::irradiance(bake_.supports, bake_.alpha, bake_.params.degree, lambda);
+                      ? clustered_irradiance(bake_, of_probes)
+                      : probes::irradiance(bake_.supports, bake_.alpha, bake_.params.degree, of_probes);
 }
 
 int RunTime::converge(int most, double change) {

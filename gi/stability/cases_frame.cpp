@@ -109,10 +109,6 @@ std::vector<Case> frame_cases() {
             [](frame::Settings& s) { s.rsm.slots = 4; }),
         set("exposure 1e-6", "a picture that is nearly black", [](frame::Settings& s) { s.tonemap.exposure = 1e-6f; }),
         set("exposure 1e6", "a picture that is white", [](frame::Settings& s) { s.tonemap.exposure = 1e6f; }),
-        set("contrast 10", "a tone curve as steep as can be, gamma 10",
-            [](frame::Settings& s) { s.tonemap.contrast = 10, s.tonemap.gamma = 10; }),
-        set("contrast 0.1", "a tone curve as flat as can be, gamma 0.1",
-            [](frame::Settings& s) { s.tonemap.contrast = 0.1f, s.tonemap.gamma = 0.1f; }),
     };
 }
 

@@ -254,6 +254,9 @@ void run_frame(const Case& c, const Scene& scene, const Effort& effort, Writer& 
     using compose::Operator;
     for (const Operator op : {Operator::clamp, Operator::exposure, Operator::reinhard, Operator::filmic})
         if (op != settings.tonemap.op) otherwise("tonemap", [op](frame::Settings& s) { s.tonemap.op = op; });
+    // As steep and as flat as can be.
+    for (const float power : {10.0f, 0.1f})
+        otherwise("tonemap", [power](frame::Settings& s) { s.tonemap.contrast = s.tonemap.gamma = power; });
 }
 
 bool bound(const std::string& stage) {

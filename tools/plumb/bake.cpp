@@ -17,6 +17,7 @@
 #include "gi/probes/static_scene.h"
 #include "io/file.h"
 #include "io/image_file.h"
+#include "tools/plumb/bake_sh.h"
 #include "tools/plumb/cli.h"
 #include "tools/plumb/graph_page.h"
 #include "tools/shared/bake_file.h"
@@ -42,6 +43,7 @@ struct BakeOptions {
     std::string file, part, verified, layers, textures, html, store;
     bool join = false, resume = false, no_cache = false, with_alpha = false;
     double memory_gb = 0;
+    ShOptions sh;
 };
 
 int number_of(const std::string& text, const std::string& name, const std::string& expected) {
@@ -160,7 +162,7 @@ Json report_json(const probes::BakeGraph& graph, const std::vector<graph::NodeRu
 // Reads all of a file, and lists what it holds.
 int verify(const BakeOptions& given) {
     if (!given.file.empty() || !given.part.empty() || !given.layers.empty() || !given.textures.empty() || !given.html.empty() ||
-        !given.scene.sets.empty())
+        !given.scene.sets.empty() || !given.sh.file.empty())
         throw InputError("bake: --verify reads a file and bakes nothing: not with other options");
     const Scene scene = load(given.scene);
     const io::DescribedFile file = io::read_described(given.verified, bake_kind);
@@ -192,9 +194,10 @@ void check_options(const BakeOptions& given) {
         throw InputError("bake: --join, --resume and --part go through the store: not with --no-cache");
     if (!given.part.empty() && (!given.layers.empty() || !given.textures.empty() || !given.html.empty() || given.with_alpha))
         throw InputError("bake: a part has no clusters: --debug-layers, --textures, --html and --with-alpha are for the whole");
+    check_sh(given.sh, !given.part.empty());
     namespace fs = std::filesystem;
     std::set<std::string> names;
-    for (const std::string& file : {given.file, given.html}) {
+    for (const std::string& file : {given.file, given.html, given.sh.file}) {
         if (file.empty()) continue;
         const std::string parent = io::folder_of(file);
         std::error_code error;
@@ -244,6 +247,7 @@ int bake(const BakeOptions& given) {
     const MemoryPeak memory_taken;
     const Scene scene = load(given.scene);
     const frame::Settings settings = settings_of(scene, given.scene);
+    check_sh_degree(given.sh, settings.probes.degree);
     const std::uint64_t memory = given.memory_gb > 0 ? std::uint64_t(given.memory_gb * 1e9) : memory_there();
     probes::BakeGraph graph(scene, settings.probes, part, memory);
     std::unique_ptr<FileStore> store;
@@ -288,6 +292,8 @@ int bake(const BakeOptions& given) {
         written.push_back(given.textures);
     }
     if (!given.html.empty()) io::write_text(given.html, page_of(scene.name, runs, layers)), written.push_back(given.html);
+    write_sh(given.sh, graph.bake(), scene, options);
+    if (!given.sh.file.empty()) written.push_back(given.sh.file);
     if (given.common.json) {
         std::fputs(json_text(report_json(graph, runs, given.part.empty(), memory_taken)).c_str(), stdout);
         return success;
@@ -332,6 +338,7 @@ void add_bake(CLI::App& program, Action& action) {
     command->add_option("--debug-layers", given->layers, "a picture of every step")->check(some_word())->type_name("DIR");
     command->add_option("--textures", given->textures, "the data textures of a GPU, raw and as .npy")->check(some_word())->type_name("DIR");
     command->add_option("--html", given->html, "a page that draws the steps; a click on one shows what it made")->type_name("FILE");
+    add_sh_options(*command, given->sh);
     command->add_option("--memory", given->memory_gb, "GB that it may need; what the system has otherwise")
         ->check(number_within(1e-6, 1e6))
         ->type_name("GB");
