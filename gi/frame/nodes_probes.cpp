@@ -30,17 +30,14 @@ PlannedNode begin_host(Context& c, const StageInfo& info, const std::string& why
     return node;
 }
 
-// The node of a stage of the lightmap's update. inputs(): its typed inputs.
-template <class InputsOf, class To>
-void add_stage(Context& c, Nodes& nodes, const std::string& why, const std::string& tap, double turns, InputsOf inputs, To result) {
+// The node of a stage of the lightmap's update. size(bake): of its domain. inputs(): its typed inputs.
+template <class SizeOf, class InputsOf, class To>
+void add_stage(Context& c, Nodes& nodes, const std::string& why, const std::string& tap, double turns, SizeOf size, InputsOf inputs, To result) {
     using Kernel = typename decltype(inputs())::Kernel;
     const StageBinding& binding = stage<Kernel>();
     PlannedNode node = begin_node(c, binding, "probes", why, turns);
     node.of_pixels = false;
-    node.size = [=] {
-        const Image4& made = result();
-        return glm::ivec2(made.width, made.height);
-    };
+    node.size = [=, &c] { return c.settings.bake ? size(*c.settings.bake) : glm::ivec2(0); };
     node.dispatches = [=] { return std::vector<StageData>{data_of(inputs())}; };
     node.reads = [=, &binding](graph::Reads& r) { r.dispatch(binding, data_of(inputs())); };
     node.outputs = [=, &binding] { return lent(binding.outputs[0].name, result()); };
@@ -250,25 +247,28 @@ void add_update(Context& c, Nodes& nodes) {
     const double coefficients = c.settings.bake ? double(c.settings.bake->coefficients()) : 64;
     const double receivers = c.settings.bake ? double(c.settings.bake->receivers.count()) : 65536;
     const double side = c.settings.bake ? double(c.settings.bake->atlas.size.x) : 512;
-    add_stage(c, nodes, "what relight rays bring", "f", hits, [&c] { return probes::radiance_inputs(buffers_of(c)); },
-              [&p]() -> Image4& { return p.radiance; });
-    add_stage(c, nodes, "what probes see", "lambda", hits * coefficients, [&c] { return probes::lambda_inputs(buffers_of(c)); },
-              [&p]() -> Image4& { return p.lambda; });
-    add_stage(c, nodes, "what clusters get", "basis", receivers, [&c] { return probes::basis_inputs(buffers_of(c)); },
-              [&p]() -> Image4& { return p.basis; });
-    add_stage(c, nodes, "what receivers get", "irradiance", receivers * 32,
+    using probes::Bake;
+    add_stage(c, nodes, "what relight rays bring", "f", hits, [](const Bake& b) { return glm::ivec2(b.relight.rays, b.relight.probes); },
+              [&c] { return probes::radiance_inputs(buffers_of(c)); }, [&p]() -> Image4& { return p.radiance; });
+    add_stage(c, nodes, "what probes see", "lambda", hits * coefficients,
+              [](const Bake& b) { return glm::ivec2(b.coefficients(), b.relight.probes); },
+              [&c] { return probes::lambda_inputs(buffers_of(c)); }, [&p]() -> Image4& { return p.lambda; });
+    add_stage(c, nodes, "what clusters get", "basis", receivers, [](const Bake& b) { return glm::ivec2(b.flat.singular_values, b.flat.count()); },
+              [&c] { return probes::basis_inputs(buffers_of(c)); }, [&p]() -> Image4& { return p.basis; });
+    add_stage(c, nodes, "what receivers get", "irradiance", receivers * 32, [](const Bake& b) { return probes::irradiance_size(b.receivers.count()); },
               [&c] { return probes::irradiance_inputs(buffers_of(c)); }, [&p]() -> Image4& { return p.irradiance; });
-    add_stage(c, nodes, "the lightmap", "lightmap", side * side, [&c] { return probes::lightmap_inputs(buffers_of(c)); },
-              [&p]() -> Image4& { return p.lightmap; });
+    const int levels = c.settings.lod.levels;
+    add_stage(c, nodes, "the lightmap", "lightmap", side * side,
+              [=](const Bake& b) { return glm::ivec2(b.atlas.size.x, probes::lightmap_rows(b.atlas.size.x, levels)); },
+              [&c] { return probes::lightmap_inputs(buffers_of(c)); }, [&p]() -> Image4& { return p.lightmap; });
 }
 
 // Of what pixels of the frame read.
 template <class InputsOf, class To>
 void add_of_pixels(Context& c, Nodes& nodes, const std::string& why, const std::string& tap, InputsOf inputs, To result) {
-    add_stage(c, nodes, why, tap, double(c.size.x) * c.size.y, inputs, result);
+    add_stage(c, nodes, why, tap, double(c.size.x) * c.size.y, [size = c.size](const probes::Bake&) { return size; }, inputs, result);
     PlannedNode& node = nodes.back();
     node.of_pixels = true;
-    node.size = [&c] { return c.size; };
     node.leave_out = [=, size = c.size] { result() = Image4(size.x, size.y); };
     node.fill = {};
 }

@@ -16,6 +16,8 @@
 #include "gi/frame/isr.h"
 #include "gi/frame/frame_graph.h"
 #include "gi/frame/keys.h"
+#include "gi/probes/bake.h"
+#include "gi/probes/static_scene.h"
 #include "gi/reference/triangle_test.h"
 #include "raster/light_view.h"
 
@@ -294,10 +296,26 @@ double spectral_radius_bound(const Scene& scene, const Geometry& geometry) {
 
 double passes_needed(double rho, double error) { return std::ceil(host::log(error) / host::log(rho)); }
 
+namespace {
+
+void check_probes(const Scene& scene, const Settings& settings) {
+    if (!lights_probes(settings)) return;
+    try {
+        probes::validate(settings.lod);
+        if (settings.bake && settings.bake->scene_hash != probes::scene_hash(scene, probes::flatten_static(scene)))
+            throw InputError("the bake is of another scene: its static meshes, or what they are made of, were others; what moves has to be dynamic");
+    } catch (const InputError& error) {
+        throw InputError(fmt::format("{}: {}", scene.name, error.what()));
+    }
+}
+
+}  // namespace
+
 void refuse_scene(const Scene& scene, const Settings& settings, const Geometry& geometry) {
     check_filters(scene, settings);
     check_gather(scene, settings);
     check_isr(scene, settings);
+    check_probes(scene, settings);
     if (geometry.triangles.empty()) return;
     check_vertices(scene, geometry);
     const Asked a = ask(scene, settings, geometry);

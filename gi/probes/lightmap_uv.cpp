@@ -1,17 +1,17 @@
 #include "gi/probes/lightmap_uv.h"
 
+#include <algorithm>
+
 #include "gi/lend.h"
 #include "gi/probes/atlas.h"
 #include "gi/probes/lookup.h"
+#include "gi/probes/static_scene.h"
 
 namespace plumb::probes {
 
 ChartedTriangles charted_triangles(const Scene& scene, const Geometry& geometry, const Atlas& atlas) {
-    ChartedTriangles c;
-    c.charted_of.reserve(geometry.triangles.size());
-    std::int32_t next = 0;
-    for (const std::int32_t object : geometry.object)
-        c.charted_of.push_back(scene.meshes[std::size_t(object)].dynamic ? -1 : next++);
+    ChartedTriangles c{static_triangles(scene, geometry), {}};
+    const std::ptrdiff_t next = std::count_if(c.charted_of.begin(), c.charted_of.end(), [](std::int32_t i) { return i >= 0; });
     if (std::size_t(next) != atlas.geometry.triangles.size())
         throw InputError(fmt::format("probes: the scene's static meshes have {} triangles, those of the bake {}", next,
                                      atlas.geometry.triangles.size()));

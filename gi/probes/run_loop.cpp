@@ -67,6 +67,7 @@ void update(const UpdateBuffers& b, const RunOptions& options) {
 
 namespace {
 
+constexpr double of_rounding = 1e-4;  // of the sum: a smaller step says nothing of the gain
 constexpr int growing_rounds = 8;  // in a row, until light is said to grow: its first bounces may
 
 // Sums over places and channels, in their order.
@@ -106,9 +107,9 @@ Convergence converge(UpdateBuffers b, const RunParams& params, const RunOptions&
         if (last.empty()) last = Image4(b.irradiance->width, b.irradiance->height);
         const Step s = step_of(*b.irradiance, last, b.data->count());
         if (!std::isfinite(s.sum)) throw InputError(fmt::format("probes: after {} rounds light is not finite", c.rounds));
-        c.gain = c.rounds > 1 && before_step > 0 ? s.change / before_step : 0;
+        if (c.rounds > 1 && s.change > of_rounding * s.sum) c.gain = s.change / before_step;
         c.left = s.change == 0 ? 0 : c.gain < 1 ? s.change * c.gain / (1 - c.gain) / s.sum : std::numeric_limits<double>::infinity();
-        growing = c.gain >= 1 ? growing + 1 : 0;
+        growing = c.rounds > 1 && c.gain >= 1 ? growing + 1 : 0;
         if (growing >= growing_rounds) refuse(params, c.rounds, c.gain);
         if (s.change == 0 || (c.rounds > 1 && c.left <= double(params.tolerance))) break;
         before_step = s.change;

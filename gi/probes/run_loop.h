@@ -46,7 +46,7 @@ void update(const UpdateBuffers& b, const RunOptions& options);
 // g = s_k / s_(k-1), later rounds add about s_k g / (1 - g): that, and not the step, has to be small.
 struct Convergence {
     int rounds = 0;
-    double gain = 0;  // g of the last round: what a round multiplies light by
+    double gain = 0;  // g of the last round whose step is more than rounding: what a round multiplies light by
     double left = 0;  // what all further rounds would add, of the sum of I; infinite where g is 1 or more
 };
 

@@ -50,6 +50,8 @@ void lend_list(StageData& d, const char* name, const T* list, std::size_t count)
 
 }  // namespace
 
+glm::ivec2 irradiance_size(int places) { return {std::min(places, fold), (places + fold - 1) / fold}; }
+
 std::size_t numbers_of_matrices(const BasisView& v) {
     return end_of(v, "numbers of matrices", [&](const glm::ivec4& of) {
         return of.x + std::int64_t(of.z) * v.u.coefficients * of.w;
@@ -90,7 +92,7 @@ StageData data_of(const BasisInputs& in) {
 StageData data_of(const IrradianceInputs& in) {
     const ClusterData& c = bound_clusters("probes.irradiance", in.clusters);
     const std::int64_t count = c.count(), clusters = std::int64_t(c.clusters.size());
-    const glm::ivec2 size(std::min(c.count(), fold), (c.count() + fold - 1) / fold);
+    const glm::ivec2 size = irradiance_size(c.count());
     StageData d = begin_data<IrradianceKernel>(size, IrradianceUniforms{size.x, size.y, c.count(), int(clusters), c.singular_values, {}});
     lend_clusters(d, c, in.cluster_level);
     lend(d.inputs, "cluster", {count}, c.cluster.data());

@@ -134,6 +134,9 @@ inline StageDescription<LightmapView> describe(LightmapKernel) {
     };
 }
 
+// The domain of probes.irradiance: the list of places, folded to rows.
+glm::ivec2 irradiance_size(int places);
+
 StageData data_of(const BasisInputs& in);
 StageData data_of(const IrradianceInputs& in);
 StageData data_of(const LightmapInputs& in);

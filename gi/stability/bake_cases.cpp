@@ -298,9 +298,8 @@ void add_coefficients(std::vector<BakeCase>& out) {
 const std::vector<BakeCase>& bake_cases() {
     static const std::vector<BakeCase> all = [] {
         std::vector<BakeCase> list;
-        add_candidates(list), add_supports(list), add_shares(list), add_coefficients(list);
-        for (BakeCase& c : relight_cases()) list.push_back(std::move(c));
         add_candidates(list), add_supports(list), add_levels(list), add_shares(list), add_coefficients(list);
+        for (BakeCase& c : relight_cases()) list.push_back(std::move(c));
         return list;
     }();
     return all;

@@ -32,8 +32,7 @@ Cell cell_of(const StageData& data) {
 }
 
 const std::set<std::string> all_stages = {"probes.density", "probes.supports", "probes.share", "probes.coefficients", "probes.radiance",
-                                           "probes.lambda"};
-const std::set<std::string> all_stages = {"probes.density", "probes.supports", "probes.level", "probes.share", "probes.coefficients"};
+                                           "probes.lambda",  "probes.level"};
 
 }  // namespace
 
