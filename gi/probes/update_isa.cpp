@@ -101,7 +101,7 @@ PLUMB_INLINE I load_index(const std::int32_t* p) {
 
 // Whether all places [i, i + width) are computed and of the cluster.
 PLUMB_INLINE bool all_of(const IrradianceView& in, int i, int cluster) {
-    const mask_t<F> others = !(load_index(in.cluster + i) == I(cluster)) |
+    const mask_t<F> others = (!(load_index(in.cluster + i) == I(cluster))) |
                              (load_index(in.receiver_level + i) < I(in.cluster_level[cluster]));
     return !any(others);
 }
