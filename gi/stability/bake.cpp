@@ -71,6 +71,7 @@ std::vector<StageData> bake_data(const Scene& scene, const RunOptions& options) 
                                                   block.supporting.data(), block.seen.data(), block.visible.data(),
                                                   block.shares.data()};
     all.push_back(owned_by<probes::CoefficientsKernel>(probes::data_of(coefficients)));
+    for (StageData& data : update_data(bake, block, options)) all.push_back(std::move(data));
     return all;
 }
 

@@ -263,7 +263,7 @@ void add_coefficients(std::vector<BakeCase>& out) {
 const std::vector<BakeCase>& bake_cases() {
     static const std::vector<BakeCase> all = [] {
         std::vector<BakeCase> list;
-        add_candidates(list), add_supports(list), add_shares(list), add_coefficients(list);
+        add_candidates(list), add_supports(list), add_shares(list), add_coefficients(list), add_update_cases(list);
         return list;
     }();
     return all;
