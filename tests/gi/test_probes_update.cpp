@@ -128,6 +128,22 @@ TEST_CASE("run data: places are the receivers in the order of their clusters", "
     other = m.flat, other.rank[0] = 33;
     CHECK_THROWS_AS(cluster_data(other, m.receivers, m.coefficients), InputError);
     CHECK_THROWS_AS(cluster_data(m.flat, m.receivers - 1, m.coefficients), InputError);
+    CHECK_THROWS_AS(cluster_data(m.flat, m.receivers, m.coefficients, {1, 2}), InputError);
+
+    // Within a cluster the coarsest first, then ascending: any part that is computed lies side by side.
+    std::vector<std::int32_t> level;
+    for (int i = 0; i < m.receivers; ++i) level.push_back(int(4 * noise(i, 0, 0, 7)));
+    const ClusterData ordered = cluster_data(m.flat, m.receivers, m.coefficients, level);
+    CHECK(ordered.cluster == d.cluster);
+    for (std::size_t i = 0; i < level.size(); ++i) {
+        const std::int32_t receiver = ordered.receiver[i];
+        CHECK(ordered.place_of[std::size_t(receiver)] == std::int32_t(i));
+        CHECK(ordered.u[i] == m.flat.u[std::size_t(receiver) * std::size_t(d.singular_values)]);
+        if (i == 0 || ordered.cluster[i] != ordered.cluster[i - 1] || ordered.cluster[i] < 0) continue;
+        const std::int32_t one = ordered.receiver[i - 1];
+        const int a = level[std::size_t(one)], b = level[std::size_t(receiver)];
+        CHECK((a > b || (a == b && one < receiver)));
+    }
 }
 
 TEST_CASE("update: U (Sigma V^T lambda), as in double, to rounding", "[probes][update]") {
