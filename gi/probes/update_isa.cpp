@@ -173,6 +173,18 @@ void Rows<IrradianceKernel, Isa::PLUMB_ISA>::run(const IrradianceView& in, int f
     }
 }
 
-template struct Rows<LightmapKernel, Isa::PLUMB_ISA>;
+// Texel by texel: a value is copied whole, and lanes that gather would make all others wait.
+template <>
+void Rows<LightmapKernel, Isa::PLUMB_ISA>::run(const LightmapView& in, int first, int last, const Tiles& tiles, float*) {
+    using One = number<float>;
+    for (int y = first; y < last; ++y) {
+        const std::uint8_t* row = tiles.row(y);
+        for (int x = 0; x < in.u.width; ++x) {
+            if (row && !row[x >> 4]) continue;
+            NoTap tap;
+            One::store4(in.lightmap, y * in.u.width + x, lightmap<float>(in, x, y, tap), true);
+        }
+    }
+}
 
 }  // namespace plumb

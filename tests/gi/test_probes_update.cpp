@@ -241,7 +241,8 @@ TEST_CASE("update: clusters of full rank give back the un-truncated transport, t
 TEST_CASE("update: of a bake the irradiance that converge.h has, to rounding", "[probes][update]") {
     BakeParams params = small();
     params.cluster_receivers = 100;
-    BakeGraph graph(furnished(), params);
+    const Scene scene = furnished();
+    BakeGraph graph(scene, params);
     run_all(graph);
     const Bake& bake = graph.bake();
     const RunData d = run_data(bake, 3);

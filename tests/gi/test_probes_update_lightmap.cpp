@@ -185,7 +185,8 @@ TEST_CASE("update: a lone receiver's value is in its 25 texels; NaN shows in the
 TEST_CASE("update: of data textures that were written and read back the same bits", "[probes][update][textures]") {
     BakeParams params = small();
     params.cluster_receivers = 150;
-    BakeGraph graph(furnished(), params);
+    const Scene scene = furnished();
+    BakeGraph graph(scene, params);
     run_all(graph);
     const Bake& bake = graph.bake();
     const BakeArrays arrays = arrays_of(all_textures(arrays_of(bake)));
