@@ -53,27 +53,40 @@ Buffer<float> turned(const FlatClusters& f, int coefficients) {
     return out;
 }
 
-// Cluster by cluster, then those without.
-void order_places(const FlatClusters& f, int receivers, ClusterData& d) {
+// Cluster by cluster, coarse levels first, then those without.
+void order_places(const FlatClusters& f, int receivers, const std::vector<std::int32_t>& level, ClusterData& d) {
+    d.receiver = f.receivers;
     d.receiver.reserve(std::size_t(receivers)), d.cluster.reserve(std::size_t(receivers));
+    for (std::size_t c = 0; c < f.rank.size(); ++c) {
+        d.cluster.resize(std::size_t(f.first_receiver[c + 1]), std::int32_t(c));
+        if (!level.empty())
+            std::stable_sort(d.receiver.begin() + f.first_receiver[c], d.receiver.begin() + f.first_receiver[c + 1],
+                             [&](std::int32_t a, std::int32_t b) { return level[std::size_t(a)] > level[std::size_t(b)]; });
+    }
     d.place_of.assign(std::size_t(receivers), -1);
-    const auto add = [&](std::int32_t receiver, std::int32_t cluster) {
-        d.place_of[std::size_t(receiver)] = std::int32_t(d.receiver.size());
-        d.receiver.push_back(receiver), d.cluster.push_back(cluster);
-    };
-    for (std::size_t c = 0; c < f.rank.size(); ++c)
-        for (std::int32_t k = f.first_receiver[c]; k < f.first_receiver[c + 1]; ++k) add(f.receivers[std::size_t(k)], std::int32_t(c));
+    for (std::size_t i = 0; i < d.receiver.size(); ++i) d.place_of[std::size_t(d.receiver[i])] = std::int32_t(i);
     for (std::int32_t i = 0; i < receivers; ++i)
-        if (d.place_of[std::size_t(i)] < 0) add(i, -1);
+        if (std::int32_t& place = d.place_of[std::size_t(i)]; place < 0) place = std::int32_t(d.receiver.size()), d.receiver.push_back(i);
+    d.cluster.resize(std::size_t(receivers), -1);
 }
 
-// What lies in the strip but the clusters.
-void add_lightmap(RunData& d, const std::vector<glm::ivec2>& texels, int side, int levels) {
+std::vector<std::int32_t> levels_of(const std::vector<glm::ivec2>& texels, int levels) {
+    std::vector<std::int32_t> level;
+    level.reserve(texels.size());
+    for (const glm::ivec2& t : texels) level.push_back(level_of_texel(t, levels));
+    return level;
+}
+
+RunData laid_out(const FlatClusters& flat, int coefficients, const std::vector<glm::ivec2>& texels, int side, int levels) {
+    RunData d;
+    const std::vector<std::int32_t> level = levels_of(texels, levels);
+    static_cast<ClusterData&>(d) = cluster_data(flat, int(texels.size()), coefficients, level);
     d.levels = levels;
     d.cover = lightmap_cover(texels, d.place_of, side, levels);
     d.lightmap_size = {d.cover.width, d.cover.height};
     d.receiver_level.reserve(d.receiver.size());
-    for (const std::int32_t i : d.receiver) d.receiver_level.push_back(level_of_texel(texels[std::size_t(i)], levels));
+    for (const std::int32_t i : d.receiver) d.receiver_level.push_back(level[std::size_t(i)]);
+    return d;
 }
 
 // As much of FlatClusters as cluster_data() reads.
@@ -99,8 +112,9 @@ FlatClusters flat_of(const BakeArrays& a) {
 
 }  // namespace
 
-ClusterData cluster_data(const FlatClusters& f, int receivers, int coefficients) {
+ClusterData cluster_data(const FlatClusters& f, int receivers, int coefficients, const std::vector<std::int32_t>& level) {
     check(f, receivers, coefficients);
+    if (!level.empty() && level.size() != std::size_t(receivers)) throw InputError("run time: levels of detail are not one a receiver");
     ClusterData d;
     d.coefficients = coefficients, d.singular_values = f.singular_values;
     (void)index_of(f.u.size(), "numbers of U");
@@ -113,7 +127,7 @@ ClusterData cluster_data(const FlatClusters& f, int receivers, int coefficients)
     (void)index_of(first, "numbers of clusters");
     d.cluster_probes = f.probes;
     d.matrix = turned(f, coefficients);
-    order_places(f, receivers, d);
+    order_places(f, receivers, level, d);
     d.u.resize(f.u.size());
     const std::size_t places = d.receiver.size(), kept = std::size_t(f.singular_values);
     for (std::size_t i = 0; i < places; ++i)
@@ -122,22 +136,18 @@ ClusterData cluster_data(const FlatClusters& f, int receivers, int coefficients)
 }
 
 RunData run_data(const Bake& bake, int levels) {
-    RunData d;
-    static_cast<ClusterData&>(d) = cluster_data(bake.flat, bake.receivers.count(), bake.coefficients());
-    d.probes = bake.relight.probes, d.rays = int(bake.relight_directions.size());
     const glm::ivec2 size = bake.receivers.size;
     if (size.x != size.y) throw InputError(fmt::format("run time: a lightmap of {} x {}: expected a square", size.x, size.y));
-    add_lightmap(d, bake.receivers.texel, size.x, levels);
+    RunData d = laid_out(bake.flat, bake.coefficients(), bake.receivers.texel, size.x, levels);
+    d.probes = bake.relight.probes, d.rays = int(bake.relight_directions.size());
     return d;
 }
 
 RunData run_data(const BakeArrays& arrays, int side, int levels) {
-    RunData d;
-    static_cast<ClusterData&>(d) = cluster_data(flat_of(arrays), int(arrays.receivers.size()), arrays.coefficients);
-    d.probes = int(arrays.probes.size()), d.rays = arrays.rays;
     std::vector<glm::ivec2> texels;
     for (const BakedReceiver& r : arrays.receivers) texels.push_back(r.texel);
-    add_lightmap(d, texels, side, levels);
+    RunData d = laid_out(flat_of(arrays), arrays.coefficients, texels, side, levels);
+    d.probes = int(arrays.probes.size()), d.rays = arrays.rays;
     return d;
 }
 

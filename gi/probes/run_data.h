@@ -15,8 +15,9 @@ namespace plumb::probes {
 struct Bake;
 struct BakeArrays;
 
-// Clusters and the receivers in them. A receiver's place is its index in these lists: cluster by cluster, ascending within
-// each, and at the end those that no probe supports. The receivers may be texels of a lightmap or points in space.
+// Clusters and the receivers in them. A receiver's place is its index in these lists: cluster by cluster, within each the coarsest
+// level of detail first, then ascending, and at the end those that no probe supports. So a cluster of which a level alone is
+// computed has that level's receivers side by side. The receivers may be texels of a lightmap or points in space.
 struct ClusterData {
     int coefficients = 0, singular_values = 0;
     std::vector<glm::ivec4> clusters;          // first number of its matrix, first of its probes, probes, rank
@@ -29,8 +30,9 @@ struct ClusterData {
 
     int count() const { return int(receiver.size()); }  // places
 };
-// Throws InputError for lists that do not fit each other, and for more numbers than a device's index reaches.
-ClusterData cluster_data(const FlatClusters& flat, int receivers, int coefficients);
+// level: [receivers] of detail; empty: 0. Throws InputError for lists that do not fit each other, and for more numbers than a
+// device's index reaches.
+ClusterData cluster_data(const FlatClusters& flat, int receivers, int coefficients, const std::vector<std::int32_t>& level = {});
 
 struct RunData : ClusterData {
     int probes = 0, rays = 0, levels = 1;

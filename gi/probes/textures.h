@@ -13,6 +13,8 @@
 
 namespace plumb::probes {
 
+struct Bake;
+
 struct BakedReceiver {
     glm::vec3 position{0};  // m
     glm::ivec2 texel{0};    // of the lightmap
@@ -69,5 +71,7 @@ Bundle all_textures(const BakeArrays& arrays, const TextureLayout& layout = {});
 // at the end of Sigma V^T are not part of it. Throws InputError where one is missing or says what no bake can, in a
 // texel of padding, too.
 BakeArrays arrays_of(const Bundle& textures);
+// Of a whole bake.
+BakeArrays arrays_of(const Bake& bake);
 
 }  // namespace plumb::probes

@@ -99,23 +99,36 @@ PLUMB_INLINE I load_index(const std::int32_t* p) {
     return i;
 }
 
-// Whether all places [i, i + width) are computed and of the cluster.
-PLUMB_INLINE bool all_of(const IrradianceView& in, int i, int cluster) {
-    const mask_t<F> others = !(load_index(in.cluster + i) == I(cluster)) |
-                             (load_index(in.receiver_level + i) < I(in.cluster_level[cluster]));
-    return !any(others);
-}
-
-// Packets of places of one cluster: its basis is the same for all, and U lies in the order of the places.
+// Packets over `count` places of one cluster: its basis is the same for all, and U lies in the order of the places. Lanes beyond
+// read the next cluster's U, and are not stored.
 struct PlacesOfCluster {
     const IrradianceView& in;
-    int first, cluster;
+    int first, count, cluster;
 
     template <int n>
     PLUMB_INLINE void run() const {
         vec3<F> sum[n];
+        mask_t<F> computed[n];
+        const bool there = in_range(cluster, in.u.clusters);
+        const I level(there ? in.cluster_level[cluster] : 0);
+        mask_t<F> some = I(1) < I(0);
 #pragma GCC unroll 4
-        for (int k = 0; k < n; ++k) sum[k] = {F(0.0f), F(0.0f), F(0.0f)};
+        for (int k = 0; k < n; ++k) {
+            sum[k] = {F(0.0f), F(0.0f), F(0.0f)};
+            computed[k] = (load_index(in.receiver_level + first + k * N::width) >= level) & (N::iota(k * N::width) < I(there ? count : 0));
+            some = some | computed[k];
+        }
+        if (any(some)) add_basis(sum);
+        const vec3<F> zero{F(0.0f), F(0.0f), F(0.0f)};
+#pragma GCC unroll 4
+        for (int k = 0; k < n; ++k)
+            N::store4(in.irradiance, N::iota(first + k * N::width),
+                      vec4<F>(select3<F>(computed[k], sum[k], zero), select(computed[k], F(1.0f), F(0.0f))),
+                      N::iota(k * N::width) < I(count));
+    }
+
+    template <int n>
+    PLUMB_INLINE void add_basis(vec3<F> (&sum)[n]) const {
         const float* b = in.basis + 4 * std::ptrdiff_t(cluster) * in.u.singular_values;
         const float* u = in.transport + first;
         for (int left = in.clusters[4 * std::ptrdiff_t(cluster) + 3]; left > 0; --left, b += 4, u += in.u.count) {
@@ -123,9 +136,6 @@ struct PlacesOfCluster {
 #pragma GCC unroll 4
             for (int k = 0; k < n; ++k) add<n>(sum, k, N::load(u + k * N::width), red, green, blue);
         }
-#pragma GCC unroll 4
-        for (int k = 0; k < n; ++k)
-            N::store4(in.irradiance, N::iota(first + k * N::width), vec4<F>(sum[k], F(1.0f)), I(0) == I(0));
     }
 };
 
@@ -146,15 +156,16 @@ template <>
 void Rows<IrradianceKernel, Isa::PLUMB_ISA>::run(const IrradianceView& in, int first, int last, const Tiles&, float*) {
     const int end = min(last * in.u.width, in.u.count);
     for (int i = first * in.u.width; i < end;) {
-        const int cluster = in.cluster[i];
-        int packets = 0;
-        if (in_range(cluster, in.u.clusters))
-            while (packets < most_packets && i + (packets + 1) * N::width <= end && all_of(in, i + packets * N::width, cluster)) ++packets;
-        if (packets > 0) {
-            with_packets(packets, PlacesOfCluster{in, i, cluster});
-            i += packets * N::width;
+        const int cluster = in.cluster[i], most = min(end - i, most_packets * N::width);
+        int count = 1;
+        while (count < most && in.cluster[i + count] == cluster) ++count;
+        const int packets = (count + N::width - 1) / N::width;
+        if (i + packets * N::width <= in.u.count) {
+            with_packets(packets, PlacesOfCluster{in, i, count, cluster});
+            i += count;
             continue;
         }
+        // The last places of the list.
         NoTap tap;
         const I place = N::iota(i);
         N::store4(in.irradiance, place, irradiance<F>(in, place, I(0), tap), place < I(end));
@@ -162,6 +173,18 @@ void Rows<IrradianceKernel, Isa::PLUMB_ISA>::run(const IrradianceView& in, int f
     }
 }
 
-template struct Rows<LightmapKernel, Isa::PLUMB_ISA>;
+// Texel by texel: a value is copied whole, and lanes that gather would make all others wait.
+template <>
+void Rows<LightmapKernel, Isa::PLUMB_ISA>::run(const LightmapView& in, int first, int last, const Tiles& tiles, float*) {
+    using One = number<float>;
+    for (int y = first; y < last; ++y) {
+        const std::uint8_t* row = tiles.row(y);
+        for (int x = 0; x < in.u.width; ++x) {
+            if (row && !row[x >> 4]) continue;
+            NoTap tap;
+            One::store4(in.lightmap, y * in.u.width + x, lightmap<float>(in, x, y, tap), true);
+        }
+    }
+}
 
 }  // namespace plumb

@@ -96,6 +96,7 @@ std::vector<StageData> bake_data(const Scene& scene, const RunOptions& options) 
                                                   block.shares.data()};
     all.push_back(owned_by<probes::CoefficientsKernel>(probes::data_of(coefficients)));
     for (StageData& data : relight_data(scene, graph, options)) all.push_back(std::move(data));
+    for (StageData& data : update_data(bake, block, options)) all.push_back(std::move(data));
     return all;
 }
 

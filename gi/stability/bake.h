@@ -1,5 +1,7 @@
 // Cells of the stages that no frame has: those of a bake and of its run time (all that are named probes.) and
 // of a volume of DDGI's probes. Their data are those of a small bake or volume of a case's scene, or made by hand.
+// Cells of the stages that no frame has: those of a bake (probes.density, probes.supports, probes.share, probes.coefficients), of
+// the run time that reads it, and of a volume of DDGI's probes. Their data are those of a small bake or volume of a case's scene, or made by hand.
 // gi/probes/README.md derives the conditions of a bake's.
 #pragma once
 
@@ -9,6 +11,11 @@
 
 #include "gi/stability/cases.h"
 #include "gi/stability/stability.h"
+
+namespace plumb::probes {
+struct Bake;
+struct TracedBlock;
+}  // namespace plumb::probes
 
 namespace plumb::stability {
 
@@ -21,7 +28,11 @@ bool is_baked(const Case& c);
 // Dispatches of a bake of the scene, on a lightmap of 48 texels a side with 6 probes: candidates, supports, and of the first
 // block of receivers the shares of 32 rays, both weightings, and all coefficients to degree 7; and those of relight_data(). They own
 // their inputs.
+// block of receivers the shares of 32 rays, both weightings, and all coefficients to degree 7; update_data(). They own their inputs.
 std::vector<StageData> bake_data(const Scene& scene, const RunOptions& options);
+
+// Of its first block, the run time's update of a few receivers, in clusters of fewer than 40, under a light of no scene.
+std::vector<StageData> update_data(const probes::Bake& bake, const probes::TracedBlock& block, const RunOptions& options);
 
 // Dispatches of a volume of 2 x 2 x 2 probes over the scene, of 32 rays each, after three rounds.
 std::vector<StageData> volume_data(const Scene& scene, const RunOptions& options);
@@ -32,6 +43,7 @@ struct BakeCase {
     std::function<std::vector<StageData>()> data;
 };
 const std::vector<BakeCase>& bake_cases();
+void add_update_cases(std::vector<BakeCase>& cases);
 
 // A cell for each stage of the data, or for `stage` alone. What a stage refuses is a cell that is `refused`.
 std::vector<Cell> bake_cells(const std::vector<StageData>& data, const std::string& stage, const Effort& effort);

@@ -11,7 +11,9 @@
 #include "gi/probes/level.h"
 #include "gi/probes/share.h"
 #include "gi/probes/supports.h"
+#include "gi/probes/update.h"
 #include "tests/parity/twin_data_parts.h"
+#include "tests/parity/update_data.h"
 
 namespace plumb::test {
 
@@ -107,6 +109,66 @@ inline StageData coefficients_case(glm::ivec2 size, const std::string& id) {
     return named(owned_data(d), id);
 }
 
+// A cluster a row, of all ranks and of 0 to 6 of 9 probes, matrices and probes in another order than the clusters'; of each level of
+// detail, and of one that is none.
+inline StageData basis_case(glm::ivec2 size, const std::string& id) {
+    size.x = std::min(size.x, probes::most_singular_values);
+    std::vector<MadeCluster> kinds;
+    for (int c = 0; c < size.y; ++c) kinds.push_back({1, (c + 2) % 7, (5 * c + 3) % (size.x + 1)});
+    probes::ClusterData d = probes::cluster_data(made_clusters(kinds, 9, 10, size.x, 0, 86), size.y, 10);
+    std::reverse(d.clusters.begin(), d.clusters.end());
+    std::vector<std::int32_t> level;
+    for (int c = 0; c < size.y; ++c) level.push_back((c + 1) % 6 - 1);
+    const Buffer<glm::vec4> lambda = made_lambda(9, 10, 87);
+    probes::BasisInputs in;
+    in.clusters = &d, in.cluster_level = level.data(), in.lambda = lambda.data(), in.probes = 9, in.coefficients = {10, 7, 4, 1};
+    return named(owned_data(probes::data_of(in)), id);
+}
+// Places of four clusters, of ranks from 0 on, of none and of two that are not there; the last items of the domain are no places.
+inline StageData irradiance_case(glm::ivec2 size, const std::string& id) {
+    const int n = size.x * size.y - 5, kept = 6, clusters = 4;
+    const std::vector<glm::ivec4> table = {{0, 0, 0, 6}, {0, 0, 0, 4}, {0, 0, 0, 0}, {0, 0, 0, 1}};
+    const std::vector<std::int32_t> cluster_level = {0, 2, 1, 1};
+    std::vector<std::int32_t> cluster, level;
+    Buffer<float> u;
+    for (int i = 0; i < n; ++i) {
+        cluster.push_back(int(8 * noise(i, 0, 0, 88)) - 2), level.push_back(int(4 * noise(i, 1, 0, 88)));
+        if (cluster.back() == -2) cluster.back() = 0;
+    }
+    for (int k = 0; k < kept * n; ++k) u.push_back(2 * noise(k, 2, 0, 88) - 1);
+    const Buffer<glm::vec4> basis = made_lambda(clusters, kept, 89);
+    StageData d = begin_data<probes::IrradianceKernel>(size, probes::IrradianceUniforms{size.x, size.y, n, clusters, kept, {}});
+    lend(d.inputs, "clusters", {clusters, 4}, &table[0].x);
+    lend(d.inputs, "cluster_level", {clusters}, cluster_level.data());
+    lend(d.inputs, "cluster", {n}, cluster.data());
+    lend(d.inputs, "receiver_level", {n}, level.data());
+    lend(d.inputs, "transport", {kept, n}, u.data());
+    lend(d.inputs, "basis", {clusters * kept, 4}, &basis[0].x);
+    return named(owned_data(d), id);
+}
+// Receivers in patches up to the edges, with both rings; texels of nothing, one of a place that is not there, and rings that nothing
+// lies beside.
+inline StageData lightmap_case(glm::ivec2 size, const std::string& id) {
+    const int side = std::max(size.x, size.y);
+    const std::vector<glm::ivec2> texels = made_texels(side, 0.3f, 90);
+    std::vector<std::int32_t> place_of;
+    for (std::size_t i = 0; i < texels.size(); ++i) place_of.push_back(std::int32_t((i * 7919 + 1) % texels.size()));
+    const Image<std::int32_t> all = probes::lightmap_cover(texels, place_of, side, 1);
+    Image<std::int32_t> cover(size.x, size.y);
+    for (int y = 0; y < size.y; ++y)
+        for (int x = 0; x < size.x; ++x) {
+            const float odd = noise(x, y, 0, 91);
+            cover(x, y) = odd < 0.01f ? int(texels.size()) : odd < 0.03f ? -2 : odd < 0.05f ? -3 : odd < 0.06f ? -4 : all(x, y);
+        }
+    // A value more than there are places: what reads it, reads beyond.
+    Buffer<glm::vec4> irradiance = made_lambda(int(texels.size()) + 1, 1, 92);
+    irradiance.back() = glm::vec4(1e4f);
+    StageData d = begin_data<probes::LightmapKernel>(size, probes::LightmapUniforms{size.x, size.y, int(texels.size()), 0});
+    lend(d.inputs, "cover", {std::int64_t(cover.size())}, cover.data());
+    lend(d.inputs, "irradiance", {std::int64_t(irradiance.size()), 4}, &irradiance[0].x);
+    return named(owned_data(d), id);
+}
+
 // ---- DDGI ------------------------------------------------------------------------------------------------------------
 
 // Tiles of half a row; the last tile has no probe, and the atlas ends within tiles.
@@ -155,6 +217,9 @@ inline std::vector<StageData> probe_cases(glm::ivec2 size) {
         share_case(size, false, "probes.share"),
         share_case(size, true, "probes.share.published"),
         coefficients_case(size, "probes.coefficients"),
+        basis_case(size, "probes.basis"),
+        irradiance_case(size, "probes.irradiance"),
+        lightmap_case(size, "probes.lightmap"),
         ddgi_blend_case(size, 4, false, 0.25f, "ddgi.blend"),
         ddgi_blend_case(size, 6, true, 0, "ddgi.blend.moments"),
         ddgi_border_case(size, 5, "ddgi.border"),

@@ -20,6 +20,7 @@
 #include "raster/light_view.h"
 #include "raster/workspace.h"
 #include "tools/bench_raster/measure.h"
+#include "tools/bench_stages/update_work.h"
 #include "tools/shared/options.h"
 #include "tools/vulkan/runner.h"
 
@@ -35,6 +36,7 @@ struct Options {
     int width = 1024, height = 1024, runs = 7;
     int samples = 0, rsm_size = 0;    // 0: as the scene says
     bool half_maps = false;           // lights' maps in RGBA16F, ours and theirs
+    bool update = false;              // of irradiance probes, instead of scenes
     RunOptions run;
 };
 
@@ -111,6 +113,26 @@ void measure(const vulkan::Device& device, const std::string& file, const Option
                    theirs_cpu / ours_cpu);
 }
 
+// The update of irradiance probes, whose dispatches no frame of a scene file has in these sizes.
+void measure_update(const vulkan::Device& device, const UpdateSize& size, const Options& options) {
+    const UpdateWork work(size);
+    for (const StageData& data : {work.basis(), work.irradiance(), work.lightmap()}) {
+        const StageBinding& binding = parity::find_binding(data.stage, "bench twins");
+        vulkan::PreparedTwin twin(device, binding, data, {});
+        const std::unique_ptr<BoundStage> bound = binding.bind(data);
+        Bundle ours = make_outputs(binding, data);
+        const auto run_ours = [&] { return clock_ms([&] { bound->run(options.run, {}, ours); }); };
+        const std::vector<Times> times = interleave(options.runs, {run_ours, [&] { return twin.submit(); }});
+        const Bundle theirs = twin.read().outputs;
+        const std::size_t n = differing(std::as_const(ours.arrays[0].bytes).data(), theirs.arrays[0]);
+        fmt::print("| {} receivers | {} | {} x {} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {} |\n", size.receivers,
+                   data.label, data.size.x, data.size.y, times[0].median(), times[1].median(),
+                   times[1].median() / times[0].median(), times[0].cpu_median(), times[1].cpu_median(),
+                   times[1].cpu_median() / times[0].cpu_median(), n > 0 ? fmt::format("{} words differ", n) : "the same bits");
+        std::cout.flush();
+    }
+}
+
 }  // namespace
 }  // namespace plumb::bench
 
@@ -126,6 +148,7 @@ int main(int argc, char** argv) {
     app.add_option("--set", options.sets, "table.key=value, as of `plumb render`; may be repeated");
     app.add_option("--method", options.method, "as of `plumb render` (as the scene says)");
     app.add_flag("--half-maps", options.half_maps, "lights' maps in RGBA16F on both sides, and not in fp32");
+    app.add_flag("--update", options.update, "the update of irradiance probes, of two sizes, and no scene");
     app.add_option("--samples", options.samples, "of rsm.disc (as the scene says)")->check(CLI::Range(1, 65536));
     app.add_option("--rsm-size", options.rsm_size, "texels a side of every map (as the scene says)")
         ->check(CLI::Range(1, 16384));
@@ -141,7 +164,10 @@ int main(int argc, char** argv) {
         fmt::print("{}; {} threads of ours\n\n", device.name(), thread_count(options.run.threads));
         fmt::print("| scene | stage | pixels | ours, ms | twin, ms | twin / ours | ours, CPU ms | twin, CPU ms "
                    "| twin / ours | results |\n|---|---|---|---|---|---|---|---|---|---|\n");
-        for (const std::string& scene : options.scenes) bench::measure(device, scene, options);
+        if (options.update)
+            for (const bench::UpdateSize& size : bench::update_sizes) bench::measure_update(device, size, options);
+        else
+            for (const std::string& scene : options.scenes) bench::measure(device, scene, options);
         return 0;
     } catch (const InputError& error) {
         std::cerr << "bench twins: " << error.what() << "\n";

@@ -1,0 +1,81 @@
+// What an update of probes reads, of the sizes of IPR's scenes: receivers in clusters of 1024, 32 singular values and 64 coefficients.
+#pragma once
+
+#include <cmath>
+#include <numeric>
+#include <vector>
+
+#include "core/hash.h"
+#include "gi/lend.h"
+#include "gi/probes/update.h"
+
+namespace plumb::bench {
+
+struct UpdateSize {
+    int receivers, probes, probes_of_a_cluster;
+};
+// Table 5.1's first: 17 to 25 MB an update. The second: few probes, many receivers, 77 MB.
+inline constexpr UpdateSize update_sizes[] = {{65011, 78, 30}, {282403, 7, 7}};
+
+class UpdateWork {
+  public:
+    explicit UpdateWork(const UpdateSize& size) : size_(size) {
+        constexpr int most = 1024, rank = 32, coefficients = 64;
+        const int clusters = (size.receivers + most - 1) / most;
+        probes::FlatClusters f;
+        f.singular_values = rank;
+        for (int c = 0; c < clusters; ++c) {
+            for (int k = 0; k < size.probes_of_a_cluster; ++k) f.probes.push_back((c + k) % size.probes);
+            for (int i = most * c; i < std::min(size.receivers, most * (c + 1)); ++i) f.receivers.push_back(i), f.cluster_of.push_back(c);
+            f.first_receiver.push_back(int(f.receivers.size())), f.first_probe.push_back(int(f.probes.size()));
+            f.rank.push_back(rank);
+        }
+        f.sigma_vt = numbers(f.probes.size() * coefficients * rank, 1), f.u = numbers(f.cluster_of.size() * rank, 2);
+        data_ = probes::cluster_data(f, size.receivers, coefficients);
+        level_.resize(std::size_t(clusters)), receiver_level_.resize(std::size_t(size.receivers));
+        lambda_ = lights(std::size_t(size.probes) * coefficients), basis_ = lights(std::size_t(clusters) * rank);
+        irradiance_ = lights(std::size_t(size.receivers));
+        cover_ = cover();
+    }
+
+    StageData basis() const {
+        probes::BasisInputs in;
+        in.clusters = &data_, in.cluster_level = level_.data(), in.lambda = lambda_.data(), in.probes = size_.probes;
+        return probes::data_of(in);
+    }
+    StageData irradiance() const {
+        return probes::data_of(probes::IrradianceInputs{&data_, level_.data(), receiver_level_.data(), basis_.data()});
+    }
+    StageData lightmap() const { return probes::data_of(probes::LightmapInputs{&cover_, irradiance_.data(), size_.receivers}); }
+    // A sum and a product a channel of each number of a matrix, of U; of rings a sum for each of 8 neighbours, of ring 2 of 64.
+    double basis_operations() const { return 6.0 * double(data_.matrix.size()); }
+    double irradiance_operations() const { return 6.0 * double(data_.u.size()); }
+
+  private:
+    static Buffer<float> numbers(std::size_t n, int seed) {
+        Buffer<float> x(n);
+        for (std::size_t i = 0; i < n; ++i) x[i] = unit_float<float>(pixel_hash<std::int32_t>(int(i), seed, 0, 7).x) - 0.5f;
+        return x;
+    }
+    static Buffer<glm::vec4> lights(std::size_t n) { return Buffer<glm::vec4>(n, glm::vec4(1, 2, 3, 0)); }
+
+    // Charts of 32 x 32 texels with 3 between them, in a square.
+    Image<std::int32_t> cover() const {
+        constexpr int side = 32, step = side + 3;
+        const int charts = (size_.receivers + side * side - 1) / (side * side), across = int(std::ceil(std::sqrt(double(charts))));
+        std::vector<glm::ivec2> texels;
+        for (int i = 0; i < size_.receivers; ++i) {
+            const int chart = i / (side * side), within = i % (side * side);
+            texels.push_back({3 + step * (chart % across) + within % side, 3 + step * (chart / across) + within / side});
+        }
+        return probes::lightmap_cover(texels, data_.place_of, 3 + step * across, 1);
+    }
+
+    UpdateSize size_;
+    probes::ClusterData data_;
+    std::vector<std::int32_t> level_, receiver_level_;
+    Buffer<glm::vec4> lambda_, basis_, irradiance_;
+    Image<std::int32_t> cover_;
+};
+
+}  // namespace plumb::bench
