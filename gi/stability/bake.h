@@ -1,7 +1,5 @@
 // Cells of the stages that no frame has: those of a bake and of its run time (all that are named probes.) and
 // of a volume of DDGI's probes. Their data are those of a small bake or volume of a case's scene, or made by hand.
-// Cells of the stages that no frame has: those of a bake (probes.density, probes.supports, probes.share, probes.coefficients), of
-// the run time that reads it, and of a volume of DDGI's probes. Their data are those of a small bake or volume of a case's scene, or made by hand.
 // gi/probes/README.md derives the conditions of a bake's.
 #pragma once
 
@@ -26,9 +24,8 @@ bool is_of_bake(const std::string& stage);
 bool is_baked(const Case& c);
 
 // Dispatches of a bake of the scene, on a lightmap of 48 texels a side with 6 probes: candidates, supports, and of the first
-// block of receivers the shares of 32 rays, both weightings, and all coefficients to degree 7; and those of relight_data(). They own
-// their inputs.
-// block of receivers the shares of 32 rays, both weightings, and all coefficients to degree 7; update_data(). They own their inputs.
+// block of receivers the shares of 32 rays, both weightings, and all coefficients to degree 7; and those of relight_data() and
+// update_data(). They own their inputs.
 std::vector<StageData> bake_data(const Scene& scene, const RunOptions& options);
 
 // Of its first block, the run time's update of a few receivers, in clusters of fewer than 40, under a light of no scene.

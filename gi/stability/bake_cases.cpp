@@ -300,7 +300,7 @@ const std::vector<BakeCase>& bake_cases() {
         std::vector<BakeCase> list;
         add_candidates(list), add_supports(list), add_levels(list), add_shares(list), add_coefficients(list);
         for (BakeCase& c : relight_cases()) list.push_back(std::move(c));
-        add_candidates(list), add_supports(list), add_shares(list), add_coefficients(list), add_update_cases(list);
+        add_update_cases(list);
         return list;
     }();
     return all;

@@ -65,6 +65,12 @@ std::pair<double, double> range_of(const frame::Frame& f) {
     return {least, most};
 }
 
+RunOptions of_isa(Isa isa, int threads) {
+    RunOptions options;
+    options.isa = isa, options.threads = threads;
+    return options;
+}
+
 std::vector<std::string> labels_that_ran(const frame::Frame& f) {
     std::vector<std::string> labels;
     for (const frame::StageRun& s : f.stages)
@@ -195,11 +201,11 @@ TEST_CASE("probes: the bits do not depend on threads or instruction sets", "[pro
     frame::Settings settings = probe_settings(scene);
     settings.lod.levels = 3, settings.lod.distance_1 = 0.5f, settings.lod.distance_2 = 1.5f;
     frame::add_bake(scene, settings);
-    const frame::Frame whole = frame_of(scene, settings, {.isa = Isa::scalar, .threads = 1});
+    const frame::Frame whole = frame_of(scene, settings, of_isa(Isa::scalar, 1));
     for (const Isa isa : {Isa::sse, Isa::avx2, Isa::avx512})
         for (const int threads : {1, 3}) {
             if (isa > best_isa()) continue;
-            CHECK(frame_of(scene, settings, {.isa = isa, .threads = threads}).radiance.texels == whole.radiance.texels);
+            CHECK(frame_of(scene, settings, of_isa(isa, threads)).radiance.texels == whole.radiance.texels);
         }
 }
 

@@ -32,10 +32,8 @@ Cell cell_of(const StageData& data) {
     return cells[0];
 }
 
-const std::set<std::string> all_stages = {"probes.density", "probes.supports", "probes.share", "probes.coefficients", "probes.radiance",
-                                           "probes.lambda",  "probes.level"};
-const std::set<std::string> all_stages = {"probes.density", "probes.supports", "probes.share", "probes.coefficients",
-                                          "probes.basis",   "probes.irradiance", "probes.lightmap"};
+const std::set<std::string> all_stages = {"probes.density",  "probes.supports", "probes.share", "probes.coefficients", "probes.radiance",
+                                           "probes.lambda",   "probes.level",    "probes.basis", "probes.irradiance",   "probes.lightmap"};
 
 }  // namespace
 
@@ -98,14 +96,14 @@ TEST_CASE("stability: condition numbers of a bake's stages that are known", "[st
     probes::ClusterData d;
     d.coefficients = 2, d.singular_values = 1;
     d.clusters = {{0, 0, 1, 1}}, d.cluster_probes = {0}, d.matrix = {1, 1}, d.u = {1}, d.receiver = {0}, d.cluster = {0};
-    const std::int32_t level = 0;
-    const glm::vec4 lambda[] = {{1, 1, 1, 0}, {-0.75f, -0.75f, -0.75f, 0}}, b(1, 2, 4, 0);
+    const std::int32_t finest = 0;
+    const glm::vec4 two[] = {{1, 1, 1, 0}, {-0.75f, -0.75f, -0.75f, 0}}, b(1, 2, 4, 0);
     probes::BasisInputs basis;
-    basis.clusters = &d, basis.cluster_level = &level, basis.lambda = lambda, basis.probes = 1, basis.coefficients = {1, 1, 1, 1};
+    basis.clusters = &d, basis.cluster_level = &finest, basis.lambda = two, basis.probes = 1, basis.coefficients = {1, 1, 1, 1};
     CHECK(cell_of(probes::data_of(basis)).condition == Approx(2).epsilon(1e-5));
     basis.coefficients = {2, 2, 2, 2};
     CHECK(cell_of(probes::data_of(basis)).condition == Approx(2 * 1.75 / 0.25).epsilon(0.25));
-    CHECK(cell_of(probes::data_of(probes::IrradianceInputs{&d, &level, &level, &b})).condition == Approx(2).epsilon(1e-5));
+    CHECK(cell_of(probes::data_of(probes::IrradianceInputs{&d, &finest, &finest, &b})).condition == Approx(2).epsilon(1e-5));
     // A value is copied, a mean is one of its parts each: 1.
     const Image<std::int32_t> cover = probes::lightmap_cover({{1, 1}}, {0}, 3, 1);
     CHECK(cell_of(probes::data_of(probes::LightmapInputs{&cover, &b, 1})).condition == Approx(1).epsilon(1e-5));
@@ -114,8 +112,7 @@ TEST_CASE("stability: condition numbers of a bake's stages that are known", "[st
 TEST_CASE("stability: every case of a bake by hand is within its budget, or is refused as it says", "[stability][probes]") {
     const std::set<std::string> refused = {"radius of 1e-20", "denormal weights", "weights that are no numbers", "hits infinitely far",
                                            "hits 2^61 m from a probe", "a hit that is no number", "rays at a level that there is not",
-                                           "rays that half reflect", "a probe of a level that there is not"};
-                                           "hits 2^61 m from a probe", "a hit that is no number", "a probe that is not there"};
+                                           "rays that half reflect", "a probe of a level that there is not", "a probe that is not there"};
     std::set<std::string> names, stages;
     for (const BakeCase& c : bake_cases()) {
         CHECK(names.insert(c.name).second);
