@@ -176,7 +176,7 @@ void limb(Builder& b, const Surface& s, const Place& place, double length, doubl
 // A leg or an arm: two limbs and what is at their end. Positive angles swing what hangs backwards.
 void leg(Builder& b, const Dress& w, double at, double swing, double knee, double ankle, double d) {
     const Place hip = move({at, 0.92, 0}) * turn_x(swing);
-    limb(b, w.trousers, hip, 0.42, 0.095, 0.06, d);
+    limb(b, w.trousers, hip, 0.42, 0.085, 0.06, d);
     const Place shin = hip * move({0, -0.43, 0}) * turn_x(knee);
     limb(b, w.trousers, shin, 0.38, 0.06, 0.045, d);
     const Place foot = shin * move({0, -0.41, -0.04}) * turn_x(ankle) * turn_x(-90);
@@ -199,8 +199,8 @@ void build_character(Builder& b, const Dress& w, double d) {
     limb(b, w.skin, move({0, 1.72, 0.01}), 0.07, 0.095, 0.075, d, 1.1);
     limb(b, w.hair, move({0, 1.75, -0.015}), 0.03, 0.1, 0.098, d, 1.05);
     b.object("legs");
-    leg(b, w, 0.1, -24, 8, 6, d);
-    leg(b, w, -0.1, 20, 30, -10, d);
+    leg(b, w, 0.085, -24, 8, 6, d);
+    leg(b, w, -0.085, 20, 30, -10, d);
     b.object("arms");
     arm(b, w, 0.22, 24, -20, d);
     arm(b, w, -0.22, -26, -30, d);
@@ -221,7 +221,7 @@ void stand(Scene& scene) {
 void show(Scene& scene, const Point& middle, double radius) {
     for (Mesh& mesh : scene.meshes) mesh.dynamic = true;
     scene.camera.look_at = middle;
-    scene.camera.position = middle + radius * Point(1.9, 0.7, 2.0);
+    scene.camera.position = middle + radius * Point(2.2, 0.8, 2.4);
     scene.camera.fov_y_deg = 40;
     scene.camera.near = radius / 20, scene.camera.far = radius * 20;
     scene.frame_size = {768, 768};

@@ -37,6 +37,10 @@ TEST_CASE("data/scenes: every generated scene has a file that is read", "[io][sc
             text.replace(std::size_t(triangles.position(1)), std::size_t(triangles.length(1)),
                          std::to_string(scene.least_triangles));
         }
+        // What it names beside what is generated lies beside it.
+        for (const auto& beside : std::filesystem::directory_iterator(entry.path().parent_path()))
+            if (beside.path().extension() == ".obj" || beside.path().extension() == ".mtl")
+                folder.put(beside.path().filename().string(), text_of(beside.path()));
         const Scene s = load_scene(folder.put(entry.path().filename().string(), text),
                                    {"rsm", "shadow", "tonemap", "layout"});
         CHECK(!s.meshes.empty());
