@@ -52,6 +52,7 @@ template <>
 const StageBinding& stage<IrradianceKernel>() { return made<IrradianceKernel, twins::gi_probes_irradiance_comp>(); }
 template <>
 const StageBinding& stage<LightmapKernel>() { return made<LightmapKernel, twins::gi_probes_lightmap_write_comp>(); }
+template <>
 const StageBinding& stage<VolumeKernel>() { return made<VolumeKernel, twins::gi_probes_volume_comp>(); }
 
 }  // namespace plumb
