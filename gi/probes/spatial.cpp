@@ -160,12 +160,11 @@ std::vector<std::uint8_t> active_places(const SpatialGrid& g, const std::vector<
     return active;
 }
 
-std::vector<std::int32_t> active_clusters(const SpatialGrid& g, const std::vector<std::uint8_t>& active,
-                                          const std::vector<std::int32_t>& cluster, const std::vector<std::int32_t>& receiver) {
-    std::vector<std::int32_t> of_active = cluster;
-    for (std::size_t i = 0; i < receiver.size(); ++i)
-        if (!active[std::size_t(receiver[i] % g.places())]) of_active[i] = -1;
-    return of_active;
+std::vector<std::int32_t> active_levels(const SpatialGrid& g, const std::vector<std::uint8_t>& active,
+                                        const std::vector<std::int32_t>& receiver) {
+    std::vector<std::int32_t> levels;
+    for (const std::int32_t r : receiver) levels.push_back(active[std::size_t(r % g.places())] ? 0 : -1);
+    return levels;
 }
 
 void gather_grid(const SpatialGrid& g, const std::vector<std::int32_t>& receiver, const Buffer<glm::vec4>& irradiance,

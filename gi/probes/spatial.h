@@ -75,10 +75,10 @@ std::vector<Box> dynamic_boxes(const Scene& scene);
 // positions rounded to half floats may be off. Beyond the grid those at its edge are read. Throws InputError for a box that is not
 // finite.
 std::vector<std::uint8_t> active_places(const SpatialGrid& grid, const std::vector<Box>& boxes);
-// What probes.irradiance is given as `cluster`: -1 where the receiver's place is not active, else the cluster. Both lists are
-// those of ClusterData (run_data.h).
-std::vector<std::int32_t> active_clusters(const SpatialGrid& grid, const std::vector<std::uint8_t>& active,
-                                          const std::vector<std::int32_t>& cluster, const std::vector<std::int32_t>& receiver);
+// What probes.irradiance is given as receiver_level, where clusters have level 0: 0 of active places, -1 of others, which it does not
+// compute. receiver: that of ClusterData (run_data.h).
+std::vector<std::int32_t> active_levels(const SpatialGrid& grid, const std::vector<std::uint8_t>& active,
+                                        const std::vector<std::int32_t>& receiver);
 
 // [place][direction], as probes.volume reads it, of what probes.irradiance wrote. receiver: that of ClusterData.
 void gather_grid(const SpatialGrid& grid, const std::vector<std::int32_t>& receiver, const Buffer<glm::vec4>& irradiance,

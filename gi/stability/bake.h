@@ -19,7 +19,7 @@ bool is_of_bake(const std::string& stage);
 bool is_baked(const Case& c);
 
 // Dispatches of a bake of the scene, on a lightmap of 48 texels a side with 6 probes: candidates, supports, and of the first
-// block of receivers the shares of 32 rays, both weightings, and all coefficients to degree 7. They own their inputs.
+// block of receivers the shares of 32 rays, both weightings, and all coefficients to degree 7; points in a grid of spatial receivers. They own their inputs.
 std::vector<StageData> bake_data(const Scene& scene, const RunOptions& options);
 
 // Dispatches of a volume of 2 x 2 x 2 probes over the scene, of 32 rays each, after three rounds.
