@@ -185,6 +185,10 @@ PLUMB_INLINE SixSides<F> grid_at(const VolumeView& in, const vec3<F>& x, Tap& ta
 template <class F>
 struct InVolume {
     vec4<F> irradiance, light, from_light;
+    template <class Each>
+    void components(Each each) const {
+        for (const vec4<F>& v : {irradiance, light, from_light}) each(v.x), each(v.y), each(v.z), each(v.w);
+    }
 };
 
 template <class F, class Tap>
