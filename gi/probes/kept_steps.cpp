@@ -133,7 +133,7 @@ template <class S, class Way>
 void each_of_spatial(S& s, Way& way) {
     way.one("count", s.grid.count), way.one("origin", s.grid.origin), way.one("spacing", s.grid.spacing);
     way.list("position", s.receivers.position), way.list("normal", s.receivers.normal), way.list("shift", s.receivers.shift);
-    way.one("shifted", s.shifted);
+    way.one("shifted", s.shifted), way.one("radius", s.radius);
     each_of_supports(s.supports, way);
 }
 

@@ -35,6 +35,22 @@ Receivers of_places(const SpatialGrid& g) {
     return r;
 }
 
+// The distance within which every place has `overlaps` probes, or all there are; its rounding included.
+double covering_radius(const Buffer<glm::vec4>& places, const Buffer<glm::vec4>& probes, int overlaps) {
+    const std::size_t k = std::min(std::size_t(overlaps), probes.size());
+    double largest = 0;
+    std::vector<double> d2(probes.size());
+    for (const glm::vec4& place : places) {
+        for (std::size_t p = 0; p < probes.size(); ++p) {
+            const glm::dvec3 d = glm::dvec3(probes[p]) - glm::dvec3(place);
+            d2[p] = glm::dot(d, d);
+        }
+        std::nth_element(d2.begin(), d2.begin() + std::ptrdiff_t(k - 1), d2.end());
+        largest = std::max(largest, d2[k - 1]);
+    }
+    return 1.01 * std::sqrt(largest);
+}
+
 template <class List>
 List repeated(const List& once) {
     List all;
@@ -81,7 +97,8 @@ Spatial place_spatial(const glm::vec3& low, const glm::vec3& high, const Spatial
     shift.rays = params.test_rays, shift.share = params.back_share, shift.in_the_air = true;
     s.shifted = shift_receivers(places, surfaces, query, offset, shift, options);
     SupportsInputs in;
-    in.receivers = &places.position, in.probes = &probes, in.radius = radius, in.overlaps = overlaps;
+    s.radius = std::max(radius, float(covering_radius(places.position, probes, overlaps)));
+    in.receivers = &places.position, in.probes = &probes, in.radius = s.radius, in.overlaps = overlaps;
     const Supports once = run(in, options);
     s.supports = {overlaps, repeated(once.probe), repeated(once.weight), spatial_directions * once.unsupported,
                   spatial_directions * once.incomplete};

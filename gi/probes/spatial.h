@@ -38,6 +38,7 @@ struct Spatial {
     SpatialGrid grid;
     Receivers receivers;                   // position, normal and shift alone: in the air there is no lightmap
     int shifted = 0;                       // places that were moved out of what they lay in
+    float radius = 0;                      // m, of probes for these receivers
     Supports supports;
     Buffer<float> alpha;                   // [receivers][overlaps][coefficients], sr
     std::vector<RayCounts> block_counts;   // of each block's rays
@@ -52,7 +53,10 @@ struct SpatialParams {
     int test_rays = 64;      // of each place, over the sphere; 0: none is moved
     double back_share = 0.8; // IPR 4.1.1: of those that meet something this share has to start inside of something
 };
-// Grid, receivers and their supports.
+// Grid, receivers and their supports. radius: m, of the probes for receivers on surfaces.
+//
+// differs: IPR has one radius. Probes stand near surfaces, and their radius is what receivers there need: in the middle of a hall none
+// would reach. Here it is at least what gives each place as many probes as it has slots.
 Spatial place_spatial(const glm::vec3& low, const glm::vec3& high, const SpatialParams& params, const raster::SurfaceArgs& surfaces,
                       const RayQuery& query, float offset, const Buffer<glm::vec4>& probes, float radius, int overlaps,
                       const RunOptions& options);

@@ -27,11 +27,12 @@ std::vector<glm::dvec3> spatial_irradiance(const Bake& b, const std::vector<glm:
     return irradiance(b.spatial.supports, b.spatial.alpha, b.params.degree, lambda);
 }
 
-// A quad of a centimetre in the sky.
-Scene speck() {
-    Mesh quad;
-    add_quad(quad, {0, 0, 0}, {0, 0, 0.01f}, {0.01f, 0, 0}, 0);
-    Scene scene = scene_of(quad);
+// Two quads of a centimetre in the sky, 4 m apart.
+Scene specks() {
+    Mesh quads;
+    for (const glm::vec3 at : {glm::vec3(-1, -1.5f, -1), glm::vec3(1, 1.5f, 1)})
+        add_quad(quads, at, at + glm::vec3(0, 0, 0.01f), at + glm::vec3(0.01f, 0, 0), 0);
+    Scene scene = scene_of(quads);
     scene.environment.radiance = glm::vec3(1);
     return scene;
 }
@@ -71,8 +72,9 @@ TEST_CASE("spatial grid: IPR (1) to (3), by hand", "[probes][spatial][IPR 4.1.1]
 }
 
 TEST_CASE("spatial receivers: in a furnace E is pi L at every place, in all six directions", "[probes][spatial][analytic][furnace]") {
-    const Scene scene = furnished();
-    for (const SpatialWeight weight : {SpatialWeight::corrected, SpatialWeight::published}) {
+    // Of an empty room probes see all, so that each is exact; of a furnished one nearly all.
+    for (const auto& [scene, weight] : {std::pair(empty_room(), SpatialWeight::corrected), std::pair(empty_room(), SpatialWeight::published),
+                                        std::pair(furnished(), SpatialWeight::corrected)}) {
         BakeParams params = with_places(27, weight);
         params.receiver_rays = 512;
         BakeGraph graph(scene, params);
@@ -86,7 +88,7 @@ TEST_CASE("spatial receivers: in a furnace E is pi L at every place, in all six 
         for (const RayCounts& c : b.spatial.block_counts) lost += double(c.unseen + c.back + c.escaped) / (162 * 512);
         const double whole = weight == SpatialWeight::corrected ? host::pi : 2 * host::pi - 4;
         CAPTURE(lost, whole);
-        CHECK(lost < 0.02);
+        CHECK(lost < (scene.meshes[0].triangles.size() == 12 ? 1e-9 : 0.05));
         double mean = 0;
         for (const glm::dvec3& one : e) {
             CHECK(one.x < 0.5 * whole * 1.003);
@@ -94,17 +96,22 @@ TEST_CASE("spatial receivers: in a furnace E is pi L at every place, in all six 
         }
         CHECK(mean == Approx(0.5 * whole).epsilon(0.003 + lost));
         CHECK(most == Approx(0.5 * whole).epsilon(0.003));
+        if (lost > 0) continue;
+        for (const glm::dvec3& one : e) CHECK(one.x == Approx(0.5 * whole).epsilon(weight == SpatialWeight::corrected ? 2e-5 : 0.003));
     }
 }
 
 TEST_CASE("spatial receivers: radiance a + b . w arrives as pi a + 2 pi / 3 b . d", "[probes][spatial][analytic]") {
     // Of the sky alone: rays of receivers and of probes escape in the same directions.
-    const Scene scene = speck();
+    const Scene scene = specks();
     BakeParams params = with_places(8);
-    params.receiver_rays = 2048, params.relight_rays = 512, params.placement.count = 2, params.receivers_per_m2 = 1e6f;
+    params.receiver_rays = 2048, params.placement.count = 2, params.lightmap_size = 16;
     BakeGraph graph(scene, params);
     run_all(graph);
     const Bake& b = graph.bake();
+    // Places are metres away from probes; those have a radius that reaches them.
+    CHECK(b.spatial.radius > 1);
+    CHECK(b.spatial.supports.unsupported == 0);
     const glm::dvec3 slope(0.5, -0.3, 0.2);
     std::vector<glm::dvec3> f;
     for (std::size_t k = 0; k < b.relight.material.size(); ++k) {
@@ -114,15 +121,10 @@ TEST_CASE("spatial receivers: radiance a + b . w arrives as pi a + 2 pi / 3 b . 
     const std::vector<glm::dvec3> lambda = probe_coefficients(f, b.relight.probes, b.relight_weights, b.harmonics, b.params.degree);
     const std::vector<glm::dvec3> e = spatial_irradiance(b, lambda);
     REQUIRE(e.size() == 6 * std::size_t(b.spatial.grid.places()));
-    int seen = 0;
     for (std::size_t i = 0; i < e.size(); ++i) {
         const glm::dvec3 d(spatial_direction(int(i) / b.spatial.grid.places()));
-        // The speck itself is lit like the sky, but for its back; places lie in its plane.
-        const double expected = host::pi + 2 * host::pi / 3 * glm::dot(slope, d);
-        seen += std::fabs(e[i].x - expected) < 0.01 * expected ? 1 : 0;
-        CHECK(e[i].x < 1.02 * expected);
+        CHECK(e[i].x == Approx(host::pi + 2 * host::pi / 3 * glm::dot(slope, d)).epsilon(0.01));
     }
-    CHECK(seen >= int(e.size()) * 5 / 6);
 }
 
 TEST_CASE("spatial receivers: places inside of solids and beyond walls are moved into the room", "[probes][spatial][IPR 4.1.1]") {
