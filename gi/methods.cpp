@@ -19,6 +19,7 @@
 #include "gi/probes/share.h"
 #include "gi/probes/supports.h"
 #include "gi/probes/update.h"
+#include "gi/probes/volume.h"
 #include "gi/reference/reference.h"
 #include "gi/rsm/all_rays.h"
 #include "gi/rsm/gather.h"
@@ -74,6 +75,7 @@ const std::vector<ListedStage>& stages() {
         listed(stage<probes::DensityKernel>(), false),
         unbound(probes::info_placement(), false),
         listed(stage<probes::SupportsKernel>(), false),
+        unbound(probes::info_spatial(), false),
         unbound(probes::info_directions(), false),
         unbound(probes::info_relight(), false),
         unbound(probes::info_rays(), false),
@@ -86,6 +88,7 @@ const std::vector<ListedStage>& stages() {
         listed(stage<probes::BasisKernel>(), false),
         listed(stage<probes::IrradianceKernel>(), false),
         listed(stage<probes::LightmapKernel>(), false),
+        listed(stage<probes::VolumeKernel>(), false),
         listed(stage<ddgi::BlendKernel>(), false),
         listed(stage<ddgi::BorderKernel>(), false),
         listed(stage<ddgi::SampleKernel>(), false),

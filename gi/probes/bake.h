@@ -5,6 +5,7 @@
 //     probes.receivers     its texels, drawn, and moved out of what they lie in
 //     probes.placement     where probes stand, and how far they reach
 //     probes.supports      which of them support a receiver                                    a stage
+//     probes.spatial       receivers in the air, for dynamic objects; with spatial_receivers alone
 //     probes.directions    in which directions a probe looks, and what each counts
 //     probes.relight       where it looks for radiance, a block of probes a node
 //     probes.coefficients  the transport, a block of receivers a node: probes.share and probes.coefficients are its stages
@@ -21,6 +22,7 @@
 #include "gi/probes/bake_params.h"
 #include "gi/probes/flat_clusters.h"
 #include "gi/probes/relight.h"
+#include "gi/probes/spatial.h"
 #include "gi/probes/transport.h"
 
 namespace plumb::probes {
@@ -55,10 +57,13 @@ struct Bake {
     Clusters clusters;
     FlatClusters flat;                     // the same, as it is kept
     ClusterReport cluster_report;          // of clusters that were made here
+    Spatial spatial;                       // empty without spatial_receivers
 
     int coefficients() const { return (params.degree + 1) * (params.degree + 1); }
     RayCounts counts() const;
-    int blocks() const { return (receivers.count() + block_receivers - 1) / block_receivers; }
+    int blocks() const { return blocks_of(receivers.count()); }
+    int spatial_blocks() const { return blocks_of(spatial.receivers.count()); }
+    static int blocks_of(int receivers) { return (receivers + block_receivers - 1) / block_receivers; }
 };
 
 // Of all that a bake depends on but its parameters: the geometry, which material each triangle has, and where materials are
@@ -96,8 +101,8 @@ class BakeGraph {
     TracedBlock traced(int receiver, const RayQuery& query, const RunOptions& options) const;
     const RayQuery& query() const;
     const raster::Surfaces& surfaces() const;
-    // Blocks of receivers that this part computes.
-    int blocks_here() const { return (bake_.blocks() - part_.index + part_.count - 1) / part_.count; }
+    // Blocks of receivers that this part computes, those in the air included.
+    int blocks_here() const { return of_part(bake_.blocks()) + of_part(bake_.spatial_blocks()); }
     // bytes_needed(), once it is known.
     std::uint64_t bytes() const { return bytes_; }
     // Seconds that went into rays, and what probes.share made of them, of the blocks that ran.
@@ -111,8 +116,12 @@ class BakeGraph {
     graph::Node supports_node();
     graph::Node rays_node();
     graph::Node relight_node(int first, int count);
-    graph::Node coefficients_node(int block);
+    graph::Node coefficients_node(int block, bool spatial);
     graph::Node clusters_node();
+    graph::Node spatial_node();
+    graph::Node spatial_clusters_node();
+    int of_part(int blocks) const { return (blocks - part_.index + part_.count - 1) / part_.count; }
+    TracedBlock trace(bool spatial, int first, const RayQuery& query, const RunOptions& options) const;
     void check_memory();
     std::vector<const graph::Node*> add_blocks();
     void read_rays(graph::Reads& reads) const;

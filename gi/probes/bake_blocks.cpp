@@ -26,10 +26,16 @@ std::size_t row_of(const Bake& b) { return std::size_t(b.supports.overlaps) * st
 
 }  // namespace
 
+TracedBlock BakeGraph::trace(bool spatial, int first, const RayQuery& query, const RunOptions& options) const {
+    const Receivers& receivers = spatial ? bake_.spatial.receivers : bake_.receivers;
+    TransportScene scene = transport_scene(bake_, world_->args(), query, world_->offset);
+    if (spatial) scene.factors = spatial_factors(scene.directions, bake_.transport.distribution, bake_.params.spatial_weight);
+    return trace_block(scene, bake_.transport, receivers, spatial ? bake_.spatial.supports : bake_.supports, first,
+                       std::min(block_receivers, receivers.count() - first), options);
+}
+
 TracedBlock BakeGraph::traced(int receiver, const RayQuery& query, const RunOptions& options) const {
-    const int first = receiver / block_receivers * block_receivers;
-    return trace_block(transport_scene(bake_, world_->args(), query, world_->offset), bake_.transport, bake_.receivers,
-                       bake_.supports, first, std::min(block_receivers, bake_.receivers.count() - first), options);
+    return trace(false, receiver / block_receivers * block_receivers, query, options);
 }
 
 void BakeGraph::check_memory() {
@@ -44,15 +50,21 @@ std::vector<const graph::Node*> BakeGraph::add_blocks() {
     check_memory();
     Bake& b = bake_;
     const int probes = int(b.placement.probes.size());
-    const std::size_t held = part_.count == 1 ? std::size_t(b.receivers.count()) : std::size_t(blocks_here()) * block_receivers;
+    const auto held = [&](int receivers, int blocks) {
+        return part_.count == 1 ? std::size_t(receivers) : std::size_t(of_part(blocks)) * block_receivers;
+    };
     b.relight = no_hits(probes, b.params.relight_rays);
-    b.alpha.assign(held * row_of(b), 0);
+    b.alpha.assign(held(b.receivers.count(), b.blocks()) * row_of(b), 0);
     b.block_counts.assign(std::size_t(b.blocks()), {});
+    b.spatial.alpha.assign(held(b.spatial.receivers.count(), b.spatial_blocks()) * row_of(b), 0);
+    b.spatial.block_counts.assign(std::size_t(b.spatial_blocks()), {});
     const std::size_t before = nodes_.size();
     for (int first = part_.index * block_probes; first < probes; first += part_.count * block_probes)
         nodes_.push_back(relight_node(first, std::min(block_probes, probes - first)));
-    for (int block = part_.index; block < b.blocks(); block += part_.count) nodes_.push_back(coefficients_node(block));
+    for (int block = part_.index; block < b.blocks(); block += part_.count) nodes_.push_back(coefficients_node(block, false));
+    for (int block = part_.index; block < b.spatial_blocks(); block += part_.count) nodes_.push_back(coefficients_node(block, true));
     if (part_.count == 1) nodes_.push_back(clusters_node());
+    if (part_.count == 1 && !b.spatial.empty()) nodes_.push_back(spatial_clusters_node());
     std::vector<const graph::Node*> added;
     for (std::size_t i = before; i < nodes_.size(); ++i) added.push_back(&nodes_[i]);
     return added;
@@ -79,22 +91,25 @@ graph::Node BakeGraph::relight_node(int first, int count) {
     return node;
 }
 
-graph::Node BakeGraph::coefficients_node(int block) {
+graph::Node BakeGraph::coefficients_node(int block, bool spatial) {
     Bake& b = bake_;
-    RayCounts& counts = b.block_counts[std::size_t(block)];
-    const int first = block * block_receivers, count = std::min(block_receivers, b.receivers.count() - first);
+    const Receivers& receivers = spatial ? b.spatial.receivers : b.receivers;
+    const Supports& supports = spatial ? b.spatial.supports : b.supports;
+    RayCounts& counts = (spatial ? b.spatial.block_counts : b.block_counts)[std::size_t(block)];
+    const int first = block * block_receivers, count = std::min(block_receivers, receivers.count() - first);
     const std::size_t row = row_of(b);
-    float* alpha = b.alpha.data() + std::size_t(block / part_.count) * block_receivers * row;
+    float* alpha = (spatial ? b.spatial.alpha : b.alpha).data() + std::size_t(block / part_.count) * block_receivers * row;
     graph::Node node = host_node("probes.coefficients", "what receivers see, and which probes see the same");
-    node.plan.form = fmt::format("receivers {} to {}", first, first + count - 1);
+    node.plan.form = fmt::format("{} {} to {}", spatial ? "spatial receivers" : "receivers", first, first + count - 1);
     node.plan.label = fmt::format("probes.coefficients ({})", node.plan.form);
     node.size = [=] { return glm::ivec2(count, int(row)); };
-    node.reads = [=, this, &b](graph::Reads& r) {
+    node.reads = [=, this, &b, &receivers, &supports](graph::Reads& r) {
         const auto slice = [&](const auto& list, std::size_t each) {
             r.memory(list.data() + std::size_t(first) * each, std::size_t(count) * each * sizeof(list[0]));
         };
-        slice(b.receivers.position, 1), slice(b.receivers.normal, 1);
-        slice(b.supports.probe, std::size_t(b.supports.overlaps)), slice(b.supports.weight, std::size_t(b.supports.overlaps));
+        slice(receivers.position, 1), slice(receivers.normal, 1);
+        slice(supports.probe, std::size_t(supports.overlaps)), slice(supports.weight, std::size_t(supports.overlaps));
+        if (spatial) r.value(b.params.spatial_weight);
         r.list(b.placement.probes);
         const auto& [rays, degree, distribution, escape, published] = b.transport;
         r.value(rays, degree, distribution, escape, published);
@@ -105,7 +120,7 @@ graph::Node BakeGraph::coefficients_node(int block) {
         RunOptions tracing = options;
         // Rays take nearly all of a block's time.
         if (options.progress) tracing.progress = [&](double done) { options.progress(0.95 * done); };
-        const TracedBlock traced = this->traced(first, tracing);
+        const TracedBlock traced = trace(spatial, first, query(), tracing);
         seconds_of_rays_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
         tracing.progress = {};
         block_coefficients(traced, b.transport, tracing, alpha);

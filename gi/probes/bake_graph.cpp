@@ -26,8 +26,9 @@ BakeGraph::BakeGraph(const Scene& scene, const BakeParams& params, Part part, st
     bake_.transport = transport_params(params, sends_light(scene.environment));
     bake_.scene_hash = probes::scene_hash(scene, world_->geometry);
     bake_.scene_bytes = bytes_of_scene(scene);
-    for (const graph::Node& node : {atlas_node(), receivers_node(), placement_node(), supports_node(), rays_node()})
-        nodes_.push_back(node);
+    for (const graph::Node& node : {atlas_node(), receivers_node(), placement_node(), supports_node()}) nodes_.push_back(node);
+    if (params.spatial_receivers > 0) nodes_.push_back(spatial_node());
+    nodes_.push_back(rays_node());
     for (const graph::Node& node : nodes_) first_.push_back(&node);
 }
 

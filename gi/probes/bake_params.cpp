@@ -27,6 +27,12 @@ std::vector<Field> fields(BakeParams& p) {
         {"threshold", &p.threshold, "", "1 - sqrt(share of the kept singular values) below which a cluster is accepted", 0, 1, {}},
         {"cluster_receivers", &p.cluster_receivers, "", "a cluster has fewer (IPR 3.2.4)", 2, 4096, {}},
         {"by_size_only", &p.by_size_only, "", "clusters are split by their number of receivers alone (figure 3.18)", -unbounded, unbounded, {}},
+        {"spatial_receivers", &p.spatial_receivers, "", "about how many places of a grid over the scene have receivers in six directions, for "
+         "dynamic objects (IPR 4.1); 0: none", 0, 1 << 20, {}},
+        {"spatial_back_share", &p.spatial_back_share, "", "share of a place's test rays that meet something which start inside of it where the place "
+         "does (IPR 4.1.1)", 0.01, 1, {}},
+        {"spatial_weight", as_int(p.spatial_weight), "", "of radiance by its angle: corrected: its cosine; published: 1 - 2 theta / pi (IPR 4.1)",
+         -unbounded, unbounded, {"corrected", "published"}},
         {"rays", as_int(p.rays), "", "exact: the same bits on every processor; native: faster", -unbounded, unbounded,
          {"exact", "native"}},
     };

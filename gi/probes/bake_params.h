@@ -7,6 +7,7 @@
 #include "core/ray_query.h"
 #include "gi/probes/directions.h"
 #include "gi/probes/placement.h"
+#include "gi/probes/spatial_weight.h"
 
 namespace plumb::probes {
 
@@ -35,6 +36,9 @@ struct BakeParams {
     float threshold = 0.005f;
     int cluster_receivers = 1024;
     bool by_size_only = false;
+    int spatial_receivers = 0;
+    float spatial_back_share = 0.8f;
+    SpatialWeight spatial_weight = SpatialWeight::corrected;
     Rays rays = Rays::exact;
 };
 std::vector<Field> fields(BakeParams& params);

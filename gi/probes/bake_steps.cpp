@@ -42,6 +42,14 @@ StageInfo info_placement() {
                 {"probes_per_m3", "count", "least", "both_sides", "candidates_per_probe", "sample_receivers", "radius_of"});
 }
 
+StageInfo info_spatial() {
+    return step("probes.spatial", "IPR 4.1.1 (1) to (3); without a twin: rays. probes.coefficients and probes.clusters read it, too",
+                {geometry, probes},
+                {{"receivers", "buffer f32 x 4", "m", "[direction][place] position, and unit normal: an axis"},
+                 {"grid", "numbers", "m", "places along x, y, z; origin; spacing"}},
+                {"spatial_receivers", "spatial_back_share", "spatial_weight"});
+}
+
 StageInfo info_directions() {
     return step("probes.directions", "IPR 3.2.3.1; without a twin: one least-squares problem",
                 {{"sequence", "integers", "", "direction numbers of Sobol's sequence, two dimensions"}},

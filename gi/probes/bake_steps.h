@@ -8,6 +8,7 @@ namespace plumb::probes {
 StageInfo info_atlas();
 StageInfo info_receivers();
 StageInfo info_placement();
+StageInfo info_spatial();
 StageInfo info_directions();
 StageInfo info_relight();
 StageInfo info_rays();

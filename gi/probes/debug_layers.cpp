@@ -139,6 +139,17 @@ std::vector<DebugLayer> debug_layers(const Bake& b, const raster::Surfaces& surf
                                                                                                   : glm::vec4(1, 0.3f, 0.2f, 1);
         scene.line(rays, from, to.w > 0 ? glm::dvec3(to) : from + 100 * ball * glm::dvec3(to), colour);
     }
+    if (!b.spatial.empty()) {
+        Image4 air = scene.with(nullptr);
+        const Receivers& s = b.spatial.receivers;
+        for (int i = 0; i < b.spatial.grid.places(); ++i) {
+            const glm::dvec3 at(s.position[std::size_t(i)]), was = at - glm::dvec3(s.shift[std::size_t(i)]);
+            const bool moved = s.shift[std::size_t(i)].w == 1;
+            if (moved) scene.line(air, was, at, {1, 0.3f, 0.2f, 1});
+            scene.ball(air, at, 0.6 * ball, moved ? glm::vec4(1, 0.3f, 0.2f, 1) : glm::vec4(0.2f, 0.8f, 0.3f, 1));
+        }
+        add("spatial", "probes.spatial", "places of spatial receivers; red: moved out of what they lay in, from where the line begins", air);
+    }
     add("rays", "probes.relight", "64 rays of the probe nearest to the middle: red to surfaces, blue into the sky, black to backs", rays);
     const int receiver = view.receiver >= 0 && view.receiver < r.count() ? view.receiver : r.count() / 2;
     if (!b.alpha.empty())

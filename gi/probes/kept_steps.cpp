@@ -129,6 +129,14 @@ void each_of_supports(S& s, Way& way) {
     way.one("unsupported", s.unsupported), way.one("incomplete", s.incomplete);
 }
 
+template <class S, class Way>
+void each_of_spatial(S& s, Way& way) {
+    way.one("count", s.grid.count), way.one("origin", s.grid.origin), way.one("spacing", s.grid.spacing);
+    way.list("position", s.receivers.position), way.list("normal", s.receivers.normal), way.list("shift", s.receivers.shift);
+    way.one("shifted", s.shifted), way.one("radius", s.radius);
+    each_of_supports(s.supports, way);
+}
+
 template <class B, class Way>
 void each_of_rays(B& b, Way& way) {
     way.list("directions", b.relight_directions), way.list("weights", b.relight_weights), way.list("harmonics", b.harmonics);
@@ -198,6 +206,21 @@ void take(const Bundle& kept, Supports& supports) {
     expect(supports.overlaps > 0 && supports.probe.size() == supports.weight.size() &&
                supports.probe.size() % std::size_t(supports.overlaps) == 0,
            "probes of receivers and their weights");
+}
+
+Bundle lent(const Spatial& spatial) {
+    Lender way;
+    each_of_spatial(spatial, way);
+    return way.bundle;
+}
+void take(const Bundle& kept, Spatial& spatial) {
+    Taker way(kept);
+    each_of_spatial(spatial, way);
+    const Receivers& r = spatial.receivers;
+    const std::size_t n = r.position.size(), slots = std::size_t(std::max(0, spatial.supports.overlaps));
+    expect(n > 0 && n == std::size_t(spatial_directions) * std::size_t(spatial.grid.places()) && r.normal.size() == n && r.shift.size() == n &&
+               spatial.supports.probe.size() == n * slots && spatial.supports.weight.size() == n * slots,
+           "spatial receivers");
 }
 
 Bundle lent_rays(const Bake& bake) {

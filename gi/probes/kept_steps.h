@@ -21,6 +21,10 @@ void take(const Bundle& kept, Placement& placement, ProbeRadius& radius);
 Bundle lent(const Supports& supports);
 void take(const Bundle& kept, Supports& supports);
 
+// Grid, receivers and supports.
+Bundle lent(const Spatial& spatial);
+void take(const Bundle& kept, Spatial& spatial);
+
 // Of the relight rays, and of what those of probes [first, first + count) met.
 Bundle lent_rays(const Bake& bake);
 void take_rays(const Bundle& kept, Bake& bake);

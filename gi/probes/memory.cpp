@@ -30,7 +30,23 @@ std::uint64_t of_geometry(const Bake& b) {
 }
 
 std::uint64_t of_receivers(const Bake& b) {
-    return std::uint64_t(b.receivers.count()) * (of_receiver + std::uint64_t(b.params.placement.overlaps) * of_slot);
+    const std::uint64_t all = std::uint64_t(b.receivers.count()) + std::uint64_t(b.spatial.receivers.count());
+    return all * (of_receiver + std::uint64_t(b.params.placement.overlaps) * of_slot);
+}
+
+// What clusters of all receivers take, as Clusters and FlatClusters, and what a thread needs to find them.
+struct OfClusters {
+    std::uint64_t held = 0, workspace = 0;
+};
+OfClusters of_clusters(const Bake& b, int receivers, const Receivers& of, const Supports& supports) {
+    TransportRows rows;
+    rows.receivers = receivers, rows.overlaps = supports.overlaps, rows.coefficients = b.coefficients();
+    rows.position = of.position.data(), rows.support = supports.probe.data();
+    const ClusterBound c = cluster_bound(rows, cluster_params(b.params));
+    const std::uint64_t u = std::uint64_t(receivers) * std::uint64_t(b.params.singular_values) * sizeof(float);
+    const std::uint64_t once = c.matrices * sizeof(float) + c.spectrum * sizeof(double) + u;
+    // Receivers of clusters, and the cluster of each, are held twice, too.
+    return {2 * once + c.lists * 4 + c.clusters * 1024 + std::uint64_t(receivers) * 16, c.workspace};
 }
 
 }  // namespace
@@ -49,7 +65,7 @@ std::uint64_t bytes_to_draw(const Bake& b) {
 }
 
 std::uint64_t bytes_needed(const Bake& b, const Part& part, int threads) {
-    const std::uint64_t receivers = std::uint64_t(b.receivers.count()), block = block_receivers;
+    const std::uint64_t receivers = std::uint64_t(b.receivers.count()) + std::uint64_t(b.spatial.receivers.count()), block = block_receivers;
     const std::uint64_t row = std::uint64_t(b.supports.overlaps) * std::uint64_t(b.coefficients()) * sizeof(float);
     const std::uint64_t held = b.scene_bytes + of_geometry(b) + of_receivers(b) +
                                b.placement.candidates.size() * 16 +
@@ -61,15 +77,11 @@ std::uint64_t bytes_needed(const Bake& b, const Part& part, int threads) {
         const std::uint64_t blocks = (receivers + block - 1) / block, count = std::uint64_t(part.count);
         return std::max(bytes_to_draw(b), held + (blocks + count - 1) / count * block * row + while_tracing);
     }
-    TransportRows rows;
-    rows.receivers = b.receivers.count(), rows.overlaps = b.supports.overlaps, rows.coefficients = b.coefficients();
-    rows.position = b.receivers.position.data(), rows.support = b.supports.probe.data();
-    const ClusterBound c = cluster_bound(rows, cluster_params(b.params));
-    const std::uint64_t u = receivers * std::uint64_t(b.params.singular_values) * sizeof(float);
-    const std::uint64_t once = c.matrices * sizeof(float) + c.spectrum * sizeof(double) + u;
-    // Receivers of clusters, and the cluster of each, are held twice, too.
-    const std::uint64_t clusters = 2 * once + c.lists * 4 + c.clusters * 1024 + receivers * 16;
-    const std::uint64_t whole = held + receivers * row + std::max(while_tracing, std::uint64_t(threads) * c.workspace + clusters);
+    const OfClusters surfaces = of_clusters(b, b.receivers.count(), b.receivers, b.supports);
+    // The six directions are clustered alike, one after the other.
+    const OfClusters air = b.spatial.empty() ? OfClusters{} : of_clusters(b, b.spatial.grid.places(), b.spatial.receivers, b.spatial.supports);
+    const std::uint64_t clusters = surfaces.held + spatial_directions * air.held;
+    const std::uint64_t whole = held + receivers * row + std::max(while_tracing, std::uint64_t(threads) * std::max(surfaces.workspace, air.workspace) + clusters);
     return std::max(bytes_to_draw(b), whole + whole / allocator_share + of_arenas);
 }
 

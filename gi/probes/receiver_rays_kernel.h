@@ -166,7 +166,8 @@ struct TestRaysView {
     const float* directions;      // [rays][4]: unit, z along the normal
     float* shortest;              // out: [receivers][4]: xyz direction of the shortest of the deepest rays, w how long it is till it
                                   // is out, m; 0 where none starts inside
-    std::int32_t* insides;        // out: [receivers]: rays that start inside; -1: a ray met nothing
+    std::int32_t* insides;        // out: [receivers]: rays that start inside; -1: a ray met nothing, where `escapes` is null
+    std::int32_t* escapes;        // out: [receivers]: rays that met nothing; null: a receiver with one lies in no solid
 };
 
 // How deep inside a ray starts, and where it is out.
@@ -215,9 +216,9 @@ std::uint64_t test_rays(const TestRaysView& in, const RayQuery& query, int first
         // Once to see where backs are, and, where it is worth it, once more to the way out.
         for (const bool again : {false, true}) {
             if (again) {
-                followed = active & (escapes == I(0)) & !(insides < I((in.rays + 7) / 8));
+                followed = active & (in.escapes ? active : escapes == I(0)) & !(insides < I((in.rays + 7) / 8));
                 if (in.crossings == 1 || !any(followed)) break;
-                insides = select(followed, I(0), insides);
+                insides = select(followed, I(0), insides), escapes = select(followed, I(0), escapes);
                 depth = select(followed, F(0.0f), depth), shortest.w = select(followed, F(0.0f), shortest.w);
             }
             for (int ray = 0; ray < in.rays; ++ray) {
@@ -237,7 +238,9 @@ std::uint64_t test_rays(const TestRaysView& in, const RayQuery& query, int first
             }
         }
         N::store4(in.shortest, receiver, shortest, active);
-        store_lanes<F>(in.insides + x, select(escapes == I(0), insides, I(-1)), last - x);
+        if (in.escapes) store_lanes<F>(in.escapes + x, escapes, last - x);
+        const mask_t<F> none = in.escapes ? active : escapes == I(0);
+        store_lanes<F>(in.insides + x, select(none, insides, I(-1)), last - x);
     }
     return tracer.traced();
 }

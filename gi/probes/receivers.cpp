@@ -53,19 +53,20 @@ Receivers place_receivers(const Atlas& atlas, const raster::Surfaces& surfaces, 
 int shift_receivers(Receivers& receivers, const raster::SurfaceArgs& surfaces, const RayQuery& query, float offset,
                     const ShiftParams& params, const RunOptions& options) {
     if (params.rays == 0) return 0;
-    const Buffer<glm::vec4> directions = receiver_directions(params.rays, Distribution::uniform);
+    const Buffer<glm::vec4> directions =
+        params.in_the_air ? relight_directions(params.rays) : receiver_directions(params.rays, Distribution::uniform);
     const int count = receivers.count();
     Buffer<glm::vec4> shortest(std::size_t(count), glm::vec4(0));
-    std::vector<std::int32_t> insides(std::size_t(count), 0);
+    std::vector<std::int32_t> insides(std::size_t(count), 0), escapes(std::size_t(count), 0);
     TestRaysView view{surfaces, offset, params.rays, params.crossings, &receivers.position[0].x, &receivers.normal[0].x, &directions[0].x,
-                      &shortest[0].x, insides.data()};
+                      &shortest[0].x, insides.data(), params.in_the_air ? escapes.data() : nullptr};
     dispatch(options.isa, [&](auto isa) {
         parallel_bands(count, 256, options,
                        [&](int first, int last) { ReceiverRays<isa()>::test(view, query, first, last); });
     });
     int moved = 0;
     for (int i = 0; i < count; ++i) {
-        if (!(insides[i] > 0 && double(insides[i]) >= params.share * params.rays)) continue;
+        if (!(insides[i] > 0 && double(insides[i]) >= params.share * (params.rays - escapes[i]))) continue;
         const glm::dvec3 along(shortest[i]);
         // It started `offset` above the surface, and ends as far beyond the back where it came out.
         const glm::dvec3 by = glm::dvec3(receivers.normal[i]) * double(offset) +

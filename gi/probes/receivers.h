@@ -39,6 +39,7 @@ struct ShiftParams {
     int rays = 64;       // over the hemisphere of the normal; 0: nothing is moved
     double share = 0.5;  // of them that must start inside of something; none may meet nothing
     int crossings = 64;  // surfaces that a ray is followed through to tell; 1: as published, the first alone
+    bool in_the_air = false;  // rays go in all directions, and those that meet nothing are left out (IPR 4.1.1)
 };
 // Moves receivers that lie inside of solids along the shortest test ray that leads out, and `offset` m beyond. Returns how many.
 //

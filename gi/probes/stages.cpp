@@ -10,6 +10,7 @@
 #include "gi/probes/supports.h"
 #include "gi/probes/update.h"
 #include "twins/gi.probes.basis.comp.h"
+#include "gi/probes/volume.h"
 #include "twins/gi.probes.coefficients.comp.h"
 #include "twins/gi.probes.density.comp.h"
 #include "twins/gi.probes.lambda.comp.h"
@@ -21,6 +22,7 @@
 #include "twins/gi.probes.lightmap_write.comp.h"
 #include "twins/gi.probes.share.comp.h"
 #include "twins/gi.probes.supports.comp.h"
+#include "twins/gi.probes.volume.comp.h"
 
 namespace plumb {
 
@@ -50,5 +52,7 @@ template <>
 const StageBinding& stage<IrradianceKernel>() { return made<IrradianceKernel, twins::gi_probes_irradiance_comp>(); }
 template <>
 const StageBinding& stage<LightmapKernel>() { return made<LightmapKernel, twins::gi_probes_lightmap_write_comp>(); }
+template <>
+const StageBinding& stage<VolumeKernel>() { return made<VolumeKernel, twins::gi_probes_volume_comp>(); }
 
 }  // namespace plumb

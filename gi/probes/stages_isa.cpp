@@ -7,6 +7,7 @@
 #include "gi/probes/lookup_kernel.h"
 #include "gi/probes/share_kernel.h"
 #include "gi/probes/supports_kernel.h"
+#include "gi/probes/volume_kernel.h"
 
 namespace plumb::probes {
 
@@ -121,6 +122,7 @@ void Rows<SupportsKernel, Isa::PLUMB_ISA>::run(const SupportsView& in, int first
 template struct Rows<ShareKernel, Isa::PLUMB_ISA>;
 template struct Rows<RadianceKernel, Isa::PLUMB_ISA>;
 template struct Rows<LevelKernel, Isa::PLUMB_ISA>;
+template struct Rows<VolumeKernel, Isa::PLUMB_ISA>;
 
 template <>
 void Rows<CoefficientsKernel, Isa::PLUMB_ISA>::run(const CoefficientsView& in, int first, int last, const Tiles& tiles,

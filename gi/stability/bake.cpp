@@ -12,6 +12,7 @@
 #include "gi/probes/level.h"
 #include "gi/probes/share.h"
 #include "gi/stability/relight.h"
+#include "gi/probes/volume.h"
 
 namespace plumb::stability {
 
@@ -51,6 +52,34 @@ StageData level_data(const probes::Bake& bake) {
     rule.zones = {0.5f, 0.8660254f, -0.5f, 0.8660254f}, rule.scales = {1, 2, 4, 0};
     rule.distances = {0.1f * length, 0.3f * length, 0.6f * length, 0}, rule.margins = {1, 2, 4, 0};
     return owned_by<probes::LevelKernel>(probes::data_of(probes::LevelInputs{&low, &high, rule}));
+// Points of a scene's surfaces in a grid of spatial receivers over it, lit by what varies from place to place and side to side.
+void add_volumes(const Scene& scene, std::vector<StageData>& all) {
+    const Geometry geometry = flatten(scene);
+    glm::vec3 low, high;
+    if (!bounds(geometry, low, high)) return;
+    probes::VolumeInputs in;
+    try {
+        in.grid = probes::spatial_grid(low, high, 30);
+    } catch (const InputError&) {
+        return;  // no extent: no grid
+    }
+    Buffer<glm::vec4> irradiance;
+    for (int i = 0; i < in.grid.places() * probes::spatial_directions; ++i)
+        irradiance.push_back({1 + float(i % 7), 0.25f * float(i % 5), i % 3 == 0 ? 0.0f : 2.0f, 0});
+    const int n = std::min(96, int(geometry.triangles.size()));
+    Image4 position(n, 1), normal(n, 1), uv(n, 1, glm::vec4(-1));
+    for (int i = 0; i < n; ++i) {
+        const Vertex& v = geometry.vertices[geometry.triangles[std::size_t(i) * geometry.triangles.size() / std::size_t(n)].x];
+        const float length = glm::length(v.normal);
+        position(i, 0) = glm::vec4(v.position, 1);
+        normal(i, 0) = length > 0 ? glm::vec4(v.normal / length, 1) : glm::vec4(0);
+    }
+    in.irradiance = &irradiance, in.position = &position, in.normal = &normal, in.lightmap_uv = &uv;
+    for (const auto& [form, name] : {std::pair(probes::VolumeForm::linear, ""), std::pair(probes::VolumeForm::cube, " (cube)"),
+                                     std::pair(probes::VolumeForm::angles, " (angles)")}) {
+        in.form = form;
+        all.push_back(owned_by<probes::VolumeKernel>(probes::data_of(in), name));
+    }
 }
 
 }  // namespace
@@ -97,6 +126,7 @@ std::vector<StageData> bake_data(const Scene& scene, const RunOptions& options) 
     all.push_back(owned_by<probes::CoefficientsKernel>(probes::data_of(coefficients)));
     for (StageData& data : relight_data(scene, graph, options)) all.push_back(std::move(data));
     for (StageData& data : update_data(bake, block, options)) all.push_back(std::move(data));
+    add_volumes(scene, all);
     return all;
 }
 

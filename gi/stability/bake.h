@@ -26,6 +26,7 @@ bool is_baked(const Case& c);
 // Dispatches of a bake of the scene, on a lightmap of 48 texels a side with 6 probes: candidates, supports, and of the first
 // block of receivers the shares of 32 rays, both weightings, and all coefficients to degree 7; and those of relight_data() and
 // update_data(). They own their inputs.
+// block of receivers the shares of 32 rays, both weightings, and all coefficients to degree 7; points in a grid of spatial receivers. They own their inputs.
 std::vector<StageData> bake_data(const Scene& scene, const RunOptions& options);
 
 // Of its first block, the run time's update of a few receivers, in clusters of fewer than 40, under a light of no scene.

@@ -12,6 +12,7 @@
 #include "gi/probes/share.h"
 #include "gi/probes/supports.h"
 #include "gi/probes/update.h"
+#include "gi/probes/volume.h"
 #include "tests/parity/twin_data_parts.h"
 #include "tests/parity/update_data.h"
 
@@ -168,6 +169,19 @@ inline StageData lightmap_case(glm::ivec2 size, const std::string& id) {
     lend(d.inputs, "irradiance", {std::int64_t(irradiance.size()), 4}, &irradiance[0].x);
     return named(owned_data(d), id);
 }
+// Points within the grid, beyond it, a kilometre away, and none; a third of them has a lightmap. Some irradiance is negative, or none.
+inline StageData volume_case(glm::ivec2 size, probes::VolumeForm form, bool everywhere, const std::string& id) {
+    const Points p = room(size, 86);
+    Image4 uv(size.x, size.y);
+    for (int i = 0; i < size.x * size.y; ++i) uv.texels[std::size_t(i)] = i % 3 == 1 ? glm::vec4(0.25f, 0.5f, 0, 0) : glm::vec4(-1);
+    Buffer<glm::vec4> irradiance = scattered(3 * 2 * 4 * 6, 87);
+    for (std::size_t i = 0; i < irradiance.size(); i += 7) irradiance[i] *= i % 2 == 0 ? 0.0f : -0.1f;
+    probes::VolumeInputs in;
+    in.grid = {{3, 2, 4}, {-1.5f, -0.3f, -2.6f}, {1.3f, 1.1f, 0.9f}};
+    in.form = form, in.everywhere = everywhere, in.irradiance = &irradiance;
+    in.position = &p.position, in.normal = &p.normal, in.lightmap_uv = &uv;
+    return named(owned_data(probes::data_of(in)), id);
+}
 
 // ---- DDGI ------------------------------------------------------------------------------------------------------------
 
@@ -220,6 +234,9 @@ inline std::vector<StageData> probe_cases(glm::ivec2 size) {
         basis_case(size, "probes.basis"),
         irradiance_case(size, "probes.irradiance"),
         lightmap_case(size, "probes.lightmap"),
+        volume_case(size, probes::VolumeForm::cube, false, "probes.volume.cube"),
+        volume_case(size, probes::VolumeForm::linear, true, "probes.volume"),
+        volume_case(size, probes::VolumeForm::angles, false, "probes.volume.angles"),
         ddgi_blend_case(size, 4, false, 0.25f, "ddgi.blend"),
         ddgi_blend_case(size, 6, true, 0, "ddgi.blend.moments"),
         ddgi_border_case(size, 5, "ddgi.border"),

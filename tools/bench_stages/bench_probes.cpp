@@ -2,6 +2,7 @@
 // receivers for probes.share and probes.coefficients, a dispatch of 32,767 receivers for probes.supports, the first candidates of
 // the box for probes.density; all rays of all probes for probes.radiance and probes.lambda. By instruction set, on one and on two
 // threads.
+// the box for probes.density, a picture for probes.volume. By instruction set, on one and on two threads.
 //
 //     tools/bench probes
 //
@@ -22,6 +23,7 @@
 #include "gi/probes/radiance.h"
 #include "gi/probes/level.h"
 #include "gi/probes/share.h"
+#include "gi/probes/volume.h"
 #include "io/scene_file.h"
 
 namespace {
@@ -162,6 +164,22 @@ Work radiance() { return {probes::data_of(relight().rays), double(relight().surf
 Work lambda() {
     const probes::LambdaInputs& in = relight().sums;
     return {probes::data_of(in), double(in.probes) * in.rays * 3 * (2 * in.coefficients + 1)};
+// 512 x 512 points all over a grid of 12 x 12 x 10 places, none with a lightmap. Of each place of the cell a weight of 2, and 36 for
+// its sums; 2 x 60 for the two irradiances, 60 for the light vector and the cell.
+Work volume() {
+    const int side = 512;
+    static Image4 position(side, side), normal(side, side);
+    static const Image4 uv(side, side, glm::vec4(-1));
+    static const Buffer<glm::vec4> irradiance(12 * 12 * 10 * 6, glm::vec4(1, 2, 3, 0));
+    for (int y = 0; y < side; ++y)
+        for (int x = 0; x < side; ++x) {
+            const float u = float(x) / side, v = float(y) / side;
+            position(x, y) = {12 * u, 12 * v, 10 * u * v, 1}, normal(x, y) = {0.6f * (1 - 2 * u), 0.8f, 0.6f * (2 * u - 1), 1};
+        }
+    probes::VolumeInputs in;
+    in.grid = {{12, 12, 10}, {0.5f, 0.5f, 0.5f}, {1, 1, 1}};
+    in.position = &position, in.normal = &normal, in.lightmap_uv = &uv, in.irradiance = &irradiance;
+    return {probes::data_of(in), double(side) * side * (8 * 38 + 180)};
 }
 
 double bytes_of(const StageBinding& binding, const StageData& data) {
@@ -200,6 +218,7 @@ void run_stage(benchmark::State& state, const StageBinding& binding, Work (*make
                                    {"coefficients", stage<probes::CoefficientsKernel>, coefficients},
                                    {"radiance", stage<probes::RadianceKernel>, radiance},
                                    {"lambda", stage<probes::LambdaKernel>, lambda}};
+                                   {"volume", stage<probes::VolumeKernel>, volume}};
     for (const Stage& s : stages)
         for (const Isa isa : supported_isas())
             for (const int threads : {1, 2}) {

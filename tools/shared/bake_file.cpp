@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+#include <cstring>
 #include <limits>
 #include <tuple>
 #include <type_traits>
@@ -150,27 +152,48 @@ void add_probes(Writer& w, const probes::Bake& b) {
             "what the ray met, world, w 1; or its direction, w 0");
 }
 
-void add_clusters(Writer& w, const probes::Bake& b) {
-    const probes::FlatClusters& f = b.flat;
+// of: "" for receivers of surfaces, "spatial_" for those in the air.
+void add_clusters(Writer& w, const probes::FlatClusters& f, int coefficients, const std::string& of) {
     const std::int64_t n = f.count();
-    w.list("cluster_first_receiver", f.first_receiver, "cluster, and the end", "", "index into cluster_receiver");
-    w.list("cluster_receiver", f.receivers, "receiver of a cluster", "", "receivers, cluster by cluster");
-    w.list("cluster_first_probe", f.first_probe, "cluster, and the end", "", "index into cluster_probe");
-    w.list("cluster_probe", f.probes, "probe of a cluster", "", "probes that support the cluster, in the order of its columns");
-    w.list("cluster_rank", f.rank, "cluster", "", "singular values kept: rows of its matrix");
+    w.list(of + "cluster_first_receiver", f.first_receiver, "cluster, and the end", "", "index into cluster_receiver");
+    w.list(of + "cluster_receiver", f.receivers, "receiver of a cluster", "", "receivers, cluster by cluster");
+    w.list(of + "cluster_first_probe", f.first_probe, "cluster, and the end", "", "index into cluster_probe");
+    w.list(of + "cluster_probe", f.probes, "probe of a cluster", "", "probes that support the cluster, in the order of its columns");
+    w.list(of + "cluster_rank", f.rank, "cluster", "", "singular values kept: rows of its matrix");
     std::vector<std::int32_t> first_number = {0};
     for (int c = 0; c < f.count(); ++c) {
         const std::int64_t probes_of = f.first_probe[std::size_t(c) + 1] - f.first_probe[std::size_t(c)];
-        const std::int64_t end = first_number.back() + f.rank[std::size_t(c)] * probes_of * b.coefficients();
+        const std::int64_t end = first_number.back() + f.rank[std::size_t(c)] * probes_of * coefficients;
         if (end > std::numeric_limits<std::int32_t>::max()) throw InputError("bake: matrices of more than 2^31 numbers");
         first_number.push_back(std::int32_t(end));
     }
-    w.list("cluster_first_number", first_number, "cluster, and the end", "", "index into cluster_matrix");
-    w.lent_array("cluster_matrix", f.sigma_vt, {std::int64_t(f.sigma_vt.size())}, {"number"}, "sr", "Sigma V^T of each cluster, [rank][probes][coefficient], one after the other");
-    w.list("cluster_first_value", f.first_value, "cluster, and the end", "", "index into cluster_singular_value");
-    w.list("cluster_singular_value", f.spectrum, "singular value", "sr", "all of each cluster, descending");
-    w.array("cluster_box", f.box, {n, 2, 3}, {"cluster", "corner", "component"}, "m", "low and high corner of its receivers");
-    w.array("cluster_error", f.errors, {n, 2}, {"cluster", "measure"}, "", "1 - sqrt(kept / all singular values); Frobenius, relative");
+    w.list(of + "cluster_first_number", first_number, "cluster, and the end", "", "index into cluster_matrix");
+    w.lent_array(of + "cluster_matrix", f.sigma_vt, {std::int64_t(f.sigma_vt.size())}, {"number"}, "sr", "Sigma V^T of each cluster, [rank][probes][coefficient], one after the other");
+    w.list(of + "cluster_first_value", f.first_value, "cluster, and the end", "", "index into cluster_singular_value");
+    w.list(of + "cluster_singular_value", f.spectrum, "singular value", "sr", "all of each cluster, descending");
+    w.array(of + "cluster_box", f.box, {n, 2, 3}, {"cluster", "corner", "component"}, "m", "low and high corner of its receivers");
+    w.array(of + "cluster_error", f.errors, {n, 2}, {"cluster", "measure"}, "", "1 - sqrt(kept / all singular values); Frobenius, relative");
+}
+
+void add_spatial(Writer& w, const probes::Bake& b) {
+    const probes::Spatial& s = b.spatial;
+    if (s.empty()) return;
+    const std::int64_t places = s.grid.places(), slots = s.supports.overlaps;
+    const auto of_places = [&](const auto& list, std::int64_t each) {
+        return std::remove_cvref_t<decltype(list)>(list.begin(), list.begin() + places * each);
+    };
+    w.array("spatial_count", std::vector<glm::ivec3>{s.grid.count}, {1}, {"grid"}, "", "places along x, y and z; x fastest");
+    w.array("spatial_box", std::vector<glm::vec3>{s.grid.origin, s.grid.spacing}, {2}, {"origin, spacing"}, "m",
+            "place (x, y, z) of the grid is at origin + (x, y, z) spacing");
+    w.list("spatial_position", of_places(s.receivers.position, 1), "place", "m", "from where it looks, world; w 0");
+    w.list("spatial_shift", of_places(s.receivers.shift, 1), "place", "m", "by how much it was moved off the grid; w: 1 where it was");
+    w.array("spatial_probe", of_places(s.supports.probe, slots), {places, slots}, {"place", "slot"}, "",
+            "supporting probes, nearest first; -1: none");
+    w.array("spatial_support", of_places(s.supports.weight, slots), {places, slots}, {"place", "slot"}, "", "w(distance / radius) of each; 0: none");
+    w.lent_array("spatial_u", s.flat.u, {probes::spatial_directions * places, s.flat.singular_values},
+                 {"direction +x -x +y -y +z -z, place", "singular value"}, "", "row of U");
+    w.list("spatial_cluster", s.flat.cluster_of, "direction, place", "", "index of the cluster; -1: no probe supports it");
+    add_clusters(w, s.flat, b.coefficients(), "spatial_");
 }
 
 }  // namespace
@@ -184,37 +207,89 @@ io::DescribedFile bake_file(const probes::Bake& b, const std::string& scene, boo
     add_atlas(w, b);
     add_receivers(w, b);
     add_probes(w, b);
-    add_clusters(w, b);
+    add_clusters(w, b.flat, b.coefficients(), "");
+    add_spatial(w, b);
     if (with_alpha)
         w.lent_array("receiver_alpha", b.alpha, {b.receivers.count(), b.supports.overlaps, b.coefficients()},
                 {"receiver", "slot", "coefficient"}, "sr", "alpha_ij of the supporting probe, not truncated");
     return file;
 }
 
-probes::FlatClusters flat_clusters_of(const io::DescribedFile& file) {
-    const auto list = [&](const char* name, auto type) {
+namespace {
+
+// of: as add_clusters() has it; receiver: what their lists' names begin with.
+probes::FlatClusters clusters_in(const io::DescribedFile& file, const std::string& of, const std::string& receiver) {
+    const auto list = [&](const std::string& name, auto type) {
         using T = decltype(type);
         const auto values = io::elements<T>(file, name, {any_extent});
         return std::vector<T>(values.begin(), values.end());
     };
     probes::FlatClusters f;
-    const Array& u = array_of(file, "receiver_u", DType::f32, {any_extent, any_extent});
+    const Array& u = array_of(file, receiver + "_u", DType::f32, {any_extent, any_extent});
     f.singular_values = int(u.shape[1]);
     const auto us = elements<float>(u, u.shape);
     f.u.assign(us.begin(), us.end());
-    f.first_receiver = list("cluster_first_receiver", std::int32_t()), f.receivers = list("cluster_receiver", std::int32_t());
-    f.first_probe = list("cluster_first_probe", std::int32_t()), f.probes = list("cluster_probe", std::int32_t());
-    f.rank = list("cluster_rank", std::int32_t()), f.first_value = list("cluster_first_value", std::int32_t());
-    const auto matrices = list("cluster_matrix", float());
+    f.first_receiver = list(of + "cluster_first_receiver", std::int32_t()), f.receivers = list(of + "cluster_receiver", std::int32_t());
+    f.first_probe = list(of + "cluster_first_probe", std::int32_t()), f.probes = list(of + "cluster_probe", std::int32_t());
+    f.rank = list(of + "cluster_rank", std::int32_t()), f.first_value = list(of + "cluster_first_value", std::int32_t());
+    const auto matrices = list(of + "cluster_matrix", float());
     f.sigma_vt.assign(matrices.begin(), matrices.end());
-    f.spectrum = list("cluster_singular_value", double());
-    f.cluster_of = list("receiver_cluster", std::int32_t());
-    const auto boxes = io::elements<float>(file, "cluster_box", {f.count(), 2, 3});
+    f.spectrum = list(of + "cluster_singular_value", double());
+    f.cluster_of = list(receiver + "_cluster", std::int32_t());
+    const auto boxes = io::elements<float>(file, of + "cluster_box", {f.count(), 2, 3});
     f.box.assign(boxes.begin(), boxes.end());
-    const auto errors = io::elements<double>(file, "cluster_error", {f.count(), 2});
+    const auto errors = io::elements<double>(file, of + "cluster_error", {f.count(), 2});
     f.errors.assign(errors.begin(), errors.end());
     for (const std::int32_t r : f.rank) f.first_row.push_back(f.first_row.back() + r);
     return f;
+}
+
+void check_clusters(const io::DescribedFile& file, const probes::FlatClusters& f, std::int64_t coefficients, std::int64_t receivers) {
+    try {
+        if (std::int64_t(f.cluster_of.size()) != receivers) throw InputError("clusters of another number of receivers");
+        probes::clusters_of(f, int(coefficients));
+    } catch (const InputError& e) {
+        throw InputError(file.path + ": " + e.what());
+    }
+}
+
+}  // namespace
+
+probes::FlatClusters flat_clusters_of(const io::DescribedFile& file) { return clusters_in(file, "", "receiver"); }
+
+bool has_spatial(const io::DescribedFile& file) { return find(file.arrays, "spatial_count") != nullptr; }
+
+probes::Spatial spatial_of(const io::DescribedFile& file) {
+    probes::Spatial s;
+    if (!has_spatial(file)) return s;
+    const auto wrong = [&](const char* name, const char* cause) { return InputError(io::shown(file.path), name, cause); };
+    const auto count = io::elements<std::int32_t>(file, "spatial_count", {1, 3});
+    std::int64_t places = 1;
+    for (const std::int32_t n : count) {
+        if (n < 1 || n > 1 << 24 || places * n > 1 << 24) throw wrong("spatial_count", "expected 1 to 2^24 places");
+        places *= n;
+    }
+    const auto box = io::elements<float>(file, "spatial_box", {2, 3});
+    for (std::size_t i = 0; i < 6; ++i)
+        if (!std::isfinite(box[i]) || (i >= 3 && !(box[i] > 0))) throw wrong("spatial_box", "expected finite numbers, spacings above 0");
+    s.grid = {{count[0], count[1], count[2]}, {box[0], box[1], box[2]}, {box[3], box[4], box[5]}};
+    const auto repeated = [&](auto& to, auto from, std::size_t width) {
+        using T = typename std::remove_reference_t<decltype(to)>::value_type;
+        to.resize(std::size_t(probes::spatial_directions) * from.size() / width);
+        for (std::size_t d = 0; d < probes::spatial_directions && !from.empty(); ++d)
+            std::memcpy(static_cast<void*>(to.data() + d * from.size() / width), from.data(), from.size() / width * sizeof(T));
+    };
+    repeated(s.receivers.position, io::elements<float>(file, "spatial_position", {places, 4}), 4);
+    repeated(s.receivers.shift, io::elements<float>(file, "spatial_shift", {places, 4}), 4);
+    for (int d = 0; d < probes::spatial_directions; ++d)
+        s.receivers.normal.insert(s.receivers.normal.end(), std::size_t(places), glm::vec4(probes::spatial_direction(d), 0));
+    for (std::int64_t i = 0; i < places; ++i) s.shifted += s.receivers.shift[std::size_t(i)].w == 1 ? 1 : 0;
+    const Array& probe = array_of(file, "spatial_probe", DType::i32, {places, any_extent});
+    s.supports.overlaps = int(probe.shape[1]);
+    repeated(s.supports.probe, elements<std::int32_t>(probe, probe.shape), 1);
+    repeated(s.supports.weight, io::elements<float>(file, "spatial_support", probe.shape), 1);
+    s.flat = clusters_in(file, "spatial_", "spatial");
+    return s;
 }
 
 void check_bake(const io::DescribedFile& file) {
@@ -250,12 +325,15 @@ void check_bake(const io::DescribedFile& file) {
     within("relight_triangle", {probes, rays}, -1, triangles, "a triangle");
     within("triangle_chart", {triangles}, -1, charts, "a chart");
 
-    const probes::FlatClusters f = flat_clusters_of(file);
-    try {
-        probes::clusters_of(f, int(coefficients));
-    } catch (const InputError& e) {
-        throw InputError(file.path + ": " + e.what());
-    }
+    check_clusters(file, flat_clusters_of(file), coefficients, receivers);
+    if (!has_spatial(file)) return;
+    within("spatial_probe", {any_extent, any_extent}, -1, probes, "a probe");
+    within("spatial_cluster_probe", {any_extent}, 0, probes, "a probe");
+    const probes::FlatClusters air = clusters_in(file, "spatial_", "spatial");
+    check_clusters(file, air, coefficients, array_of(file, "spatial_u", DType::f32, {any_extent, any_extent}).shape[0]);
+    const probes::Spatial s = spatial_of(file);
+    if (air.cluster_of.size() != s.receivers.position.size())
+        throw InputError(io::shown(file.path), "spatial_cluster", "expected six receivers a place");
 }
 
 void check_sky(const io::DescribedFile& file, const Scene& scene) {

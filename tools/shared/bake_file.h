@@ -18,6 +18,9 @@ void check_bake(const io::DescribedFile& file);
 
 // Its clusters. Throws InputError for an array that is missing or of another type or shape.
 probes::FlatClusters flat_clusters_of(const io::DescribedFile& file);
+// Its spatial receivers, as grid, receivers, supports and flat clusters; none in a file that has none. Throws as flat_clusters_of() does, and for a grid
+// that is none.
+probes::Spatial spatial_of(const io::DescribedFile& file);
 
 // Throws InputError where the sky, or its absence, asks for another solution of rays that meet nothing than the bake has.
 void check_sky(const io::DescribedFile& file, const Scene& scene);

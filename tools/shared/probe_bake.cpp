@@ -131,6 +131,7 @@ std::shared_ptr<const probes::Bake> read_bake(const std::string& path, const Sce
     take_receivers(file, *bake);
     take_probes(file, *bake);
     bake->flat = flat_clusters_of(file);
+    bake->spatial = spatial_of(file);
     return bake;
 }
 
