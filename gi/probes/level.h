@@ -46,6 +46,7 @@ inline StageDescription<LevelView> describe(LevelKernel) {
                     .count = count, .why = "count of them"}},
         .outputs = {{.name = "level", .at = &View::level, .meaning = "level of detail, 0 the finest"}},
         .uniforms = {{"count", 1, most_boxes}, {"levels", 1, most_levels}},
+        .fixed_uniforms = {{"scales", 15}, {"distances", 15}, {"margins", 15}},  // settings: they ascend
         .refuses =
             [](const View& v, glm::ivec2 size) {
                 return std::string(std::int64_t(size.x) * size.y < v.u.count ? "fewer items than boxes" : "");
