@@ -50,7 +50,7 @@ StageData level_data(const probes::Bake& bake) {
     rule.levels = 4, rule.eye = all.front(), rule.forward = glm::vec4(view / std::max(length, 1e-30f), 0);
     rule.zones = {0.5f, 0.8660254f, -0.5f, 0.8660254f}, rule.scales = {1, 2, 4, 0};
     rule.distances = {0.1f * length, 0.3f * length, 0.6f * length, 0}, rule.margins = {1, 2, 4, 0};
-    return probes::data_of(probes::LevelInputs{&low, &high, rule});
+    return owned_by<probes::LevelKernel>(probes::data_of(probes::LevelInputs{&low, &high, rule}));
 }
 
 }  // namespace
@@ -80,7 +80,7 @@ std::vector<StageData> bake_data(const Scene& scene, const RunOptions& options) 
     for (const StageData& data : steps.back()->dispatches())
         all.push_back(owned_by<probes::SupportsKernel>(data));
 
-    all.push_back(owned_by<probes::LevelKernel>(level_data(bake)));
+    all.push_back(level_data(bake));
 
     const probes::TracedBlock block = graph.traced(0, options);
     const Buffer<float> factors = probes::ray_factors(
