@@ -65,6 +65,7 @@ const std::vector<ListedStage>& stages() {
         unbound(probes::info_run_data()),
         unbound(probes::info_hit_surfaces()),
         unbound(probes::info_rounds()),
+        unbound(probes::info_active()),
         listed(stage<probes::LevelKernel>()),
         listed(stage<probes::RadianceKernel>()),
         listed(stage<probes::LambdaKernel>()),
