@@ -76,6 +76,7 @@ void add_data(Context& c, Nodes& nodes) {
         r.source("geometry", c.keys.geometry);
         probes::LodParams lod = c.settings.lod;
         r.fields(probes::fields(lod));
+        r.value(c.settings.probe_run.window);
     };
     node.outputs = [&p] { return probes::lent(p.data, p.charted, p.harmonics, p.weights); };
     node.run = [&c, &p](const RunOptions&, graph::NodeRun& run) {
@@ -83,7 +84,7 @@ void add_data(Context& c, Nodes& nodes) {
         p.lod = probes::lod_of(c.settings.lod, b);
         p.data = probes::run_data(b, p.lod.levels);
         p.charted = probes::charted_triangles(c.scene, c.world().geometry, b.atlas);
-        p.harmonics = b.harmonics;
+        p.harmonics = probes::windowed(b.harmonics, b.params.degree, c.settings.probe_run.window);
         p.weights = p.lod.off() ? b.relight_weights
                                 : probes::level_weights(b.relight_directions, {p.lod.rays.begin(), p.lod.rays.begin() + p.lod.levels});
         p.boxes = p.lod.off() ? probes::LodBoxes() : probes::lod_boxes(b);

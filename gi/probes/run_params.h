@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/fields.h"
+#include "gi/probes/window.h"
 
 namespace plumb::probes {
 
@@ -31,6 +32,7 @@ struct RunParams {
     float reflection = 0.19f;                // c of the constant feedback (IPR 3.3.1.5)
     Start start = Start::converged;
     VolumeForm volume = VolumeForm::linear;
+    Window window = Window::none;            // over the degrees of the bake's harmonics
 };
 std::vector<Field> fields(RunParams& params);
 

@@ -33,7 +33,7 @@ constexpr double rays_a_ms = 8000;
 
 StageInfo info_run_data() {
     return step("probes.data", "IPR 3.2.5; without a twin: what a bake holds, laid out for the stages that read it", {bake},
-                {{"matrix", "buffer f32", "", "Sigma V^T of each cluster"}, {"transport", "buffer f32", "", "U"}}, {"file"});
+                {{"matrix", "buffer f32", "", "Sigma V^T of each cluster"}, {"transport", "buffer f32", "", "U"}}, {"file", "window"});
 }
 
 StageInfo info_hit_surfaces() {
