@@ -16,6 +16,7 @@
 #include "gi/probes/lightmap_uv.h"
 #include "gi/probes/run_data.h"
 #include "gi/probes/run_loop.h"
+#include "gi/probes/volume.h"
 #include "raster/gbuffer.h"
 #include "raster/rsm.h"
 
@@ -81,6 +82,14 @@ struct ProbeBuffers {
     Image4 before;                           // the lightmap that relight rays look up: of the round, or the frame, before
     Image4 radiance, lambda, basis, irradiance, lightmap;
     Image4 uv;                               // of the frame's pixels
+    // Of dynamic meshes; empty where there are none, or no spatial receivers.
+    probes::ClusterData spatial;
+    std::vector<std::int32_t> spatial_levels;    // of its clusters: 0
+    std::vector<std::int32_t> spatial_active;    // [places]: 0 near what moves, else -1
+    Image4 spatial_basis, spatial_irradiance;
+    Buffer<glm::vec4> grid;                      // [place][direction], W/m2
+    probes::VolumeLight volume;                  // of pixels without a place on the lightmap
+    Image4 looked_up;                            // what the lightmap brings, before the two are joined
     probes::Convergence converged;           // of the rounds; loop = converged
     // Of the frame before, loop = pipelined; empty: there was none.
     struct {

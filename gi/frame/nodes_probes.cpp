@@ -1,6 +1,8 @@
 // Irradiance probes at run time: from what relight rays meet, and the light there, to indirect light of every pixel.
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "gi/frame/filters.h"
 #include "gi/frame/frame_graph.h"
 #include "gi/frame/isr.h"
@@ -10,6 +12,7 @@
 #include "gi/probes/lookup.h"
 #include "gi/probes/run_loop.h"
 #include "gi/probes/run_stages.h"
+#include "gi/probes/spatial.h"
 
 namespace plumb::frame {
 
@@ -21,6 +24,12 @@ const probes::Bake& bake_of(const Context& c) {
 }
 
 bool pipelined(const Context& c) { return c.settings.probe_run.loop == probes::Loop::pipelined; }
+
+// Whether something moves that spatial receivers light.
+bool has_volume(const Context& c) {
+    const auto moves = [](const Mesh& m) { return m.dynamic && !m.triangles.empty(); };
+    return std::any_of(c.scene.meshes.begin(), c.scene.meshes.end(), moves) && (!c.settings.bake || !c.settings.bake->spatial.empty());
+}
 
 PlannedNode begin_host(Context& c, const StageInfo& info, const std::string& why, glm::ivec2 size) {
     PlannedNode node = begin_node(c, info.name, "probes", why, 0, {});
@@ -67,6 +76,7 @@ void add_data(Context& c, Nodes& nodes) {
         r.source("geometry", c.keys.geometry);
         probes::LodParams lod = c.settings.lod;
         r.fields(probes::fields(lod));
+        r.value(c.settings.probe_run.window);
     };
     node.outputs = [&p] { return probes::lent(p.data, p.charted, p.harmonics, p.weights); };
     node.run = [&c, &p](const RunOptions&, graph::NodeRun& run) {
@@ -74,10 +84,12 @@ void add_data(Context& c, Nodes& nodes) {
         p.lod = probes::lod_of(c.settings.lod, b);
         p.data = probes::run_data(b, p.lod.levels);
         p.charted = probes::charted_triangles(c.scene, c.world().geometry, b.atlas);
-        p.harmonics = b.harmonics;
+        p.harmonics = probes::windowed(b.harmonics, b.params.degree, c.settings.probe_run.window);
         p.weights = p.lod.off() ? b.relight_weights
                                 : probes::level_weights(b.relight_directions, {p.lod.rays.begin(), p.lod.rays.begin() + p.lod.levels});
         p.boxes = p.lod.off() ? probes::LodBoxes() : probes::lod_boxes(b);
+        p.spatial = has_volume(c) ? probes::cluster_data(b.spatial.flat, b.spatial.receivers.count(), b.coefficients()) : probes::ClusterData();
+        p.spatial_levels.assign(p.spatial.clusters.size(), 0);
         p.probe_level.assign(std::size_t(p.data.probes), 0), p.cluster_level.assign(p.data.clusters.size(), 0);
         run.bytes = (p.data.matrix.size() + p.data.u.size()) * sizeof(float);
         run.reason = fmt::format("{} receivers, {} probes, {} clusters, lightmap {} x {}", p.data.count(), p.data.probes,
@@ -273,8 +285,110 @@ void add_of_pixels(Context& c, Nodes& nodes, const std::string& why, const std::
     node.fill = {};
 }
 
+// The update of spatial receivers near dynamic meshes, and what pixels of these read.
+probes::IrradianceInputs spatial_inputs(ProbeBuffers& p) {
+    probes::IrradianceInputs in;
+    in.clusters = &p.spatial, in.cluster_level = p.spatial_levels.data(), in.receiver_level = p.spatial_active.data(), in.basis = p.spatial_basis.data();
+    return in;
+}
+
+void add_active(Context& c, Nodes& nodes) {
+    ProbeBuffers& p = c.frame.probes;
+    PlannedNode node = begin_host(c, probes::info_active(), "spatial receivers near what moves", {1, 1});
+    node.reads = [&c, &p](graph::Reads& r) {
+        if (r.hashes()) r.source("bake", probes::bake_key(bake_of(c)));
+        r.source("geometry", c.keys.geometry);
+        r.list(p.data.matrix);
+    };
+    node.outputs = [&p] {
+        Bundle b;
+        lend(b, "level", {std::int64_t(p.spatial_active.size())}, p.spatial_active.data());
+        return b;
+    };
+    node.run = [&c, &p](const RunOptions&, graph::NodeRun& run) {
+        const probes::Bake& b = bake_of(c);
+        const auto active = probes::active_places(b.spatial.grid, probes::dynamic_boxes(c.scene));
+        p.spatial_active = probes::active_levels(b.spatial.grid, active, p.spatial.receiver);
+        run.reason = fmt::format("{} of {} places are computed", std::count(active.begin(), active.end(), 1), active.size());
+    };
+    node.leave_out = [&p] { p.spatial_active.clear(); };
+    nodes.push_back(std::move(node));
+}
+
+void add_volume(Context& c, Nodes& nodes) {
+    ProbeBuffers& p = c.frame.probes;
+    using probes::Bake;
+    const auto named = [&](const std::string& form) {
+        PlannedNode& node = nodes.back();
+        set_form(node, form);
+    };
+    add_active(c, nodes);
+    add_stage(c, nodes, "what clusters in the air get", "basis", 4096, [](const Bake& b) { return glm::ivec2(b.spatial.flat.singular_values, b.spatial.flat.count()); },
+              [&c, &p] {
+                  probes::BasisInputs in = probes::basis_inputs(buffers_of(c));
+                  in.clusters = &p.spatial, in.cluster_level = p.spatial_levels.data();
+                  return in;
+              },
+              [&p]() -> Image4& { return p.spatial_basis; });
+    named("spatial");
+    add_stage(c, nodes, "what receivers in the air get", "irradiance", 4096, [](const Bake& b) { return probes::irradiance_size(b.spatial.receivers.count()); },
+              [&p] { return spatial_inputs(p); }, [&p]() -> Image4& { return p.spatial_irradiance; });
+    named("spatial");
+    PlannedNode gather = begin_node(c, "grid", "", "", 0, {});
+    gather.listed = false;
+    gather.reads = [&p](graph::Reads& r) { r.image(p.spatial_irradiance), r.list(p.data.matrix); };
+    gather.outputs = [&p] {
+        Bundle b;
+        lend(b, "grid", {std::int64_t(p.grid.size()), 4}, p.grid.empty() ? nullptr : &p.grid[0].x);
+        return b;
+    };
+    gather.run = [&c, &p](const RunOptions&, graph::NodeRun&) {
+        probes::gather_grid(bake_of(c).spatial.grid, p.spatial.receiver, p.spatial_irradiance.texels, p.grid);
+    };
+    gather.leave_out = [&p] { p.grid.clear(); };
+    nodes.push_back(std::move(gather));
+}
+
+probes::VolumeInputs volume_inputs(Context& c) {
+    ProbeBuffers& p = c.frame.probes;
+    probes::VolumeInputs in;
+    in.grid = bake_of(c).spatial.grid, in.form = c.settings.probe_run.volume;
+    in.position = &c.frame.gbuffer.position, in.normal = &c.frame.gbuffer.normal, in.lightmap_uv = &p.uv, in.irradiance = &p.grid;
+    return in;
+}
+
+void add_volume_of_pixels(Context& c, Nodes& nodes) {
+    ProbeBuffers& p = c.frame.probes;
+    add_of_pixels(c, nodes, "indirect light of what moves", "irradiance", [&c] { return volume_inputs(c); },
+                  [&p]() -> Image4& { return p.volume.irradiance; });
+    PlannedNode& node = nodes.back();
+    node.outputs = [&p] {
+        Bundle b;
+        lend(b, "irradiance", p.volume.irradiance), lend(b, "light", p.volume.light), lend(b, "from_light", p.volume.from_light);
+        return b;
+    };
+    node.run = [&c, &p](const RunOptions& options, graph::NodeRun& run) {
+        probes::run(volume_inputs(c), options, p.volume);
+        run.bytes = 3 * bytes_of(p.volume.irradiance);
+    };
+    node.leave_out = [&p, size = c.size] { p.volume.irradiance = p.volume.light = p.volume.from_light = Image4(size.x, size.y); };
+    // Static pixels have the lightmap's, others the grid's.
+    PlannedNode join = begin_node(c, "indirect", "", "", 0, {});
+    join.listed = false;
+    join.reads = [&p](graph::Reads& r) { r.image(p.looked_up), r.image(p.volume.irradiance); };
+    join.outputs = [&c] { return lent("irradiance", c.frame.indirect); };
+    join.run = [&c, &p](const RunOptions&, graph::NodeRun&) {
+        c.frame.indirect = p.looked_up;
+        for (std::size_t i = 0; i < c.frame.indirect.size(); ++i)
+            if (p.volume.irradiance.texels[i].w > 0) c.frame.indirect.texels[i] = glm::vec4(glm::vec3(p.volume.irradiance.texels[i]), 0);
+    };
+    join.leave_out = [&c] { c.frame.indirect = Image4(c.size.x, c.size.y); };
+    nodes.push_back(std::move(join));
+}
+
 void add_indirect(Context& c, Nodes& nodes) {
     ProbeBuffers& p = c.frame.probes;
+    const bool volume = has_volume(c);
     add_of_pixels(c, nodes, "where pixels lie on the lightmap", "uv",
                   [&c, &p] {
                       const View v = make_view(c.scene.camera, double(c.size.x) / c.size.y, c.scene.convention, c.size);
@@ -284,7 +398,8 @@ void add_indirect(Context& c, Nodes& nodes) {
                   [&p]() -> Image4& { return p.uv; });
     add_of_pixels(c, nodes, "indirect light", "irradiance",
                   [&c, &p] { return probes::LookupInputs{&p.uv, pipelined(c) ? &p.last.lightmap : &p.lightmap, p.data.levels}; },
-                  [&c]() -> Image4& { return c.frame.indirect; });
+                  [&c, &p, volume]() -> Image4& { return volume ? p.looked_up : c.frame.indirect; });
+    if (volume) add_volume_of_pixels(c, nodes);
 }
 
 // What the next frame of a pipeline finds.
@@ -308,6 +423,7 @@ void add_probes(Context& c, Nodes& nodes) {
     if (!lights_probes(c.settings)) return;
     add_rounds(c, nodes);
     add_update(c, nodes);
+    if (has_volume(c)) add_volume(c, nodes);
     add_indirect(c, nodes);
     if (pipelined(c)) add_latch(c, nodes);
 }

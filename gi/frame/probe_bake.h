@@ -6,6 +6,9 @@
 
 namespace plumb::frame {
 
+// The settings' parameters; with dynamic meshes, where no spatial receivers are asked for, 1440 of them (IPR table 5.3, VG3).
+probes::BakeParams bake_params(const Scene& scene, const Settings& settings);
+
 // Sets settings.bake where the method is probes and it is missing. Throws what probes::BakeGraph throws.
 void add_bake(const Scene& scene, Settings& settings, const RunOptions& options = {});
 

@@ -115,11 +115,16 @@ Convergence converge(UpdateBuffers b, const RunParams& params, const RunOptions&
         before_step = s.change;
         last = *b.irradiance;
     }
+    c.negative = negative_irradiance(b.irradiance->texels);
     return c;
 }
 
 std::string text_of(const Convergence& c) {
-    return fmt::format("{} round{}, gain {:.3f}, {:.2g} % left", c.rounds, c.rounds == 1 ? "" : "s", c.gain, 100 * c.left);
+    std::string text = fmt::format("{} round{}, gain {:.3f}, {:.2g} % left", c.rounds, c.rounds == 1 ? "" : "s", c.gain, 100 * c.left);
+    const NegativeIrradiance& n = c.negative;
+    if (n.negative > 0)
+        text += fmt::format(", irradiance below 0 at {} of {} receivers, {:.2g} W/m2 at least", n.negative, n.computed, double(n.least));
+    return text;
 }
 
 }  // namespace plumb::probes

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/fields.h"
+#include "gi/probes/window.h"
 
 namespace plumb::probes {
 
@@ -19,6 +20,8 @@ enum class Feedback : int {
 };
 // What pipelined frames begin with.
 enum class Start : int { converged, black };
+// How six irradiances of spatial receivers make that of a normal (volume_kernel.h).
+enum class VolumeForm : int { cube, linear, angles };
 
 struct RunParams {
     std::string file;                        // a bake; empty: one is made, and kept
@@ -28,6 +31,8 @@ struct RunParams {
     Feedback feedback = Feedback::corrected;
     float reflection = 0.19f;                // c of the constant feedback (IPR 3.3.1.5)
     Start start = Start::converged;
+    VolumeForm volume = VolumeForm::linear;
+    Window window = Window::none;            // over the degrees of the bake's harmonics
 };
 std::vector<Field> fields(RunParams& params);
 

@@ -33,7 +33,7 @@ constexpr double rays_a_ms = 8000;
 
 StageInfo info_run_data() {
     return step("probes.data", "IPR 3.2.5; without a twin: what a bake holds, laid out for the stages that read it", {bake},
-                {{"matrix", "buffer f32", "", "Sigma V^T of each cluster"}, {"transport", "buffer f32", "", "U"}}, {"file"});
+                {{"matrix", "buffer f32", "", "Sigma V^T of each cluster"}, {"transport", "buffer f32", "", "U"}}, {"file", "window"});
 }
 
 StageInfo info_hit_surfaces() {
@@ -48,6 +48,11 @@ StageInfo info_rounds() {
                 {"loop", "tolerance", "rounds", "feedback", "reflection", "start"});
 }
 
+StageInfo info_active() {
+    return step("probes.active", "IPR 4.1.1, figure 4.2; without a twin: boxes of a few meshes against a grid",
+                {bake, {"boxes", "buffer f32 x 4", "m", "of dynamic meshes"}}, {{"level", "buffer i32", "", "[place] 0 near them, else -1: not computed"}}, {});
+}
+
 std::uint64_t bake_key(const Bake& b) {
     ContentHasher h;
     h.add(b.scene_hash, b.atlas.size, b.relight.probes, b.relight.rays, b.params.degree);
@@ -55,6 +60,7 @@ std::uint64_t bake_key(const Bake& b) {
     h.add_all(b.relight.material), h.add_all(b.relight.uv), h.add_all(b.relight.position);
     h.add_all(b.relight_weights), h.add_all(b.harmonics);
     h.add_all(b.flat.receivers), h.add_all(b.flat.probes), h.add_all(b.flat.rank), h.add_all(b.flat.sigma_vt), h.add_all(b.flat.u);
+    h.add_all(b.spatial.flat.receivers), h.add_all(b.spatial.flat.probes), h.add_all(b.spatial.flat.sigma_vt), h.add_all(b.spatial.flat.u);
     return h.hash;
 }
 

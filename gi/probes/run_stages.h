@@ -15,6 +15,7 @@ namespace plumb::probes {
 StageInfo info_run_data();
 StageInfo info_hit_surfaces();
 StageInfo info_rounds();
+StageInfo info_active();
 
 // Of all that the run time reads of a bake.
 std::uint64_t bake_key(const Bake& bake);

@@ -3,13 +3,11 @@
 
 #include "core/binding.h"
 #include "core/stage_description.h"
+#include "gi/probes/run_params.h"
 #include "gi/probes/spatial.h"
 #include "gi/probes/volume_kernel.h"
 
 namespace plumb::probes {
-
-// How six irradiances make that of a normal (volume_kernel.h).
-enum class VolumeForm : int { cube, linear, angles };
 
 inline constexpr float least_light = 1.0f / 64;
 

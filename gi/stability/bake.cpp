@@ -11,6 +11,7 @@
 #include "gi/probes/density.h"
 #include "gi/probes/level.h"
 #include "gi/probes/share.h"
+#include "gi/stability/lookup.h"
 #include "gi/stability/relight.h"
 #include "gi/probes/volume.h"
 
@@ -52,6 +53,8 @@ StageData level_data(const probes::Bake& bake) {
     rule.zones = {0.5f, 0.8660254f, -0.5f, 0.8660254f}, rule.scales = {1, 2, 4, 0};
     rule.distances = {0.1f * length, 0.3f * length, 0.6f * length, 0}, rule.margins = {1, 2, 4, 0};
     return owned_by<probes::LevelKernel>(probes::data_of(probes::LevelInputs{&low, &high, rule}));
+}
+
 // Points of a scene's surfaces in a grid of spatial receivers over it, lit by what varies from place to place and side to side.
 void add_volumes(const Scene& scene, std::vector<StageData>& all) {
     const Geometry geometry = flatten(scene);
@@ -86,7 +89,8 @@ void add_volumes(const Scene& scene, std::vector<StageData>& all) {
 
 bool is_of_bake(const std::string& stage) {
     return std::any_of(stages().begin(), stages().end(),
-                       [&](const ListedStage& s) { return s.binding && !s.of_frame && s.info.name == stage; });
+                       [&](const ListedStage& s) { return s.binding && s.info.name == stage; }) &&
+           (stage.starts_with("probes.") || stage.starts_with("ddgi."));
 }
 
 bool is_baked(const Case& c) {
@@ -127,6 +131,7 @@ std::vector<StageData> bake_data(const Scene& scene, const RunOptions& options) 
     for (StageData& data : relight_data(scene, graph, options)) all.push_back(std::move(data));
     for (StageData& data : update_data(bake, block, options)) all.push_back(std::move(data));
     add_volumes(scene, all);
+    for (StageData& data : lookup_data(bake)) all.push_back(std::move(data));
     return all;
 }
 

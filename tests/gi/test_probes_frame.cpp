@@ -104,6 +104,40 @@ TEST_CASE("probes: in a closed room that glows everywhere indirect irradiance is
     }
 }
 
+TEST_CASE("probes: a window over the degrees leaves a furnace as it is, and a room with a lamp not", "[probes][frame][analytic][window]") {
+    // sigma_0 is 1, and a constant radiance has no other degree. Less is asked than above: of what is cut off.
+    for (const probes::Window window : {probes::Window::hann, probes::Window::lanczos}) {
+        Scene scene = glowing_room(2, 0.5f);
+        look_inside(scene);
+        frame::Settings settings = probe_settings(scene);
+        settings.probe_run.tolerance = 1e-6f, settings.probe_run.window = window;
+        settings.probes.threshold = 1e-6f, settings.probes.singular_values = 64;
+        const auto [least, most] = range_of(frame_of(scene, settings));
+        CAPTURE(least, most);
+        CHECK(least > 4 * (1 - 2e-3));
+        CHECK(most < 4 * (1 + 2e-3));
+    }
+    Scene scene = glowing_room(0, 0.5f);
+    look_inside(scene);
+    Light lamp = lamp_in(scene, 10);
+    lamp.type = LightType::spot, lamp.direction = glm::vec3(1, 0, 0);
+    scene.lights = {lamp};
+    frame::Settings settings = probe_settings(scene);
+    frame::add_bake(scene, settings);
+    frame::KeptStages kept;
+    std::vector<Image4> lit;
+    for (const probes::Window window : {probes::Window::none, probes::Window::hann, probes::Window::lanczos}) {
+        settings.probe_run.window = window;
+        const frame::Frame& f = frame::execute(scene, settings, frame::plan(scene, settings), {}, kept);
+        const probes::NegativeIrradiance& n = f.probes.converged.negative;
+        CHECK(n.computed > 0);
+        CHECK((n.negative > 0) == (n.least < 0));
+        CHECK((n.negative > 0) == (text_of(f.probes.converged).find("below 0 at") != std::string::npos));
+        for (const Image4& before : lit) CHECK(before.texels != f.indirect.texels);
+        lit.push_back(f.indirect);
+    }
+}
+
 TEST_CASE("probes: a scene without light has none", "[probes][frame]") {
     Scene scene = glowing_room(0, 0.5f);
     look_inside(scene);

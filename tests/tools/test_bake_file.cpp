@@ -163,3 +163,52 @@ TEST_CASE("bake file: what a reader of bakes asks of it is checked, under right 
     io::require_message(refused([](io::DescribedFile& f) { std::erase_if(f.facts, [](const auto& x) { return x.name == "coefficients"; }); }),
                         {"other.bake", "\"coefficients\" is missing"});
 }
+
+TEST_CASE("bake file: spatial receivers come back, and a file without them is whole", "[probes][spatial][robustness]") {
+    CHECK(cli::spatial_of(smallest()).empty());
+    const Scene scene = furnished();
+    probes::BakeParams p = small();
+    p.receivers_per_m2 = 1, p.receiver_rays = 16, p.relight_rays = 64, p.degree = 1, p.spatial_receivers = 27;
+    probes::BakeGraph graph(scene, p);
+    run_all(graph);
+    io::Folder folder;
+    const std::string path = folder / "air.bake";
+    io::write_described(path, cli::bake_file(graph.bake(), "air", false));
+    const io::DescribedFile file = io::read_described(path, cli::bake_kind);
+    cli::check_bake(file);
+    const probes::Spatial &a = graph.bake().spatial, b = cli::spatial_of(file);
+    REQUIRE(a.receivers.count() == 6 * 27);
+    CHECK((b.grid.count == a.grid.count && b.grid.origin == a.grid.origin && b.grid.spacing == a.grid.spacing));
+    CHECK((b.receivers.position == a.receivers.position && b.receivers.normal == a.receivers.normal && b.receivers.shift == a.receivers.shift));
+    CHECK(b.shifted == a.shifted);
+    CHECK((b.supports.overlaps == a.supports.overlaps && b.supports.probe == a.supports.probe && b.supports.weight == a.supports.weight));
+    CHECK(content_hash(lent(b.flat)) == content_hash(lent(a.flat)));
+    // What does not fit is refused by name.
+    const auto refused = [&](const std::string& name, bool missing, std::int32_t number) {
+        io::DescribedFile changed = io::read_described(path, cli::bake_kind);
+        for (std::size_t i = 0; i < changed.arrays.arrays.size(); ++i) {
+            if (changed.arrays.arrays[i].name != name) continue;
+            if (!missing) {
+                std::memcpy(changed.arrays.arrays[i].bytes.data(), &number, 4);
+            } else {
+                changed.arrays.arrays.erase(changed.arrays.arrays.begin() + std::ptrdiff_t(i));
+                changed.descriptions.erase(changed.descriptions.begin() + std::ptrdiff_t(i));
+            }
+            return io::error_of([&] { cli::check_bake(changed); });
+        }
+        return std::string("no such array");
+    };
+    for (const char* name : {"spatial_box", "spatial_position", "spatial_shift", "spatial_probe", "spatial_support", "spatial_u", "spatial_cluster",
+                             "spatial_cluster_first_receiver", "spatial_cluster_receiver", "spatial_cluster_first_probe", "spatial_cluster_probe",
+                             "spatial_cluster_rank", "spatial_cluster_matrix", "spatial_cluster_first_value",
+                             "spatial_cluster_singular_value", "spatial_cluster_box", "spatial_cluster_error"}) {
+        CAPTURE(name);
+        io::require_message(refused(name, true, 0), {"air.bake", name, "missing"});
+    }
+    for (const auto& [name, number] : {std::pair("spatial_count", 0), {"spatial_count", -3}, {"spatial_count", 1 << 30}, {"spatial_count", 2},
+                                       {"spatial_box", 0x7f800000}, {"spatial_probe", 6}, {"spatial_probe", -2}, {"spatial_cluster", 4096},
+                                       {"spatial_cluster_probe", 6}, {"spatial_cluster_receiver", 6 * 27}}) {
+        CAPTURE(name, number);
+        io::require_message(refused(name, false, number), {"air.bake"});
+    }
+}

@@ -164,6 +164,7 @@ Work radiance() { return {probes::data_of(relight().rays), double(relight().surf
 Work lambda() {
     const probes::LambdaInputs& in = relight().sums;
     return {probes::data_of(in), double(in.probes) * in.rays * 3 * (2 * in.coefficients + 1)};
+}
 // 512 x 512 points all over a grid of 12 x 12 x 10 places, none with a lightmap. Of each place of the cell a weight of 2, and 36 for
 // its sums; 2 x 60 for the two irradiances, 60 for the light vector and the cell.
 Work volume() {
@@ -217,7 +218,7 @@ void run_stage(benchmark::State& state, const StageBinding& binding, Work (*make
                                    {"share_published", stage<probes::ShareKernel>, [] { return share(true); }},
                                    {"coefficients", stage<probes::CoefficientsKernel>, coefficients},
                                    {"radiance", stage<probes::RadianceKernel>, radiance},
-                                   {"lambda", stage<probes::LambdaKernel>, lambda}};
+                                   {"lambda", stage<probes::LambdaKernel>, lambda},
                                    {"volume", stage<probes::VolumeKernel>, volume}};
     for (const Stage& s : stages)
         for (const Isa isa : supported_isas())

@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "core/error.h"
+#include "gi/frame/probe_bake.h"
 #include "gi/probes/static_scene.h"
 #include "io/file.h"
 #include "tools/shared/bake_file.h"
@@ -156,7 +157,7 @@ std::shared_ptr<const probes::Bake> make_bake(const Scene& scene, const probes::
 
 void add_bake(const Scene& scene, frame::Settings& settings, const BakeWith& with) {
     if (settings.method != frame::Method::probes || settings.bake) return;
-    settings.bake = settings.probe_run.file.empty() ? make_bake(scene, settings.probes, with)
+    settings.bake = settings.probe_run.file.empty() ? make_bake(scene, frame::bake_params(scene, settings), with)
                                                     : read_bake(path_of(settings.probe_run.file, scene), scene);
 }
 
