@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 
 #include "core/error.h"
 #include "io/file.h"
@@ -49,6 +50,16 @@ void check(IprOptions& given) {
     if (!given.scene.size.empty()) r.size = parse_size("--size", given.scene.size, 16);
 }
 
+// Before hours of work.
+void check_place(const std::string& file) {
+    namespace fs = std::filesystem;
+    std::error_code error;
+    if (file.empty()) return;
+    if (fs::is_directory(file, error)) throw InputError(io::shown(file), "", "is a folder");
+    const std::string folder = io::folder_of(file);
+    if (!folder.empty() && !fs::is_directory(folder, error)) throw InputError(io::shown(file), "", "cannot be written: there is no folder of that name");
+}
+
 int run_ipr(IprOptions given) {
     check(given);
     const RunOptions options = given.common.run_options();
@@ -63,7 +74,7 @@ int run_ipr(IprOptions given) {
         settings.push_back(settings_of(scenes.back(), of_scene));
         probes::validate(settings.back().probes);
     }
-    if (!given.html.empty()) io::write_text(given.html, "");  // refused before hours of work
+    check_place(given.html);
     std::unique_ptr<Outputs> outputs;
     if (!given.folder.empty()) outputs = std::make_unique<Outputs>(given.folder);
     std::vector<IprResult> results;
