@@ -106,6 +106,8 @@ struct LightmapKernel {
         return lightmap<F>(in, x, y, tap);
     }
     static float* out(const View& in) { return in.lightmap; }
+    // Means of ring 1, of the band and a row on either side.
+    static std::size_t scratch(const View& in, int rows) { return 3 * std::size_t(in.u.width) * std::size_t(rows + 2); }
 };
 
 }  // namespace plumb::probes

@@ -99,6 +99,25 @@ PLUMB_INLINE I load_index(const std::int32_t* p) {
     return i;
 }
 
+// The first `count` lanes side by side, as store4() has them: four at once are turned around in registers.
+PLUMB_INLINE void store_places(float* out, int first, int count, const vec4<F>& value) {
+    if constexpr (N::width >= 4) {
+        if (count >= N::width) {
+            alignas(64) float lanes[4][N::width];
+            const F all[4] = {value.x, value.y, value.z, value.w};
+            for (int c = 0; c < 4; ++c) N::save(lanes[c], select(all[c] == all[c], all[c], F(__builtin_nanf(""))));
+            for (int k = 0; k < N::width; k += 4) {
+                __m128 x = _mm_load_ps(lanes[0] + k), y = _mm_load_ps(lanes[1] + k), z = _mm_load_ps(lanes[2] + k), w = _mm_load_ps(lanes[3] + k);
+                _MM_TRANSPOSE4_PS(x, y, z, w);
+                float* at = out + 4 * (std::ptrdiff_t(first) + k);
+                _mm_storeu_ps(at, x), _mm_storeu_ps(at + 4, y), _mm_storeu_ps(at + 8, z), _mm_storeu_ps(at + 12, w);
+            }
+            return;
+        }
+    }
+    N::store4(out, N::iota(first), value, N::iota(0) < I(count));
+}
+
 // Packets over `count` places of one cluster: its basis is the same for all, and U lies in the order of the places. Lanes beyond
 // read the next cluster's U, and are not stored.
 struct PlacesOfCluster {
@@ -122,9 +141,8 @@ struct PlacesOfCluster {
         const vec3<F> zero{F(0.0f), F(0.0f), F(0.0f)};
 #pragma GCC unroll 4
         for (int k = 0; k < n; ++k)
-            N::store4(in.irradiance, N::iota(first + k * N::width),
-                      vec4<F>(select3<F>(computed[k], sum[k], zero), select(computed[k], F(1.0f), F(0.0f))),
-                      N::iota(k * N::width) < I(count));
+            store_places(in.irradiance, first + k * N::width, count - k * N::width,
+                         vec4<F>(select3<F>(computed[k], sum[k], zero), select(computed[k], F(1.0f), F(0.0f))));
     }
 
     template <int n>
@@ -133,6 +151,8 @@ struct PlacesOfCluster {
         const float* u = in.transport + first;
         for (int left = in.clusters[4 * std::ptrdiff_t(cluster) + 3]; left > 0; --left, b += 4, u += in.u.count) {
             const F red(b[0]), green(b[1]), blue(b[2]);
+            // Of each plane the places that come next: more planes than a processor follows by itself.
+            for (int ahead = 0; ahead + 16 <= n * N::width; ahead += 16) __builtin_prefetch(u + n * N::width + ahead);
 #pragma GCC unroll 4
             for (int k = 0; k < n; ++k) add<n>(sum, k, N::load(u + k * N::width), red, green, blue);
         }
@@ -173,16 +193,37 @@ void Rows<IrradianceKernel, Isa::PLUMB_ISA>::run(const IrradianceView& in, int f
     }
 }
 
-// Texel by texel: a value is copied whole, and lanes that gather would make all others wait.
+// Texel by texel: a value is copied whole, and lanes that gather would make all others wait. Means of ring 1 are kept for the band
+// and a row on either side, for ring 2 to ask.
 template <>
-void Rows<LightmapKernel, Isa::PLUMB_ISA>::run(const LightmapView& in, int first, int last, const Tiles& tiles, float*) {
+void Rows<LightmapKernel, Isa::PLUMB_ISA>::run(const LightmapView& in, int first, int last, const Tiles& tiles, float* scratch) {
     using One = number<float>;
+    const int width = in.u.width;
+    const auto kept = [&](int x, int y) { return scratch + 3 * (std::ptrdiff_t(y - first + 1) * width + x); };
+    for (int y = max(first - 1, 0); y < min(last + 1, in.u.height); ++y)
+        for (int x = 0; x < width; ++x) {
+            if (in.cover[y * width + x] != -2) continue;
+            const vec3<float> mean = mean_of_receivers<float>(in, x, y);
+            float* to = kept(x, y);
+            to[0] = mean.x, to[1] = mean.y, to[2] = mean.z;
+        }
     for (int y = first; y < last; ++y) {
         const std::uint8_t* row = tiles.row(y);
-        for (int x = 0; x < in.u.width; ++x) {
+        for (int x = 0; x < width; ++x) {
             if (row && !row[x >> 4]) continue;
-            NoTap tap;
-            One::store4(in.lightmap, y * in.u.width + x, lightmap<float>(in, x, y, tap), true);
+            const int at = y * width + x, cover = in.cover[at];
+            const bool covered = in_range(cover, in.u.places) || cover == -2 || cover == -3;
+            vec3<float> value = irradiance_at<float>(in, cover);
+            if (cover == -2) value = {kept(x, y)[0], kept(x, y)[1], kept(x, y)[2]};
+            if (cover == -3) {
+                NeighbourMean<float> all;
+                for (int k = 0; k < 9; ++k) {
+                    const int nx = x + k % 3 - 1, ny = y + k / 3 - 1;
+                    if (cover_at<float>(in, nx, ny) == -2) all.add(true, {kept(nx, ny)[0], kept(nx, ny)[1], kept(nx, ny)[2]});
+                }
+                value = all.mean();
+            }
+            One::store4(in.lightmap, at, vec4<float>(value, covered ? 1.0f : 0.0f), true);
         }
     }
 }
