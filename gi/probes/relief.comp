@@ -48,7 +48,7 @@ void relief(ivec2 pixel) {
     precise float n_l = n.x * l.x + n.y * l.y + n.z * l.z;
     precise float n_v = n.x * v.x + n.y * v.y + n.z * v.z;
     precise float v_l = v.x * l.x + v.y * l.y + v.z * l.z;
-    float facing = max(n_l, 0.0);                                 TAP(facing, facing);
+    float facing = n_l > 0.0 ? n_l : 0.0;                         TAP(facing, facing);
     precise float mirrored = 2.0 * n_v * n_l - v_l;
     float cosine = min(max(mirrored, 0.0), 1.0);                  TAP(mirrored, cosine);
     vec4 k = texelFetch(specular_image, pixel, 0);                TAP(k, k.xyz);

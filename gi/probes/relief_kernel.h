@@ -73,9 +73,11 @@ PLUMB_INLINE Relief<F> relief(const ReliefView& in, index_t<F> px, index_t<F> py
     const F length = max(sqrt(dot3(d, d)), F(1e-18f));
     const vec3<F> v{d.x / length, d.y / length, d.z / length};    tap("v", v, "unit, towards the viewer");
     const vec3<F> l = xyz<F>(N::fetch4(in.light, pixel));         tap("l", l, "the light vector");
-    const F facing = max(dot3(n, l), F(0.0f));                    tap("facing", facing, "max(0, n . l)");
+    // Not max(): of -0 and 0 a device may take either.
+    const F n_l = dot3(n, l), facing = select(n_l > F(0.0f), n_l, F(0.0f));
+    tap("facing", facing, "max(0, n . l)");
     // m . l = 2 (n . v)(n . l) - v . l
-    const F mirrored = F(2.0f) * dot3(n, v) * dot3(n, l) - dot3(v, l);
+    const F mirrored = F(2.0f) * dot3(n, v) * n_l - dot3(v, l);
     const F cosine = clamp(mirrored, F(0.0f), F(1.0f));           tap("mirrored", cosine, "m . l, 0 to 1");
     const vec4<F> k = N::fetch4(in.specular, pixel);              tap("k", xyz<F>(k), "k_s"), tap("exponent", k.w, "e");
     const F exponent = max(k.w, F(0.0f));
