@@ -6,6 +6,8 @@
 #include "core/sh.h"
 #include "gi/ddgi/blend.h"
 #include "gi/ddgi/sample.h"
+#include "gi/probes/lightmap_uv.h"
+#include "gi/probes/lookup.h"
 #include "gi/probes/coefficients.h"
 #include "gi/probes/density.h"
 #include "gi/probes/level.h"
@@ -186,6 +188,37 @@ inline StageData volume_case(glm::ivec2 size, probes::VolumeForm form, bool ever
     return named(owned_data(probes::data_of(in)), id);
 }
 
+// Pixels on a floor and a wall of four triangles, one of no area and one that moves; some see nothing. Three levels of detail.
+inline StageData lightmap_uv_case(glm::ivec2 size, const std::string& id) {
+    const Points p = room(size, 5);
+    Image<glm::ivec2> found(size.x, size.y);
+    for (int i = 0; i < size.x * size.y; ++i) found.texels[std::size_t(i)] = {0, i % 11 == 3 ? -1 : i % 6};
+    probes::ChartedTriangles charted;
+    charted.charted_of = {1, 0, 2, -1, 3, 4};
+    charted.corners = {{-2, 0, -2, 0.1f}, {2, 0, -2, 0.4f}, {-2, 0, 2, 0.1f}, {0.1f, 0.2f, 0.5f, 0},
+                       {2, 0, 2, 0.9f},   {-2, 0, 2, 0.6f}, {2, 0, -2, 0.9f}, {0.9f, 0.8f, 0.5f, 0},
+                       {-2, 0, -2, 0.2f}, {2, 0, -2, 0.3f}, {-2, 3, -2, 0.2f}, {0.6f, 0.7f, 0.9f, 0},
+                       {1, 1, 1, 0.3f},   {1, 1, 1, 0.3f},  {1, 1, 1, 0.3f},  {0.3f, 0.3f, 0.3f, 0},
+                       {2, 3, -2, 0.7f},  {-2, 3, -2, 0.5f}, {2, 0, -2, 0.7f}, {0.1f, 0.1f, 0.4f, 0}};
+    probes::LevelRule rule;
+    rule.levels = 3, rule.eye = {0.3f, 1.5f, 2.5f, 0}, rule.forward = {0, 0, -1, 0};
+    rule.zones = {0.5f, 0.8660254f, -0.5f, 0.8660254f}, rule.scales = {1, 2, 4, 0};
+    rule.distances = {2, 4, 8, 0}, rule.widths = {0.5f, 1, 2, 0};
+    return named(owned_data(data_of(probes::LightmapUvInputs{&p.position, &found, &charted, rule})), id);
+}
+// All over a lightmap of three levels and beyond its edges; levels in between, below the first and above the last.
+inline StageData lookup_case(glm::ivec2 size, const std::string& id) {
+    const int side = 13;
+    const Image4 lightmap = noise_image({side, probes::lightmap_rows(side, 3)}, 95, 0, 3);
+    Image4 uv = noise_image(size, 96, -0.1f, 1.1f);
+    const Image4 level = noise_image(size, 97, -0.5f, 3.5f);
+    for (int i = 0; i < size.x * size.y; ++i) {
+        glm::vec4& t = uv.texels[std::size_t(i)];
+        t.z = i % 4 == 0 ? float(i % 3) : level.texels[std::size_t(i)].x, t.w = i % 7 == 5 ? 0 : 1;
+    }
+    return named(owned_data(data_of(probes::LookupInputs{&uv, &lightmap, 3})), id);
+}
+
 // Some pixels are the volume's own, some in the dark, some lit from behind; exponents are 0 to 200.
 inline StageData relief_case(glm::ivec2 size, bool maps, bool highlights, const std::string& id) {
     const Points p = room(size, 88);
@@ -255,6 +288,8 @@ inline std::vector<StageData> probe_cases(glm::ivec2 size) {
         basis_case(size, "probes.basis"),
         irradiance_case(size, "probes.irradiance"),
         lightmap_case(size, "probes.lightmap"),
+        lightmap_uv_case(size, "probes.lightmap_uv"),
+        lookup_case(size, "probes.lookup"),
         volume_case(size, probes::VolumeForm::cube, false, "probes.volume.cube"),
         volume_case(size, probes::VolumeForm::linear, true, "probes.volume"),
         volume_case(size, probes::VolumeForm::angles, false, "probes.volume.angles"),
