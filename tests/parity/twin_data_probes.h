@@ -177,7 +177,7 @@ inline StageData lightmap_case(glm::ivec2 size, const std::string& id) {
 inline StageData volume_case(glm::ivec2 size, probes::VolumeForm form, bool everywhere, const std::string& id) {
     const Points p = room(size, 86);
     Image4 uv(size.x, size.y);
-    for (int i = 0; i < size.x * size.y; ++i) uv.texels[std::size_t(i)] = i % 3 == 1 ? glm::vec4(0.25f, 0.5f, 0, 0) : glm::vec4(-1);
+    for (int i = 0; i < size.x * size.y; ++i) uv.texels[std::size_t(i)] = i % 3 == 1 ? glm::vec4(i % 2 == 0 ? 0.0f : 0.25f, -1, 0, 0) : glm::vec4(-1, 0.5f, 0, 0);
     Buffer<glm::vec4> irradiance = scattered(3 * 2 * 4 * 6, 87);
     for (std::size_t i = 0; i < irradiance.size(); i += 7) irradiance[i] *= i % 2 == 0 ? 0.0f : -0.1f;
     for (std::size_t i = 3 * 2 * 3 * 6; i < irradiance.size(); ++i) irradiance[i].x = -0.1f - irradiance[i].x;
