@@ -96,7 +96,7 @@ TEST_CASE("experiment ipr: small emissive quads lose no more through clusters th
     const Scene scene = ipr_quad_room();
     const Room room;
     IprBench bench(scene, frame::settings_of(scene), room.request, room.options);
-    BakeParams params = small();
+    probes::BakeParams params = small();
     params.placement.count = 16, params.placement.overlaps = 3, params.relight_rays = 512;
     const IprQuads q = bench.quads(params);
     CAPTURE(q.hits, q.chain.rms, q.whole.rms, q.chain.noise);

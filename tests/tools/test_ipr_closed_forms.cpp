@@ -78,7 +78,7 @@ TEST_CASE("probes: inside of a sphere that emits Y_lm indirect irradiance is 0, 
     const Scene scene = inside_of_ball(24);
     std::array<double, 2> worst{};
     for (const int count : {4, 32}) {
-        BakeParams params = small();
+        probes::BakeParams params = small();
         params.placement.count = count, params.placement.overlaps = 3, params.relight_rays = 512, params.receivers_per_m2 = 8;
         probes::BakeGraph graph(scene, params);
         run_all(graph);
@@ -221,7 +221,7 @@ TEST_CASE("probes: a closed cube of six reflectances against its continuous solu
         const std::array<float, 6>& rho = several ? six : equal;
         const Radiosity solved(12, rho);
         const Scene scene = cube(rho);
-        BakeParams params = small();
+        probes::BakeParams params = small();
         params.receivers_per_m2 = 300, params.relight_rays = 512, params.placement.count = 24, params.placement.overlaps = 3;
         probes::BakeGraph graph(scene, params);
         run_all(graph);

@@ -162,7 +162,7 @@ std::string ipr_csv(const std::vector<IprResult>& results) {
             for (const IprRow& row : t.rows) {
                 text += fmt::format("{},{},{},{}", word(r.scene), word(t.id), word(row.name), word(row.settings));
                 if (!row.refused.empty()) {
-                    text += std::string(19, ',') + "\n";
+                    text.append(19, ',') += "\n";
                     continue;
                 }
                 const IprErrors& e = row.at_receivers;
