@@ -39,11 +39,15 @@ std::vector<Field> fields(TonemapParams& p) {
     };
 }
 
-StageData data_of(const TonemapParams& params, const TonemapInputs& in) {
+void validate(const TonemapParams& params) {
     TonemapParams copy = params;
     validate_fields("tonemap", fields(copy));
     if (params.gamma > 0 && params.gamma < 0.1f)
         throw InputError(fmt::format("tonemap: gamma = {}: expected 0 for the curve of sRGB, or 0.1 to 10", params.gamma));
+}
+
+StageData data_of(const TonemapParams& params, const TonemapInputs& in) {
+    validate(params);
     const float inv_gamma = params.gamma > 0 ? float(1 / double(params.gamma)) : 0;
     const glm::ivec2 size = size_of(bound("tonemap", "radiance", in.radiance));
     StageData d = begin_data<TonemapKernel>(size, TonemapUniforms{int(params.op), params.exposure, size.x, size.y, params.dimmer,

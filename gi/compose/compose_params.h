@@ -24,5 +24,7 @@ struct TonemapParams {
     float gamma = 0;  // 0: the curve of sRGB
 };
 std::vector<Field> fields(TonemapParams& params);
+// Throws InputError that names the parameter.
+void validate(const TonemapParams& params);
 
 }  // namespace plumb::compose

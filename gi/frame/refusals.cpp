@@ -298,9 +298,11 @@ double passes_needed(double rho, double error) { return std::ceil(host::log(erro
 
 namespace {
 
-void check_probes(const Scene& scene, const Settings& settings) {
-    if (!lights_probes(settings)) return;
+// What is asked before a stage runs that no image or map tells.
+void check_parameters(const Scene& scene, const Settings& settings) {
     try {
+        compose::validate(settings.tonemap);
+        if (!lights_probes(settings)) return;
         probes::validate(settings.lod);
         if (settings.bake && settings.bake->scene_hash != probes::scene_hash(scene, probes::flatten_static(scene)))
             throw InputError("the bake is of another scene: its static meshes, or what they are made of, were others; what moves has to be dynamic");
@@ -315,7 +317,7 @@ void refuse_scene(const Scene& scene, const Settings& settings, const Geometry& 
     check_filters(scene, settings);
     check_gather(scene, settings);
     check_isr(scene, settings);
-    check_probes(scene, settings);
+    check_parameters(scene, settings);
     if (geometry.triangles.empty()) return;
     check_vertices(scene, geometry);
     const Asked a = ask(scene, settings, geometry);

@@ -73,8 +73,8 @@ vec4 lightmap_uv(ivec2 at) {
 }
 
 void main() {
-    ivec2 at = ivec2(gl_GlobalInvocationID.xy);
-    if (at.x >= u.width || at.y >= u.height) return;
-    TAP_BEGIN(at, 0);
-    imageStore(uv_image, at, lightmap_uv(at));
+    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    if (pixel.x >= u.width || pixel.y >= u.height) return;
+    TAP_BEGIN(pixel, 0);
+    imageStore(uv_image, pixel, lightmap_uv(pixel));
 }

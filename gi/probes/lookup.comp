@@ -34,8 +34,8 @@ vec4 lookup(ivec2 pixel) {
 }
 
 void main() {
-    ivec2 at = ivec2(gl_GlobalInvocationID.xy);
-    if (at.x >= u.width || at.y >= u.height) return;
-    TAP_BEGIN(at, 0);
-    imageStore(irradiance_image, at, lookup(at));
+    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    if (pixel.x >= u.width || pixel.y >= u.height) return;
+    TAP_BEGIN(pixel, 0);
+    imageStore(irradiance_image, pixel, lookup(pixel));
 }

@@ -225,7 +225,7 @@ TEST_CASE("keys: a parameter changes the keys of the stages whose result it chan
         {"compose", {"direct", "compose", "tonemap"}},  // the first shadow colour also asks for the density
         {"tonemap", {"tonemap"}},
         {"reference", traced},
-        {"probes", {}},  // of a bake
+        {"probes", {}}, {"lod", {}},  // of a bake, and of the method that reads it
         {"layout", without(everything(), {"truth"})}};
     // The members of a layout are a custom one's.
     auto custom = [](Case c, const std::string& table) {

@@ -243,6 +243,36 @@ TEST_CASE("probes: the bits do not depend on threads or instruction sets", "[pro
         }
 }
 
+TEST_CASE("probes: what is left out changes no bit, and in a pipeline nothing is", "[frame][probes][pruning]") {
+    const auto fired = [](const frame::Frame& f, const std::string& rule) {
+        return std::any_of(f.stages.begin(), f.stages.end(), [&](const frame::StageRun& s) { return s.rule == rule; });
+    };
+    for (const bool dark : {true, false})
+        for (const bool blind : {true, false})
+            for (const probes::Loop loop : {probes::Loop::converged, probes::Loop::pipelined}) {
+                Scene scene = glowing_room(dark ? 0 : 1, 0.5f);
+                look_inside(scene);
+                if (blind) scene.camera.position += glm::dvec3(0, 0, -100);
+                frame::Settings settings = probe_settings(scene);
+                settings.probe_run.loop = loop;
+                frame::add_bake(scene, settings);
+                const frame::Frame pruned = frame_of(scene, settings);
+                settings.pruning = false;
+                const frame::Frame whole = frame_of(scene, settings);
+                CAPTURE(dark, blind, int(loop));
+                CHECK(pruned.radiance.texels == whole.radiance.texels);
+                const bool may = loop == probes::Loop::converged;
+                CHECK(fired(pruned, "no-radiance") == (may && dark && !blind));
+                CHECK(ran(pruned, "probes.rounds") == !(may && (dark || blind)));
+            }
+    // The sky is light, too: a rule that forgets it would make this room dark.
+    Scene open = glowing_room(0, 0.5f);
+    look_inside(open);
+    open.meshes[0].triangles.resize(open.meshes[0].triangles.size() - 2), open.meshes[0].material.pop_back(), open.meshes[0].material.pop_back();
+    open.environment.radiance = glm::vec3(1);
+    CHECK(range_of(frame_of(open, probe_settings(open))).second > 0.1);
+}
+
 TEST_CASE("probes: what a frame cannot be made of is refused", "[probes][frame][refused]") {
     Scene scene = glowing_room(1, 0.5f);
     look_inside(scene);

@@ -105,6 +105,9 @@ std::string difference(const Scene& scene, const frame::Frame& a, const frame::F
     return "";
 }
 
+// Whether it speaks of nothing but the method probes, whose frames read a bake: test_probes_frame.cpp.
+bool of_a_bake(const frame::Rule& rule) { return rule.stages == std::vector<std::string>{"probes"}; }
+
 // The rules that left anything out of a frame.
 std::set<std::string> fired(const frame::Frame& f) {
     std::set<std::string> names;
@@ -163,6 +166,7 @@ TEST_CASE("pruning: 500 scenes are the same bit for bit with and without, and ev
     CHECK(left_out_of >= 300);
     for (const frame::Rule& rule : frame::rules()) {
         CAPTURE(rule.name);
+        if (of_a_bake(rule)) continue;
         CHECK(count[rule.name] >= 10);
     }
 }
@@ -171,6 +175,7 @@ TEST_CASE("pruning: 500 scenes are the same bit for bit with and without, and ev
 TEST_CASE("pruning: whatever rule is broken, some picture changes", "[frame][pruning][property]") {
     for (const frame::Rule& rule : frame::rules()) {
         CAPTURE(rule.name);
+        if (of_a_bake(rule)) continue;
         const std::vector<frame::Rule> wrong = broken(rule.name);
         bool noticed = false;
         for (std::uint32_t seed = 0; seed < scenes && !noticed; ++seed) {

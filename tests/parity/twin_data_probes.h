@@ -188,23 +188,36 @@ inline StageData volume_case(glm::ivec2 size, probes::VolumeForm form, bool ever
     return named(owned_data(probes::data_of(in)), id);
 }
 
-// Pixels on a floor and a wall of four triangles, one of no area and one that moves; some see nothing. Three levels of detail.
-inline StageData lightmap_uv_case(glm::ivec2 size, const std::string& id) {
-    const Points p = room(size, 5);
-    Image<glm::ivec2> found(size.x, size.y);
-    for (int i = 0; i < size.x * size.y; ++i) found.texels[std::size_t(i)] = {0, i % 11 == 3 ? -1 : i % 6};
+// Pixels on triangles all over, or a little off, some beside theirs; one triangle has no area, one moves, and some pixels see nothing.
+// Levels of detail, blended; the viewer looks aslant, so that all zones are met.
+inline StageData lightmap_uv_case(glm::ivec2 size, int levels, const std::string& id) {
+    constexpr int charted_count = 13;
     probes::ChartedTriangles charted;
-    charted.charted_of = {1, 0, 2, -1, 3, 4};
-    charted.corners = {{-2, 0, -2, 0.1f}, {2, 0, -2, 0.4f}, {-2, 0, 2, 0.1f}, {0.1f, 0.2f, 0.5f, 0},
-                       {2, 0, 2, 0.9f},   {-2, 0, 2, 0.6f}, {2, 0, -2, 0.9f}, {0.9f, 0.8f, 0.5f, 0},
-                       {-2, 0, -2, 0.2f}, {2, 0, -2, 0.3f}, {-2, 3, -2, 0.2f}, {0.6f, 0.7f, 0.9f, 0},
-                       {1, 1, 1, 0.3f},   {1, 1, 1, 0.3f},  {1, 1, 1, 0.3f},  {0.3f, 0.3f, 0.3f, 0},
-                       {2, 3, -2, 0.7f},  {-2, 3, -2, 0.5f}, {2, 0, -2, 0.7f}, {0.1f, 0.1f, 0.4f, 0}};
+    const Buffer<glm::vec4> corners = scattered(3 * charted_count, 98), others = scattered(charted_count, 99);
+    for (int t = 0; t < charted_count; ++t) {
+        for (int k = 0; k < 3; ++k) {
+            const glm::vec4& c = corners[std::size_t(3 * t + (t == 7 ? 0 : k))];
+            charted.corners.emplace_back(6.0f * glm::vec3(c) - 3.0f, noise(t, k, 5, 98));
+        }
+        charted.corners.push_back(others[std::size_t(t)]);
+    }
+    for (int t = 0; t < charted_count + 2; ++t) charted.charted_of.push_back(t == 4 ? -1 : (5 * t + 2) % (charted_count + 1));
+    Image4 position(size.x, size.y);
+    Image<glm::ivec2> found(size.x, size.y);
+    for (int i = 0; i < size.x * size.y; ++i) {
+        const int triangle = i % 17 == 3 ? -1 : i % 19 == 5 ? charted_count + 4 : i % (charted_count + 2);
+        found.texels[std::size_t(i)] = {i % 3, triangle};
+        const int of = triangle < 0 ? 0 : charted.charted_of[std::size_t(std::min(triangle, charted_count + 1))] % charted_count;
+        const glm::vec4* c = &charted.corners[std::size_t(4 * std::max(0, of))];
+        const float b = 1.3f * noise(i, 0, 0, 98) - 0.1f, g = (1.2f - b) * noise(i, 1, 0, 98) - 0.1f;
+        const glm::vec3 off(noise(i, 2, 0, 98), noise(i, 3, 0, 98), noise(i, 4, 0, 98));
+        position.texels[std::size_t(i)] = glm::vec4(glm::vec3(c[0]) + b * glm::vec3(c[1] - c[0]) + g * glm::vec3(c[2] - c[0]) + 0.05f * off, 1);
+    }
     probes::LevelRule rule;
-    rule.levels = 3, rule.eye = {0.3f, 1.5f, 2.5f, 0}, rule.forward = {0, 0, -1, 0};
-    rule.zones = {0.5f, 0.8660254f, -0.5f, 0.8660254f}, rule.scales = {1, 2, 4, 0};
-    rule.distances = {2, 4, 8, 0}, rule.widths = {0.5f, 1, 2, 0};
-    return named(owned_data(data_of(probes::LightmapUvInputs{&p.position, &found, &charted, rule})), id);
+    rule.levels = levels, rule.eye = {0.3f, -0.4f, 0.5f, 0}, rule.forward = {0.48f, 0.6f, -0.64f, 0};
+    rule.zones = {0.5f, 0.8660254f, -0.5f, 0.8660254f}, rule.scales = {1, 1.5f, 2.25f, 0};
+    rule.distances = {1.7f, 3.1f, 5.3f, 0}, rule.widths = {0.5f, 0.8f, 1.1f, 0};
+    return named(owned_data(data_of(probes::LightmapUvInputs{&position, &found, &charted, rule})), id);
 }
 // All over a lightmap of three levels and beyond its edges; levels in between, below the first and above the last.
 inline StageData lookup_case(glm::ivec2 size, const std::string& id) {
@@ -288,7 +301,8 @@ inline std::vector<StageData> probe_cases(glm::ivec2 size) {
         basis_case(size, "probes.basis"),
         irradiance_case(size, "probes.irradiance"),
         lightmap_case(size, "probes.lightmap"),
-        lightmap_uv_case(size, "probes.lightmap_uv"),
+        lightmap_uv_case(size, 4, "probes.lightmap_uv"),
+        lightmap_uv_case(size, 2, "probes.lightmap_uv.two_levels"),
         lookup_case(size, "probes.lookup"),
         volume_case(size, probes::VolumeForm::cube, false, "probes.volume.cube"),
         volume_case(size, probes::VolumeForm::linear, true, "probes.volume"),
