@@ -15,6 +15,8 @@ namespace plumb {
 namespace {
 
 constexpr int largest_side = 32767;
+// Of what is written as a list of rows: 65,535 groups of 8, which every Vulkan device can.
+constexpr int most_rows = 524280;
 
 [[noreturn]] void refuse(const StageData& data, const std::string& cause) {
     throw InputError((data.label.empty() ? data.stage : data.label) + ": " + cause);
@@ -74,8 +76,10 @@ void check_slots(const StageBinding& binding, const StageData& data) {
         return std::all_of(slots.begin(), slots.end(), [](const Slot& s) { return s.kind == SlotKind::storage_buffer; });
     };
     const int most = lists(binding.outputs) && data.size.y == 1 ? 0x7fffffff : largest_side;
-    if (data.size.x < 1 || data.size.y < 1 || data.size.x > most || data.size.y > most)
-        refuse(data, fmt::format("size {} x {}: expected 1 to {}", data.size.x, data.size.y, most));
+    const int rows = lists(binding.outputs) ? most_rows : largest_side;
+    if (data.size.x < 1 || data.size.y < 1 || data.size.x > most || data.size.y > rows)
+        refuse(data, fmt::format("size {} x {}: expected 1 to {}{}", data.size.x, data.size.y, most,
+                                 rows > most ? fmt::format(", and at most {} rows", rows) : ""));
     if (data.uniforms.size() != binding.uniform_bytes)
         refuse(data, fmt::format("the uniform block has {} bytes: expected {}", data.uniforms.size(),
                                  binding.uniform_bytes));

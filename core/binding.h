@@ -125,7 +125,7 @@ struct StageBinding {
 };
 
 // Checks what every stage needs: the size of the uniform block, each input's type and shape, and that sizes are 1 to
-// 32767.
+// 32767, of lists at most 524,280 rows.
 void check_slots(const StageBinding& binding, const StageData& data);
 
 // The value of one member of the block, as numbers; and back. Throws InputError for a name that the block lacks.

@@ -75,7 +75,8 @@ PLUMB_INLINE Bounded pow(const Bounded& x, const Bounded& y) {
     }
     if (x.zero() && y.low() > 0) return bounded(pow(x.value, y.value), shadow, 0, 0, ambiguous);
     const double size = abs(shadow) + reach;
-    const double logarithm = max(abs(host::log2(abs(x.shadow))), abs(host::log2(max(x_low, 0x1p-149))));
+    // Of the smallest float where there is 0, whose power is 0 whatever its logarithm is.
+    const double logarithm = max(abs(host::log2(max(abs(x.shadow), 0x1p-149))), abs(host::log2(max(x_low, 0x1p-149))));
     const double exponent = y.size() * logarithm;
     const double off = y.size() * log2_grant(logarithm) + bounded_state.multiply * exponent;
     return bounded(pow(x.value, y.value), shadow, reach, exp2_grant(size, exponent) + size * 0.6932 * off * (1 + off),

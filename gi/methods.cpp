@@ -15,6 +15,7 @@
 #include "gi/probes/level.h"
 #include "gi/probes/lightmap_uv.h"
 #include "gi/probes/lookup.h"
+#include "gi/probes/relief.h"
 #include "gi/probes/run_stages.h"
 #include "gi/probes/share.h"
 #include "gi/probes/supports.h"
@@ -89,6 +90,7 @@ const std::vector<ListedStage>& stages() {
         unbound(probes::info_rays(), false),
         listed(stage<probes::ShareKernel>(), false),
         listed(stage<probes::CoefficientsKernel>(), false),
+        listed(stage<probes::ReliefKernel>(), false),
         unbound(probes::info_clusters(), false),
         listed(stage<ddgi::BlendKernel>(), false),
         listed(stage<ddgi::BorderKernel>(), false),

@@ -4,6 +4,7 @@
 
 #include "core/error.h"
 #include "gi/frame/frame_graph.h"
+#include "gi/frame/isr.h"
 #include "gi/frame/refusals.h"
 #include "gi/frame/rules.h"
 #include "raster/light_view.h"
@@ -65,6 +66,11 @@ void leave_out_parts(const PlannedNode& node, const std::vector<Rule>& rules, co
     }
 }
 
+// In a pipeline what nobody sees now is in later frames.
+bool goes_on_unseen(const Settings& settings, const Rule& rule) {
+    return lights_probes(settings) && settings.probe_run.loop == probes::Loop::pipelined && rule.part.empty();
+}
+
 // The graph of a frame, rewritten by the rules.
 Plan plan_of(const Scene& scene, const Settings& settings, const Geometry& geometry, const std::vector<Rule>& rules) {
     const PlanFacts known = known_of(scene, settings, geometry);
@@ -83,7 +89,7 @@ Plan plan_of(const Scene& scene, const Settings& settings, const Geometry& geome
     }
     if (settings.pruning && known.tame)
         for (const Rule& rule : rules)
-            if (rule.seen) plan.run_rules.push_back(rule);
+            if (rule.seen && !goes_on_unseen(settings, rule)) plan.run_rules.push_back(rule);
     return plan;
 }
 

@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 
+#include "gi/probes/bake.h"
 #include "gi/rsm/all_rays.h"
 #include "raster/light_view.h"
 
@@ -51,8 +52,12 @@ bool no_light(const PlanFacts& known, const Work& work) {
 // The path tracer reads the scene itself.
 bool paths_instead(const PlanFacts& known, const Work&) { return known.settings.method == Method::reference; }
 
-bool camera_blind(const PlanFacts& known, const Work&) {
-    return known.tame && std::none_of(known.drawn.begin(), known.drawn.end(),
+// A pipeline goes on where nobody looks: what it leaves out now is missing in later frames.
+bool in_a_pipeline(const PlanFacts& known) { return known.settings.method == Method::probes && known.settings.probe_run.loop == probes::Loop::pipelined; }
+
+bool camera_blind(const PlanFacts& known, const Work& work) {
+    const bool of_frame = work.stage == "camera" || work.stage.starts_with("truth");
+    return known.tame && (of_frame || !in_a_pipeline(known)) && std::none_of(known.drawn.begin(), known.drawn.end(),
                                       [&](const Box& box) { return may_see(known.scene, box); });
 }
 
@@ -90,6 +95,12 @@ bool no_gather(const PlanFacts& known, const Work&) {
     for (int l = 0; l < int(known.scene.lights.size()); ++l)
         if (!left_out_by(rules(), known, {"gather", "", l})) return false;
     return true;
+}
+
+
+// Neither lamps nor emitters nor the sky: the lightmap is black.
+bool no_radiance(const PlanFacts& known, const Work& work) {
+    return !in_a_pipeline(known) && !known.emits && !probes::sends_light(known.scene.environment) && no_light(known, work);
 }
 
 // plan() asks it of the maps that no gather of its own reads.
@@ -166,7 +177,7 @@ bool Rule::speaks_of(const Work& work) const {
 const std::vector<Rule>& rules() {
     static const std::vector<std::string> of_light = {"rsm", "shadow", "gather"};
     static const std::vector<std::string> of_view = {"camera",      "rsm",            "shadow", "gather",  "direct",
-                                                     "truth.direct", "truth.indirect", "isr",    "isr access"};
+                                                     "truth.direct", "truth.indirect", "isr",    "isr access", "probes"};
     static const std::vector<std::string> of_screen = {"rsm",    "shadow", "gather",   "filter",
                                                        "direct", "isr",    "isr access", "isr lit"};
     static const std::vector<Rule> all = {
@@ -176,6 +187,7 @@ const std::vector<Rule>& rules() {
         {"light-misses", of_light, "", "the light misses everything that is drawn", light_misses},
         {"paths-instead", {"rsm", "shadow", "direct", "compose"}, "", "paths are traced instead", paths_instead},
         {"camera-blind", of_view, "", "the camera sees nothing of the scene", camera_blind},
+        {"no-radiance", {"probes"}, "", "nothing sends light", no_radiance},
         {"no-light", {"direct", "truth.direct", "truth.indirect"}, "", "no light shines on the scene", no_light},
         {"nothing-reflects", {"gather", "truth.indirect", "isr", "isr access"}, "", "nothing reflects", nothing_reflects},
         {"reflectors-missed", {"gather"}, "", "nothing that the light may meet reflects", reflectors_missed},

@@ -13,7 +13,7 @@ layout(std140, binding = 0) uniform LevelUniforms {
     int levels;      // 1..4
     vec4 eye;        // xyz m
     vec4 forward;    // xyz unit
-    vec4 zones;      // cosine, sine of the front's half angle; of the side's
+    vec4 zones;      // cosine, sine of the front's half angle, of the side's
     vec4 scales;     // xyz: front, side, behind
     vec4 distances;  // xyz m: where levels 1, 2, 3 begin
     vec4 margins;    // xyz: what a box's margin is multiplied by at each of them

@@ -9,7 +9,7 @@ LightmapLevel lightmap_level(int side, int levels, int level) {
     LightmapLevel of = LightmapLevel(0, side, 1.0);
     int first = 0;
     int texels = side;
-    float scale = 1.0;
+    precise float scale = 1.0;
     for (int k = 1; k < levels; ++k) {
         first = first + texels + 2;
         texels = (texels + 1) >> 1;

@@ -11,7 +11,7 @@ layout(std140, binding = 0) uniform LightmapUvUniforms {
     int height;
     int triangles;  // that id counts
     int charted;    // that have a place on the lightmap
-    int levels;     // of detail; 1: none
+    int levels;     // of detail, 1: none
     vec4 eye;
     vec4 forward;
     vec4 zones;
@@ -30,6 +30,11 @@ float dot_of(vec3 a, vec3 b) {
     return d;
 }
 
+vec3 cross_of(vec3 a, vec3 b) {
+    precise vec3 c = vec3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+    return c;
+}
+
 vec4 lightmap_uv(ivec2 at) {
     int pixel = at.y * u.width + at.x;
     int triangle = id[pixel].y;
@@ -46,15 +51,11 @@ vec4 lightmap_uv(ivec2 at) {
     precise vec3 e1 = vec3(b.x - a.x, b.y - a.y, b.z - a.z);
     precise vec3 e2 = vec3(c.x - a.x, c.y - a.y, c.z - a.z);
     precise vec3 d = vec3(p.x - a.x, p.y - a.y, p.z - a.z);
-    float d11 = dot_of(e1, e1);
-    float d12 = dot_of(e1, e2);
-    float d22 = dot_of(e2, e2);
-    float d1 = dot_of(e1, d);
-    float d2 = dot_of(e2, d);
-    precise float area = d11 * d22 - d12 * d12;                   TAP(area, area);
+    vec3 n = cross_of(e1, e2);
+    float area = dot_of(n, n);                                    TAP(area, area);
     precise float scale = 1.0 / (area > 0.0 ? area : 1.0);
-    precise float beta = max(0.0, min((d22 * d1 - d12 * d2) * scale, 1.0));
-    precise float gamma = max(0.0, min((d11 * d2 - d12 * d1) * scale, 1.0 - beta));
+    precise float beta = max(0.0, min(dot_of(cross_of(d, e2), n) * scale, 1.0));
+    precise float gamma = max(0.0, min(dot_of(cross_of(e1, d), n) * scale, 1.0 - beta));
     TAP(beta, beta);
     TAP(gamma, gamma);
     precise float x = a.w + beta * (b.w - a.w) + gamma * (c.w - a.w);

@@ -121,6 +121,7 @@ Levels levels_at(const Lod& lod, const Bake& bake, const LodBoxes& boxes, const 
 LodCounts lod_counts(const Lod& lod, const Bake& bake, const Levels& levels) {
     LodCounts n;
     const FlatClusters& flat = bake.flat;
+    const std::vector<std::int32_t> shown = receiver_levels(bake, lod.levels);
     for (const std::int32_t level : levels.probe) {
         const std::size_t k = std::size_t(level);
         ++n.probes[k];
@@ -133,8 +134,7 @@ LodCounts lod_counts(const Lod& lod, const Bake& bake, const Levels& levels) {
         const std::int64_t probes = flat.first_probe[c + 1] - flat.first_probe[c];
         n.basis_terms += probes * lod.coefficients[std::size_t(level)] * rank;
         for (std::int32_t i = flat.first_receiver[c]; i < flat.first_receiver[c + 1]; ++i) {
-            const glm::ivec2 texel = bake.receivers.texel[std::size_t(flat.receivers[std::size_t(i)])];
-            if (!is_computed(level_of_texel(texel, lod.levels), level)) continue;
+            if (!is_computed(shown[std::size_t(flat.receivers[std::size_t(i)])], level)) continue;
             ++n.receivers;
             n.irradiance_terms += rank;
         }
@@ -147,11 +147,12 @@ LodCounts lod_counts(const Lod& lod, const Bake& bake, const Levels& levels) {
 std::array<int, most_levels> charts_missing(const Bake& bake, int levels) {
     const std::size_t charts = bake.atlas.charts.size();
     std::vector<int> most(charts, -1);
+    const std::vector<std::int32_t> shown = receiver_levels(bake, levels);
     for (int i = 0; i < bake.receivers.count(); ++i) {
         const std::int32_t chart = bake.atlas.chart[std::size_t(bake.receivers.triangle[std::size_t(i)])];
         if (chart < 0) continue;
         int& level = most[std::size_t(chart)];
-        level = std::max(level, level_of_texel(bake.receivers.texel[std::size_t(i)], levels));
+        level = std::max(level, shown[std::size_t(i)]);
     }
     std::array<int, most_levels> missing{};
     for (int k = 0; k < levels; ++k)

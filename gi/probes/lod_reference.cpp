@@ -22,6 +22,7 @@ std::vector<glm::dvec3> lod_lambda(const Bake& bake, const Lod& lod, const Level
 std::vector<glm::dvec3> lod_irradiance(const Bake& bake, const Lod& lod, const Levels& levels, const std::vector<glm::dvec3>& lambda) {
     const std::size_t all = std::size_t(bake.coefficients()), kept = std::size_t(bake.clusters.singular_values);
     std::vector<glm::dvec3> irradiance(std::size_t(bake.receivers.count()), glm::dvec3(0));
+    const std::vector<std::int32_t> shown = receiver_levels(bake, lod.levels);
     for (std::size_t c = 0; c < bake.clusters.clusters.size(); ++c) {
         const Cluster& cluster = bake.clusters.clusters[c];
         const int level = levels.cluster[c];
@@ -32,7 +33,7 @@ std::vector<glm::dvec3> lod_irradiance(const Bake& bake, const Lod& lod, const L
                     basis[s] += double(cluster.sigma_vt[(s * cluster.probes.size() + p) * all + j]) *
                                 lambda[std::size_t(cluster.probes[p]) * all + j];
         for (const std::int32_t i : cluster.receivers) {
-            if (!is_computed(level_of_texel(bake.receivers.texel[std::size_t(i)], lod.levels), level)) continue;
+            if (!is_computed(shown[std::size_t(i)], level)) continue;
             for (std::size_t s = 0; s < basis.size(); ++s)
                 irradiance[std::size_t(i)] += double(bake.clusters.u[std::size_t(i) * kept + s]) * basis[s];
         }

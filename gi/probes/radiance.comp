@@ -11,7 +11,7 @@ layout(std140, binding = 0) uniform RadianceUniforms {
     int height;      // probes
     int side;        // of the lightmap, texels
     int levels;      // of detail
-    int feedback;    // 0: rho / pi; 1: constant; 2: rho
+    int feedback;    // 0: rho / pi, 1: constant, 2: rho
     float constant;  // 1/sr
 } u;
 layout(std430, binding = 1) readonly buffer Surface { vec4 surface[]; };  // xyz reflectance; w 1: has a place on the lightmap

@@ -77,12 +77,12 @@ std::vector<std::int32_t> levels_of(const std::vector<glm::ivec2>& texels, int l
     return level;
 }
 
-RunData laid_out(const FlatClusters& flat, int coefficients, const std::vector<glm::ivec2>& texels, int side, int levels) {
+RunData laid_out(const FlatClusters& flat, int coefficients, const std::vector<glm::ivec2>& texels, int side, int levels,
+                 const std::vector<std::int32_t>& level) {
     RunData d;
-    const std::vector<std::int32_t> level = levels_of(texels, levels);
     static_cast<ClusterData&>(d) = cluster_data(flat, int(texels.size()), coefficients, level);
     d.levels = levels;
-    d.cover = lightmap_cover(texels, d.place_of, side, levels);
+    d.cover = lightmap_cover(texels, d.place_of, side, levels, level);
     d.lightmap_size = {d.cover.width, d.cover.height};
     d.receiver_level.reserve(d.receiver.size());
     for (const std::int32_t i : d.receiver) d.receiver_level.push_back(level[std::size_t(i)]);
@@ -138,7 +138,7 @@ ClusterData cluster_data(const FlatClusters& f, int receivers, int coefficients,
 RunData run_data(const Bake& bake, int levels) {
     const glm::ivec2 size = bake.receivers.size;
     if (size.x != size.y) throw InputError(fmt::format("run time: a lightmap of {} x {}: expected a square", size.x, size.y));
-    RunData d = laid_out(bake.flat, bake.coefficients(), bake.receivers.texel, size.x, levels);
+    RunData d = laid_out(bake.flat, bake.coefficients(), bake.receivers.texel, size.x, levels, receiver_levels(bake, levels));
     d.probes = bake.relight.probes, d.rays = int(bake.relight_directions.size());
     return d;
 }
@@ -146,7 +146,7 @@ RunData run_data(const Bake& bake, int levels) {
 RunData run_data(const BakeArrays& arrays, int side, int levels) {
     std::vector<glm::ivec2> texels;
     for (const BakedReceiver& r : arrays.receivers) texels.push_back(r.texel);
-    RunData d = laid_out(flat_of(arrays), arrays.coefficients, texels, side, levels);
+    RunData d = laid_out(flat_of(arrays), arrays.coefficients, texels, side, levels, levels_of(texels, levels));
     d.probes = int(arrays.probes.size()), d.rays = arrays.rays;
     return d;
 }
@@ -179,8 +179,33 @@ void mark_ring(Image<std::int32_t>& cover, const Level& level, Cover ring, IsSou
 
 }  // namespace
 
+std::vector<std::int32_t> receiver_levels(const Bake& bake, int levels) {
+    const std::vector<glm::ivec2>& texels = bake.receivers.texel;
+    std::vector<std::int32_t> level = levels_of(texels, levels);
+    const auto chart_of = [&](std::size_t i) { return std::size_t(std::max(0, bake.atlas.chart[std::size_t(bake.receivers.triangle[i])])); };
+    std::size_t charts = 1;
+    for (std::size_t i = 0; i < texels.size(); ++i) charts = std::max(charts, chart_of(i) + 1);
+    for (int k = 1; k < levels; ++k) {
+        const int side = ((bake.receivers.size.x - 1) >> k) + 1;
+        Image<std::uint8_t> taken(side, side, 0);
+        std::vector<std::uint8_t> shown(charts, 0);
+        for (std::size_t i = 0; i < texels.size(); ++i)
+            if (level[i] >= k) taken(texels[i].x >> k, texels[i].y >> k) = 1, shown[chart_of(i)] = 1;
+        for (std::size_t i = 0; i < texels.size(); ++i) {
+            std::uint8_t& texel = taken(texels[i].x >> k, texels[i].y >> k);
+            if (!shown[chart_of(i)] && level[i] == k - 1 && texel == 0) level[i] = k, texel = 1;
+        }
+    }
+    return level;
+}
+
 Image<std::int32_t> lightmap_cover(const std::vector<glm::ivec2>& texels, const std::vector<std::int32_t>& place_of, int side,
                                    int levels) {
+    return lightmap_cover(texels, place_of, side, levels, levels_of(texels, levels));
+}
+
+Image<std::int32_t> lightmap_cover(const std::vector<glm::ivec2>& texels, const std::vector<std::int32_t>& place_of, int side, int levels,
+                                   const std::vector<std::int32_t>& receiver_level) {
     if (levels < 1 || levels > most_levels)
         throw InputError(fmt::format("run time: {} levels of detail: expected 1 to {}", levels, most_levels));
     Image<std::int32_t> cover(side, lightmap_rows(side, levels), cover_nothing);
@@ -192,7 +217,7 @@ Image<std::int32_t> lightmap_cover(const std::vector<glm::ivec2>& texels, const 
             throw InputError(fmt::format("run time: receiver {} at texel {}, {} of a lightmap of {} x {}", i, t.x, t.y, side, side));
         if (cover(t.x, t.y) != cover_nothing)
             throw InputError(fmt::format("run time: two receivers at texel {}, {} of the lightmap", t.x, t.y));
-        for (int k = 0; k <= level_of_texel(t, levels); ++k) cover(t.x >> k, of[std::size_t(k)].first + (t.y >> k)) = place_of.at(i);
+        for (int k = 0; k <= receiver_level[i]; ++k) cover(t.x >> k, of[std::size_t(k)].first + (t.y >> k)) = place_of.at(i);
     }
     for (const Level& level : of) {
         mark_ring(cover, level, cover_ring_1, [](std::int32_t c) { return c >= 0; });

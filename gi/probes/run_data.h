@@ -52,11 +52,19 @@ enum Cover : std::int32_t { cover_nothing = -1, cover_ring_1 = -2, cover_ring_2 
 
 // How many trailing zero bits both coordinates have, at most levels - 1.
 int level_of_texel(glm::ivec2 texel, int levels);
+// The coarsest level that shows each receiver: that of its texel. A chart too small or too thin to have a receiver in some level
+// has its receivers stand for the texels of that level which they touch and no other receiver has, the first of each.
+//
+// differs: in the thesis such charts are black from that level on.
+std::vector<std::int32_t> receiver_levels(const Bake& bake, int levels);
 
 // Of levels as lightmap_kernel.h has them: texel (x, y) of level k shows the receiver at texel (x << k, y << k) of level 0. Rings as
 // extend_borders() has them, in each level for itself. place_of: [receivers]. Throws InputError for a texel beyond the lightmap, or
 // one with two receivers.
 Image<std::int32_t> lightmap_cover(const std::vector<glm::ivec2>& texels, const std::vector<std::int32_t>& place_of, int side,
                                    int levels);
+// The same, receiver i in levels 0 to level[i].
+Image<std::int32_t> lightmap_cover(const std::vector<glm::ivec2>& texels, const std::vector<std::int32_t>& place_of, int side, int levels,
+                                   const std::vector<std::int32_t>& level);
 
 }  // namespace plumb::probes

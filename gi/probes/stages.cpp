@@ -6,6 +6,7 @@
 #include "gi/probes/level.h"
 #include "gi/probes/lightmap_uv.h"
 #include "gi/probes/lookup.h"
+#include "gi/probes/relief.h"
 #include "gi/probes/share.h"
 #include "gi/probes/supports.h"
 #include "gi/probes/update.h"
@@ -22,6 +23,7 @@
 #include "twins/gi.probes.lightmap_write.comp.h"
 #include "twins/gi.probes.share.comp.h"
 #include "twins/gi.probes.supports.comp.h"
+#include "twins/gi.probes.relief.comp.h"
 #include "twins/gi.probes.volume.comp.h"
 
 namespace plumb {
@@ -54,5 +56,7 @@ template <>
 const StageBinding& stage<LightmapKernel>() { return made<LightmapKernel, twins::gi_probes_lightmap_write_comp>(); }
 template <>
 const StageBinding& stage<VolumeKernel>() { return made<VolumeKernel, twins::gi_probes_volume_comp>(); }
+template <>
+const StageBinding& stage<ReliefKernel>() { return made<ReliefKernel, twins::gi_probes_relief_comp>(); }
 
 }  // namespace plumb

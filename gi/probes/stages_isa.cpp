@@ -5,6 +5,7 @@
 #include "gi/probes/level_kernel.h"
 #include "gi/probes/lightmap_uv_kernel.h"
 #include "gi/probes/lookup_kernel.h"
+#include "gi/probes/relief_kernel.h"
 #include "gi/probes/share_kernel.h"
 #include "gi/probes/supports_kernel.h"
 #include "gi/probes/volume_kernel.h"
@@ -123,6 +124,7 @@ template struct Rows<ShareKernel, Isa::PLUMB_ISA>;
 template struct Rows<RadianceKernel, Isa::PLUMB_ISA>;
 template struct Rows<LevelKernel, Isa::PLUMB_ISA>;
 template struct Rows<VolumeKernel, Isa::PLUMB_ISA>;
+template struct Rows<ReliefKernel, Isa::PLUMB_ISA>;
 
 template <>
 void Rows<CoefficientsKernel, Isa::PLUMB_ISA>::run(const CoefficientsView& in, int first, int last, const Tiles& tiles,

@@ -104,7 +104,7 @@ inline StageDescription<IrradianceView> describe(IrradianceKernel) {
                     .why = "singular values of each cluster"}},
         .outputs = {{.name = "irradiance", .at = &View::irradiance, .unit = "W/m2",
                      .meaning = "[place] xyz I, w 1; what is not computed is 0", .fixed = 8}},
-        .uniforms = {{"count", 1, 0x7fffffff}, {"clusters", 1, 32767}, {"singular_values", 1, most_singular_values}},
+        .uniforms = {{"count", 1, 0x7fffffff}, {"clusters", 1, 524280}, {"singular_values", 1, most_singular_values}},
         .refuses =
             [](const View& v, glm::ivec2 size) {
                 if (std::int64_t(size.x) * size.y < v.u.count) return std::string("fewer items than places");

@@ -10,6 +10,7 @@
 #include "gi/probes/coefficients.h"
 #include "gi/probes/density.h"
 #include "gi/probes/level.h"
+#include "gi/probes/relief.h"
 #include "gi/probes/share.h"
 #include "gi/stability/lookup.h"
 #include "gi/stability/relight.h"
@@ -83,6 +84,12 @@ void add_volumes(const Scene& scene, std::vector<StageData>& all) {
         in.form = form;
         all.push_back(owned_by<probes::VolumeKernel>(probes::data_of(in), name));
     }
+    // Lit along the normal, seen from the corner of the scene, with a lobe of 20.
+    const Image4 lit(n, 1, glm::vec4(2, 1, 3, 1)), less(n, 1, glm::vec4(1, 1, 2, 1)), lobe(n, 1, glm::vec4(0.25f, 0.5f, 0.125f, 20));
+    probes::ReliefInputs relief;
+    relief.eye = low, relief.position = &position, relief.normal = &normal, relief.irradiance = &lit, relief.mapped = &lit;
+    relief.plain = &less, relief.light = &normal, relief.from_light = &lit, relief.specular = &lobe;
+    all.push_back(owned_by<probes::ReliefKernel>(probes::data_of(relief)));
 }
 
 }  // namespace

@@ -421,6 +421,9 @@ TEST_CASE("bounded: pow, exp and logarithms hold what a driver may make of them"
     // Black stays black.
     CHECK(detmath::pow(Bounded(0.0f), Bounded(0.4f)).bound < 1e-37);
     CHECK(detmath::pow(Bounded::within(0, 0, 1e-6), Bounded(0.5f)).high() >= 1e-3);
+    // What is 0 within an underflow's reach is nearly 0 still: 1e-38^0.4 = 6e-16.
+    CHECK(detmath::pow(Bounded::within(0, 0, 1e-38), Bounded(0.4f)).bound < 1e-14);
+    CHECK(detmath::pow(Bounded::within(0, 0, 1e-38), Bounded(0.4f)).high() >= 6.3e-16);
     CHECK(detmath::pow(-Bounded(1.0f), Bounded(0.5f)).bound == INFINITY);
 }
 

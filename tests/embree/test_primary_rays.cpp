@@ -179,7 +179,7 @@ TEST_CASE("visibility: generated scenes are seen as Embree's primary rays see th
         const Tally t = compare(flatten(scene), scene.camera, {320, 200});
         report(entry.name, t);
         CHECK(t.wrong == 0);
-        CHECK(t.seen > 10000);
+        CHECK(t.seen > (name == "character" ? 3000 : 10000));  // a figure that stands is narrow
         CHECK(t.at_edge < 640);
     }
 }

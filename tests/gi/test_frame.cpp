@@ -252,7 +252,7 @@ TEST_CASE("frame: every stage has a twin or says why not, a source, inputs, outp
         CHECK(std::ifstream(twin).good());
         CHECK(std::ifstream(twin.substr(0, twin.rfind('/')) + "/README.md").good());
     }
-    CHECK(without == 9);  // rsm.all_rays, reference, seven steps of a bake
+    CHECK(without == 14);  // rsm.all_rays, reference, eight steps of a bake, four of its run time
 }
 
 TEST_CASE("frame: settings come from the scene file, and errors name the place", "[frame][settings]") {
@@ -266,7 +266,7 @@ TEST_CASE("frame: settings come from the scene file, and errors name the place",
                       "small.toml: line 9: unknown key 'sampels'; the nearest known one is 'samples'");
     scene.settings.clear();
     scene.method = "isx";
-    CHECK_THROWS_WITH(frame::settings_of(scene), "small: [render]: method = \"isx\": expected one of direct, rsm, isr, reference");
+    CHECK_THROWS_WITH(frame::settings_of(scene), "small: [render]: method = \"isx\": expected one of direct, rsm, isr, probes, reference");
 }
 
 TEST_CASE("frame: every stage tells which instruction set its kernels were chosen from", "[frame][bits]") {

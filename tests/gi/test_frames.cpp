@@ -5,6 +5,7 @@
 #include "core/error.h"
 #include "core/hash.h"
 #include "gi/frame/kept.h"
+#include "gi/frame/probe_bake.h"
 #include "gi/frame/kept_memory.h"
 #include "tests/gi/moving_scene.h"
 
@@ -173,11 +174,28 @@ TEST_CASE("frames: other materials keep the levels of textures, other textures d
     check_next(made);
 }
 
+namespace {
+
+// Bakes by what they depend on here.
+std::map<std::string, std::shared_ptr<const probes::Bake>> bakes;
+
+std::shared_ptr<const probes::Bake> bake_of(const Scene& scene, frame::Settings settings) {
+    std::shared_ptr<const probes::Bake>& bake = bakes[scene.materials[0].normal_texture < 0 ? "plain" : "bumps"];
+    if (bake) return bake;
+    settings.probes.lightmap_size = 32, settings.probes.receiver_rays = 8, settings.probes.test_rays = 0;
+    settings.probes.placement.count = 4, settings.probes.relight_rays = 64;
+    frame::add_bake(scene, settings);
+    return bake = settings.bake;
+}
+
+}  // namespace
+
 TEST_CASE("frames: any sequence of changes gives the bits of a fresh frame", "[frame][frames]") {
     std::mt19937 random(7);
     const auto pick = [&](int n) { return int(random() % unsigned(n)); };
     for (int sequence = 0; sequence < 4; ++sequence) {
         Scene scene = moving::scene();
+        bakes.clear();
         frame::Settings settings = settings_for(rsm::Gather::disc);
         frame::KeptStages kept;
         int reused = 0;
@@ -192,7 +210,7 @@ TEST_CASE("frames: any sequence of changes gives the bits of a fresh frame", "[f
             if (change == 3) scene.meshes[1].transform[3].y += step;
             if (change == 4) settings.pruning = !settings.pruning;
             if (change == 5) settings.tonemap.exposure += step;
-            if (change == 6) settings.method = frame::Method(pick(4));
+            if (change == 6) settings.method = frame::Method(pick(5));
             if (change == 7) settings.truth = !settings.truth;
             if (change == 8) settings.rsm.gather = rsm::Gather(pick(3));
             if (change == 9) std::swap(scene.frame_size.x, scene.frame_size.y);
@@ -203,6 +221,10 @@ TEST_CASE("frames: any sequence of changes gives the bits of a fresh frame", "[f
             if (change == 14) scene.meshes[0].share = scene.meshes[0].share == 0 ? 1 : 0;
             if (change == 15) scene.materials[0].normal_texture = scene.materials[0].normal_texture < 0 ? 1 : -1;
             if (settings.method == frame::Method::reference) settings.truth = false;
+            // A bake of the static meshes as they are now.
+            settings.bake = nullptr;
+            if (change == 3 || change == 14) bakes.clear();
+            if (settings.method == frame::Method::probes) settings.bake = bake_of(scene, settings);
             const frame::Frame& frame = frame::execute(scene, settings, frame::plan(scene, settings), {}, kept);
             REQUIRE(differences(frame, fresh(scene, settings), scene.frame_size) == Labels{});
             reused += int(kept_in(frame).size());

@@ -6,9 +6,12 @@
 #include "core/sh.h"
 #include "gi/ddgi/blend.h"
 #include "gi/ddgi/sample.h"
+#include "gi/probes/lightmap_uv.h"
+#include "gi/probes/lookup.h"
 #include "gi/probes/coefficients.h"
 #include "gi/probes/density.h"
 #include "gi/probes/level.h"
+#include "gi/probes/relief.h"
 #include "gi/probes/share.h"
 #include "gi/probes/supports.h"
 #include "gi/probes/update.h"
@@ -169,17 +172,68 @@ inline StageData lightmap_case(glm::ivec2 size, const std::string& id) {
     lend(d.inputs, "irradiance", {std::int64_t(irradiance.size()), 4}, &irradiance[0].x);
     return named(owned_data(d), id);
 }
-// Points within the grid, beyond it, a kilometre away, and none; a third of them has a lightmap. Some irradiance is negative, or none.
+// Points within the grid, beyond it, a kilometre away, and none; a third of them has a lightmap. Some irradiance is negative, or none: in the
+// last layer all of its red.
 inline StageData volume_case(glm::ivec2 size, probes::VolumeForm form, bool everywhere, const std::string& id) {
     const Points p = room(size, 86);
     Image4 uv(size.x, size.y);
-    for (int i = 0; i < size.x * size.y; ++i) uv.texels[std::size_t(i)] = i % 3 == 1 ? glm::vec4(0.25f, 0.5f, 0, 0) : glm::vec4(-1);
+    for (int i = 0; i < size.x * size.y; ++i) uv.texels[std::size_t(i)] = i % 3 == 1 ? glm::vec4(i % 2 == 0 ? 0.0f : 0.25f, -1, 0, 0) : glm::vec4(-1, 0.5f, 0, 0);
     Buffer<glm::vec4> irradiance = scattered(3 * 2 * 4 * 6, 87);
     for (std::size_t i = 0; i < irradiance.size(); i += 7) irradiance[i] *= i % 2 == 0 ? 0.0f : -0.1f;
+    for (std::size_t i = 3 * 2 * 3 * 6; i < irradiance.size(); ++i) irradiance[i].x = -0.1f - irradiance[i].x;
     probes::VolumeInputs in;
     in.grid = {{3, 2, 4}, {-1.5f, -0.3f, -2.6f}, {1.3f, 1.1f, 0.9f}};
     in.form = form, in.everywhere = everywhere, in.irradiance = &irradiance;
     in.position = &p.position, in.normal = &p.normal, in.lightmap_uv = &uv;
+    return named(owned_data(probes::data_of(in)), id);
+}
+
+// Pixels on a floor and a wall of four triangles, one of no area and one that moves; some see nothing. Three levels of detail.
+inline StageData lightmap_uv_case(glm::ivec2 size, const std::string& id) {
+    const Points p = room(size, 5);
+    Image<glm::ivec2> found(size.x, size.y);
+    for (int i = 0; i < size.x * size.y; ++i) found.texels[std::size_t(i)] = {0, i % 11 == 3 ? -1 : i % 6};
+    probes::ChartedTriangles charted;
+    charted.charted_of = {1, 0, 2, -1, 3, 4};
+    charted.corners = {{-2, 0, -2, 0.1f}, {2, 0, -2, 0.4f}, {-2, 0, 2, 0.1f}, {0.1f, 0.2f, 0.5f, 0},
+                       {2, 0, 2, 0.9f},   {-2, 0, 2, 0.6f}, {2, 0, -2, 0.9f}, {0.9f, 0.8f, 0.5f, 0},
+                       {-2, 0, -2, 0.2f}, {2, 0, -2, 0.3f}, {-2, 3, -2, 0.2f}, {0.6f, 0.7f, 0.9f, 0},
+                       {1, 1, 1, 0.3f},   {1, 1, 1, 0.3f},  {1, 1, 1, 0.3f},  {0.3f, 0.3f, 0.3f, 0},
+                       {2, 3, -2, 0.7f},  {-2, 3, -2, 0.5f}, {2, 0, -2, 0.7f}, {0.1f, 0.1f, 0.4f, 0}};
+    probes::LevelRule rule;
+    rule.levels = 3, rule.eye = {0.3f, 1.5f, 2.5f, 0}, rule.forward = {0, 0, -1, 0};
+    rule.zones = {0.5f, 0.8660254f, -0.5f, 0.8660254f}, rule.scales = {1, 2, 4, 0};
+    rule.distances = {2, 4, 8, 0}, rule.widths = {0.5f, 1, 2, 0};
+    return named(owned_data(data_of(probes::LightmapUvInputs{&p.position, &found, &charted, rule})), id);
+}
+// All over a lightmap of three levels and beyond its edges; levels in between, below the first and above the last.
+inline StageData lookup_case(glm::ivec2 size, const std::string& id) {
+    const int side = 13;
+    const Image4 lightmap = noise_image({side, probes::lightmap_rows(side, 3)}, 95, 0, 3);
+    Image4 uv = noise_image(size, 96, -0.1f, 1.1f);
+    const Image4 level = noise_image(size, 97, -0.5f, 3.5f);
+    for (int i = 0; i < size.x * size.y; ++i) {
+        glm::vec4& t = uv.texels[std::size_t(i)];
+        t.z = i % 4 == 0 ? float(i % 3) : level.texels[std::size_t(i)].x, t.w = i % 7 == 5 ? 0 : 1;
+    }
+    return named(owned_data(data_of(probes::LookupInputs{&uv, &lightmap, 3})), id);
+}
+
+// Some pixels are the volume's own, some in the dark, some lit from behind; exponents are 0 to 200.
+inline StageData relief_case(glm::ivec2 size, bool maps, bool highlights, const std::string& id) {
+    const Points p = room(size, 88);
+    const Image4 irradiance = noise_image(size, 89, 0, 3), from_light = noise_image(size, 90, 0, 3), mapped = noise_image(size, 71, 0, 3);
+    Image4 plain = noise_image(size, 72, 0, 2), light = noise_image(size, 73, -1, 1), specular = noise_image(size, 74, 0, 1);
+    for (int i = 0; i < size.x * size.y; ++i) {
+        const std::size_t k = std::size_t(i);
+        plain.texels[k] = i % 5 == 1 ? glm::vec4(0, 0, 0, 1) : glm::vec4(glm::vec3(plain.texels[k]), i % 3 == 0 ? 0 : 1);
+        light.texels[k] = glm::vec4(normalize3<float>(glm::vec3(light.texels[k]) + glm::vec3(p.normal.texels[k])), 1);
+        specular.texels[k].w = i % 7 == 0 ? 0 : i % 7 == 1 ? 200 * specular.texels[k].w : 9 * specular.texels[k].w;
+    }
+    probes::ReliefInputs in;
+    in.maps = maps, in.highlights = highlights, in.most = 3, in.eye = {0.5f, 1.5f, 0.7f};
+    in.position = &p.position, in.normal = &p.normal, in.irradiance = &irradiance, in.mapped = &mapped, in.plain = &plain;
+    in.light = &light, in.from_light = &from_light, in.specular = &specular;
     return named(owned_data(probes::data_of(in)), id);
 }
 
@@ -234,9 +288,13 @@ inline std::vector<StageData> probe_cases(glm::ivec2 size) {
         basis_case(size, "probes.basis"),
         irradiance_case(size, "probes.irradiance"),
         lightmap_case(size, "probes.lightmap"),
+        lightmap_uv_case(size, "probes.lightmap_uv"),
+        lookup_case(size, "probes.lookup"),
         volume_case(size, probes::VolumeForm::cube, false, "probes.volume.cube"),
         volume_case(size, probes::VolumeForm::linear, true, "probes.volume"),
         volume_case(size, probes::VolumeForm::angles, false, "probes.volume.angles"),
+        relief_case(size, true, true, "probes.relief"),
+        relief_case(size, false, false, "probes.relief.flat"),
         ddgi_blend_case(size, 4, false, 0.25f, "ddgi.blend"),
         ddgi_blend_case(size, 6, true, 0, "ddgi.blend.moments"),
         ddgi_border_case(size, 5, "ddgi.border"),

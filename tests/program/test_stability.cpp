@@ -79,6 +79,7 @@ TEST_CASE("stability: no stage leaves its budget in any case, whatever the numbe
                                            "probes.radiance: offset 1e7", "probes.lambda: offset 1e7",
                                            "probes.basis: offset 1e7", "probes.irradiance: offset 1e7",
                                            "probes.lightmap: offset 1e7", "probes.volume: offset 1e7",
+                                           "probes.lightmap_uv: offset 1e7", "probes.lookup: offset 1e7",
                                            "probes.radiance: rays at a level that there is not",
                                            "probes.radiance: rays that half reflect",
                                            "probes.lambda: a probe of a level that there is not",

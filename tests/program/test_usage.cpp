@@ -212,7 +212,7 @@ TEST_CASE("usage: settings, stages, pixels and lights that do not exist", "[prog
         more.insert(more.begin(), {"render", scene, "-o", out});
         return refused(more);
     };
-    CHECK_THAT(render({"--method", "rms"}), Contains("--method") && Contains("direct, rsm, isr, reference"));
+    CHECK_THAT(render({"--method", "rms"}), Contains("--method") && Contains("direct, rsm, isr, probes, reference"));
     CHECK_THAT(render({"--set", "rsm.sample=3"}),
                Equals("--set rsm.sample: unknown key 'sample'; the nearest known one is 'samples'"));
     CHECK_THAT(render({"--set", "rms.samples=3"}), Contains("nearest known one is [rsm]"));

@@ -249,7 +249,7 @@ TEST_CASE("sweep: a file that is no sweep is refused at its first fault", "[swee
     CHECK(refused([](Json& j) { j["points"][0]["frame_ms"] = Json::array(); }) ==
           "old.json: points[0].frame_ms: expected at least one run");
     CHECK_THAT(refused([](Json& j) { j["points"][0]["method"] = "rms"; }),
-               Contains("old.json: points[0].method") && Contains("direct, rsm, isr, reference"));
+               Contains("old.json: points[0].method") && Contains("direct, rsm, isr, probes, reference"));
     CHECK(refused([](Json& j) { j["threads"] = -1; }) ==
           "old.json: threads: expected a whole number from 0 to 2147483647");
 }
@@ -273,7 +273,7 @@ TEST_CASE("sweep: curves follow from what fields() say", "[sweep]") {
           std::vector<std::string>{"direct", "rsm.disc", "rsm.disc, variant = published", "rsm.disc, radius = 0.15",
                                    "rsm.disc, radius = 0.6", "rsm.disc, rotations = 1", "rsm.all", "rsm.all_rays",
                                    "rsm.paths", "rsm.paths, visibility = none", "rsm.paths, visibility = algorithm_2",
-                                   "rsm.paths, slots = 9", "rsm.paths, turn = tile", "isr", "isr, spacing = 16", "isr, spacing = 32", "isr, bounces = 2", "reference"});
+                                   "rsm.paths, slots = 9", "rsm.paths, turn = tile", "isr", "isr, spacing = 16", "isr, spacing = 32", "isr, bounces = 2", "probes", "reference"});
     const std::vector<SweptMethod> disc = swept_methods(settings, {"rsm.disc"}, {});
     REQUIRE(disc.size() == 5);
     const std::vector<SweptSettings> points = points_of(disc[0]);
@@ -306,7 +306,7 @@ TEST_CASE("sweep: --vary takes the place of the ranges of the curves that it con
     CHECK(points_of(curves[2]).size() == 4);
     // What all methods share varies on every curve; which gathers there are can be said, too.
     CHECK(names(swept_methods(settings, {}, {"rsm.gather=all", "shadow.kernel=1,4"})) ==
-          std::vector<std::string>{"direct", "rsm.all", "isr", "reference"});
+          std::vector<std::string>{"direct", "rsm.all", "isr", "probes", "reference"});
 
     auto refused = [&](std::vector<std::string> methods, std::vector<std::string> vary) {
         return message([&] { swept_methods(settings, methods, vary); });

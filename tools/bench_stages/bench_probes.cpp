@@ -22,6 +22,7 @@
 #include "gi/probes/lambda.h"
 #include "gi/probes/radiance.h"
 #include "gi/probes/level.h"
+#include "gi/probes/relief.h"
 #include "gi/probes/share.h"
 #include "gi/probes/volume.h"
 #include "io/scene_file.h"
@@ -183,6 +184,17 @@ Work volume() {
     return {probes::data_of(in), double(side) * side * (8 * 38 + 180)};
 }
 
+// The same many points, all with a lobe; 70 each, and as many for the power.
+Work relief() {
+    const int side = 512;
+    static const Image4 position(side, side, glm::vec4(1)), up(side, side, glm::vec4(0, 1, 0, 1)), lit(side, side, glm::vec4(2, 1, 3, 1)),
+        specular(side, side, glm::vec4(0.25f, 0.5f, 0.1f, 20));
+    probes::ReliefInputs in;
+    in.eye = {2, 4, 1}, in.position = &position, in.normal = &up, in.irradiance = &lit, in.mapped = &lit, in.plain = &lit;
+    in.light = &up, in.from_light = &lit, in.specular = &specular;
+    return {probes::data_of(in), double(side) * side * 140};
+}
+
 double bytes_of(const StageBinding& binding, const StageData& data) {
     double bytes = 0;
     for (const Array& a : data.inputs.arrays) bytes += double(std::as_const(a.bytes).size());
@@ -219,7 +231,8 @@ void run_stage(benchmark::State& state, const StageBinding& binding, Work (*make
                                    {"coefficients", stage<probes::CoefficientsKernel>, coefficients},
                                    {"radiance", stage<probes::RadianceKernel>, radiance},
                                    {"lambda", stage<probes::LambdaKernel>, lambda},
-                                   {"volume", stage<probes::VolumeKernel>, volume}};
+                                   {"volume", stage<probes::VolumeKernel>, volume},
+                                   {"relief", stage<probes::ReliefKernel>, relief}};
     for (const Stage& s : stages)
         for (const Isa isa : supported_isas())
             for (const int threads : {1, 2}) {

@@ -12,5 +12,6 @@ void add_isr(CLI::App& experiment, Action& action);
 void add_probes(CLI::App& experiment, Action& action);
 void add_probe_ladder(CLI::App& experiment, Action& action);
 void add_ddgi(CLI::App& experiment, Action& action);
+void add_ipr(CLI::App& experiment, Action& action);
 
 }  // namespace plumb::cli

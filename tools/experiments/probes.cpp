@@ -18,6 +18,7 @@
 #include "gi/frame/settings.h"
 #include "gi/probes/bake.h"
 #include "io/file.h"
+#include "tools/experiments/bake_sizes.h"
 #include "tools/experiments/bare_rate.h"
 #include "tools/experiments/experiments.h"
 #include "tools/shared/command.h"
@@ -82,40 +83,6 @@ std::size_t peak_bytes() {
 void forget_peak() {
     malloc_trim(0);
     std::ofstream("/proc/self/clear_refs") << "5";
-}
-
-// 0 where the lightmap has no room for the scene's charts.
-int receivers_at(const Scene& scene, probes::BakeParams params, int size, const RunOptions& options) {
-    params.lightmap_size = size, params.test_rays = 0;
-    probes::BakeGraph graph(scene, params);
-    graph::RunWith with;
-    with.options = options;
-    try {
-        graph::run({graph.nodes()[0], graph.nodes()[1]}, with);
-    } catch (const InputError&) {
-        return 0;
-    }
-    return graph.bake().receivers.count();
-}
-
-// The size whose lightmap has about as many receivers as the thesis: charts do not fill it alike in every scene.
-int lightmap_for(const Scene& scene, const probes::BakeParams& params, const Column& column, const RunOptions& options) {
-    std::map<int, double> known;
-    const auto too_many = [&](int size) {
-        if (!known.count(size)) {
-            const int receivers = receivers_at(scene, params, size, options);
-            known[size] = receivers ? host::log(double(receivers) / column.receivers) : -1e9;
-        }
-        return known[size];
-    };
-    int low = column.lightmap, high = low;
-    while (high < 16384 && too_many(high) < 0) low = high, high *= 2;
-    while (low > 8 && too_many(low) > 0) high = low, low /= 2;
-    while (high - low > 1 && std::fabs(too_many(low)) > 0.005 && std::fabs(too_many(high)) > 0.005) {
-        const int middle = (low + high) / 2;
-        (too_many(middle) < 0 ? low : high) = middle;
-    }
-    return std::fabs(too_many(low)) < std::fabs(too_many(high)) ? low : high;
 }
 
 Run run_once(const Scene& scene, const probes::BakeParams& params, const RunOptions& options, std::uint64_t bare_rays, Row& row) {
@@ -214,7 +181,7 @@ int probes_experiment(const ProbesOptions& given) {
     for (const Column& column : columns) {
         if (!given.only.empty() && given.only != column.name) continue;
         if (!lightmaps.count(column.receivers))
-            lightmaps[column.receivers] = lightmap_for(scene, params, column, options);
+            lightmaps[column.receivers] = lightmap_for(scene, params, column.receivers, column.lightmap, options);
         const int lightmap = lightmaps[column.receivers];
         const int receivers = receivers_at(scene, params, lightmap, options);
         if (receivers < column.receivers * 1.25)

@@ -6,7 +6,7 @@ namespace plumb::cli {
 
 void add_experiment(CLI::App& program, Action& action) {
     CLI::App* command =
-        program.add_subcommand("experiment", "repeat what is known or published: closed-forms, one-bounce, vrsm, isr, probes, probe-ladder, ddgi");
+        program.add_subcommand("experiment", "repeat what is known or published: closed-forms, one-bounce, vrsm, isr, probes, probe-ladder, ddgi, ipr");
     command->require_subcommand(1);
     command->footer(
         "Experiments:\n"
@@ -17,6 +17,7 @@ void add_experiment(CLI::App& program, Action& action) {
         "  plumb experiment probes SCENE\n"
         "  plumb experiment probe-ladder SCENE --html page.html\n"
         "  plumb experiment ddgi SCENE -o out\n"
+        "  plumb experiment ipr SCENE -o out\n"
         "plumb experiment NAME --help tells more.");
     add_closed_forms(*command, action);
     add_one_bounce(*command, action);
@@ -25,6 +26,7 @@ void add_experiment(CLI::App& program, Action& action) {
     add_probes(*command, action);
     add_probe_ladder(*command, action);
     add_ddgi(*command, action);
+    add_ipr(*command, action);
 }
 
 }  // namespace plumb::cli

@@ -1,0 +1,119 @@
+// plumb experiment ipr, small: files, that text, JSON, CSV and page hold the same rows, bits, and what is refused.
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <filesystem>
+
+#include "tests/program/program.h"
+
+using namespace plumb::program;
+using Catch::Matchers::Contains;
+
+namespace {
+
+std::string box(const std::string& folder) {
+    REQUIRE(run({"make-scene", "cornell", "-o", folder}).exit == 0);
+    return folder + "/cornell.toml";
+}
+Words ipr(const std::string& scene, const Words& more) {
+    Words words = {"experiment", "ipr", scene, "--quick", "--size", "48x32", "--receivers", "64", "--samples", "32"};
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+}
+
+Json without_times(Json json) {
+    for (Json& scene : json["scenes"])
+        for (Json& table : scene["tables"])
+            for (Json& row : table["rows"]) row.erase("ms"), row.erase("spread"), row.erase("seconds_of_bake");
+    return json;
+}
+
+}  // namespace
+
+TEST_CASE("experiment ipr: the same rows in text, JSON, CSV and page, the same bits every time", "[program][contract]") {
+    const std::string folder = fresh_folder("experiment_ipr"), scene = box(folder), out = folder + "/out";
+    const Result r = run(ipr(scene, {"-o", out, "--only", "tables,lightmap", "--threads", "1", "--isa", "scalar"}));
+    INFO(r.err);
+    REQUIRE(r.exit == 0);
+    const Json j = Json::parse(read(out + "/ipr.json"));
+    const std::string csv = read(out + "/ipr.csv"), page = read(out + "/ipr.html");
+    CHECK(j["version"] == 1);
+    REQUIRE(j["scenes"].size() == 1);
+    const Json& s = j["scenes"][0];
+    REQUIRE(s["tables"].size() == 2);
+    CHECK(s["tables"][0]["id"] == "table 5.1");
+    CHECK(s["tables"][0]["rows"].size() == 3);
+    CHECK(s["tables"][1]["rows"].size() == 2);
+    for (const char* head : {"receivers", "probes", "clusters", "MB", "spread %", "SSIM", "mean %", "bias %", "rms %", "truth +- %", "thesis: receivers"}) {
+        CHECK_THAT(r.out, Contains(head));
+        CHECK_THAT(page, Contains(head));
+    }
+    for (const Json& t : s["tables"])
+        for (const Json& row : t["rows"]) {
+            CAPTURE(row["name"]);
+            CHECK(row["bytes"] > 0);
+            CHECK(row["ms"] > 0);
+            CHECK(row["thesis"]["ms"] > 0);
+            const Json& e = row["at_receivers"];
+            CHECK((e["mean"] > 0 && e["mean"] < 2));
+            CHECK(e["mean"].get<double>() >= std::abs(e["bias"].get<double>()));
+            CHECK(e["noise"] > 0);
+            CHECK((row["ssim"] > 0 && row["ssim"] <= 1.000001));
+            CHECK_THAT(r.out, Contains(row["settings"].get<std::string>()));
+        }
+    CHECK(std::count(csv.begin(), csv.end(), '\n') == 6);
+    // The last column is what the others are held against; more probes err less.
+    const Json& first = s["tables"][0]["rows"];
+    CHECK(first[2]["ssim"].get<double>() == Approx(1));
+    CHECK(first[2]["at_receivers"]["mean"] < first[0]["at_receivers"]["mean"]);
+    CHECK(s["lightmap"]["receivers"] > 300);
+    CHECK_THAT(page, Contains("leaks") && Contains("plumb experiment ipr"));
+
+    const Result again = run(ipr(scene, {"--json", "--only", "tables,lightmap", "--threads", "3"}));
+    REQUIRE(again.exit == 0);
+    CHECK(without_times(Json::parse(again.out)) == without_times(j));
+}
+
+TEST_CASE("experiment ipr: figures, goals, quads and level of detail", "[program]") {
+    const std::string folder = fresh_folder("experiment_ipr_parts"), scene = box(folder);
+    const Result r = run(ipr(scene, {"--json", "--only", "figures,goals,quads,lod"}));
+    INFO(r.err);
+    REQUIRE(r.exit == 0);
+    const Json j = Json::parse(r.out);
+    const Json& s = j["scenes"][0];
+    std::vector<std::string> ids;
+    for (const Json& t : s["tables"]) ids.push_back(t["id"].get<std::string>());
+    CHECK(ids == std::vector<std::string>{"figure 5.9", "figure 5.11", "figures 5.12, 5.15", "figure 3.32", "goal"});
+    // A constant of 0 leaves what lamps light alone; the larger it is the brighter.
+    const Json& feedback = s["tables"][3]["rows"];
+    REQUIRE(feedback.size() == 7);
+    for (std::size_t i = 2; i < 6; ++i)
+        if (!feedback[i].contains("refused") && !feedback[i - 1].contains("refused"))
+            CHECK(feedback[i]["at_receivers"]["bias"] > feedback[i - 1]["at_receivers"]["bias"]);
+    CHECK(feedback[1]["at_receivers"]["bias"] < feedback[0]["at_receivers"]["bias"]);
+    CHECK(s["goal"]["most"] == 0.03);
+    CHECK(s["quads"]["ratio"] <= 1.2);
+    CHECK(s["quads"]["whole"]["rms"] > 0);
+    REQUIRE(s["lod"].size() == 2);
+    CHECK(s["lod"][1]["rows"].size() == 5);
+    CHECK(s.contains("seams"));
+}
+
+TEST_CASE("experiment ipr: what is refused", "[program]") {
+    const std::string folder = fresh_folder("experiment_ipr_refused"), scene = box(folder), out = folder + "/out";
+    const auto refused = [&](const Words& more) {
+        const Result r = run(ipr(scene, more));
+        CHECK(r.exit == 2);
+        CHECK(r.out.empty());
+        CHECK(std::count(r.err.begin(), r.err.end(), '\n') == 1);
+        return r.err;
+    };
+    CHECK_THAT(refused({"--only", "table"}), Contains("--only table") && Contains("lightmap"));
+    CHECK_THAT(refused({"--samples", "0"}), Contains("--samples"));
+    CHECK_THAT(refused({"--open", "nan"}), Contains("--open"));
+    CHECK_THAT(refused({"--updates", "0"}), Contains("--updates"));
+    CHECK_THAT(refused({"-o", out, "--set", "probes.degree=9"}), Contains("degree"));
+    CHECK_THAT(refused({"--html", folder + "/none/page.html"}), Contains("none/page.html"));
+    CHECK_THAT(refused({folder + "/none.toml"}), Contains("none.toml"));
+    CHECK(!std::filesystem::exists(out));
+    CHECK(run({"experiment", "ipr"}).exit == 2);
+}

@@ -1,0 +1,185 @@
+// plumb experiment ipr: chapter 5 of IPR again, on scenes of a user's own: its tables and figures beside ours, and what it lacks: the
+// error of indirect irradiance against path tracing. ipr_lod.h has its part on level of detail.
+//
+// The truth is all light but what lamps send straight to a surface: what probes can bring. It is asked at receivers, and at the
+// picture's pixels.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "core/signed_error.h"
+#include "gi/frame/frame.h"
+#include "gi/probes/bake.h"
+#include "gi/probes/debug_layers.h"
+#include "tools/experiments/ipr_lod.h"
+
+namespace plumb::cli {
+
+struct IprRequest {
+    bool quick = false;
+    int samples = 1024;          // paths a receiver of the truth; of a pixel a quarter
+    int receivers = 2048;        // at most so many are held against it, every k-th
+    int updates = 5;             // whose median is the time of one
+    double open = 1;             // receivers more open to the sky than this share are left out
+    glm::ivec2 size{320, 180};   // of pictures
+    std::set<std::string> parts; // of ipr_parts; empty: all
+    bool wants(const std::string& part) const { return parts.empty() || parts.count(part) > 0; }
+};
+inline const std::vector<std::string> ipr_parts = {"tables", "figures", "goals", "quads", "lightmap", "lod"};
+
+// ---- Errors -------------------------------------------------------------------------------------------------------------
+
+// Of luminance, over receivers or pixels; all but truth relative to the truth's mean. Throws InputError where no light is.
+struct IprErrors {
+    int count = 0;
+    double truth = 0;  // mean, W/m2
+    double noise = 0;  // of the truth: root of the mean squared standard error
+    double mean = 0;   // of |error|; the truth's noise is in it
+    double bias = 0;   // mean error
+    double rms = 0;    // the truth's noise taken out
+};
+IprErrors ipr_errors(const compare::Plane& own, const compare::Plane& truth, const compare::Plane& error,
+                     const Image<std::uint8_t>& compared = {});
+
+struct IprTruth {
+    std::vector<int> index;         // receivers
+    compare::Plane mean, error;     // luminance, W/m2, in their order
+    int samples = 0;
+};
+
+// ---- A setting ----------------------------------------------------------------------------------------------------------
+
+struct IprThesis {
+    int receivers = 0, clusters = 0;  // 0: not printed
+    double ms = 0;                    // of a GeForce GT 630M
+};
+
+struct IprVariant {
+    std::string name, settings;  // settings: in place of the others', in words
+    probes::BakeParams bake;
+    probes::RunParams run;
+    bool shadow_rays = false;   // to lamps, in place of shadow maps
+    int shadow_scale = 1;       // times the texels of shadow maps
+    float reflectance = 1;      // planted: times what relight rays find
+    IprThesis thesis;
+};
+
+struct IprRow {
+    std::string name, settings;
+    IprThesis thesis;
+    std::string refused;  // why there are no numbers; empty: there are
+    int receivers = 0, probes = 0, clusters = 0, lightmap = 0;
+    double bake_seconds = 0;
+    std::size_t bytes = 0;    // of one update: matrices, U, lambda, basis, irradiance, lightmap, each once
+    std::vector<double> ms;   // of updates, ascending
+    std::string rounds;
+    IprErrors at_receivers;
+    std::optional<IprErrors> at_pixels;  // what the picture shows of it; none where the picture is of another light
+    std::optional<double> ssim, ssim_truth;  // of the displayed picture, against the reference row's, and with traced indirect light
+    Image4 radiance, display, error;         // error: of pixels, signed
+
+    double median_ms() const { return ms.empty() ? 0 : ms[ms.size() / 2]; }
+    double spread() const { return ms.empty() ? 0 : (ms.back() - ms.front()) / median_ms(); }
+};
+
+// A bake's transport without clusters, in double, under the same light, and what the run time makes of it in float.
+struct IprQuads {
+    double hits = 0;     // relight rays of a probe that meet what emits, mean
+    int relight_rays = 0;
+    IprErrors chain, whole;
+    double ratio() const { return whole.rms > 0 ? chain.rms / whole.rms : chain.rms > 0 ? 1e9 : 1; }
+};
+inline constexpr double most_quad_ratio = 1.2;
+
+// A room of 4 m with a box, lit by one small square in its ceiling that some 7 of 512 rays of a probe meet.
+Scene ipr_quad_room();
+
+struct IprLightmap {
+    int receivers = 0, side = 0, samples = 0;
+    IprErrors errors;
+    int leaks = 0, leaking = 0, black_leaking = 0;  // places; texels of them; of these where no path found light
+    double told = 0, told_by_chance = 0;            // shares of receivers told from noise
+    std::vector<probes::DebugLayer> pictures;
+};
+
+// Bakes, lights and judges settings of one scene.
+class IprBench {
+  public:
+    // Both must outlive it. settings: of the scene; method, bake and size are set here.
+    IprBench(const Scene& scene, const frame::Settings& settings, const IprRequest& request, const RunOptions& options);
+    ~IprBench();
+
+    IprRow row(const IprVariant& variant);
+    IprQuads quads(const probes::BakeParams& params);
+    IprLightmap lightmap(const probes::BakeParams& params);
+    // The bake, made or kept from the row before.
+    const probes::Bake& bake(const probes::BakeParams& params);
+    const Image4& truth_display() const { return truth_display_; }
+
+  private:
+    frame::Frame frame_of(const Scene& scene, const IprVariant& variant);
+    const IprTruth& truth_of(const probes::Receivers& receivers);
+    void judge_pixels(const frame::Frame& f, IprRow& row);
+    void show(IprRow& row) const;
+
+    const Scene& scene_;
+    frame::Settings settings_;
+    IprRequest request_;
+    const RunOptions& options_;
+    std::shared_ptr<const probes::Bake> bake_;
+    std::string bake_key_;
+    double bake_seconds_ = 0;
+    std::map<std::uint64_t, IprTruth> truths_;
+    Image4 pixel_truth_, truth_display_;
+    compare::Plane pixel_mean_, pixel_error_;
+    Image<std::uint8_t> pixel_compared_;
+    double white_ = 0;
+};
+// SSIM of each row that has a picture against that one's.
+void against(const IprRow& reference, std::vector<IprRow>& rows);
+
+// ---- The experiment -----------------------------------------------------------------------------------------------------
+
+struct IprTable {
+    std::string id, title;   // "5.1"
+    std::string notes;
+    std::vector<IprRow> rows;
+    std::vector<std::string> left_out;
+};
+struct IprLodTable {
+    std::string title, number;  // number: of the thesis' table; empty: none of its own
+    std::vector<LodMeasured> rows;
+};
+// By how much of |error| a change of one resource is better than the default; the limit is the best of them.
+struct IprGoal {
+    double most = 0;      // mean |error| asked for; 0: none is
+    double reached = 0;
+    std::string limit;    // what a change of lowers it most
+    double lowered = 0;   // by so much of it
+};
+struct IprResult {
+    std::string scene;
+    std::vector<IprTable> tables;
+    std::optional<IprGoal> goal;
+    std::optional<IprLightmap> lightmap;
+    std::optional<IprQuads> quads;  // of ipr_quad_room()
+    std::vector<IprLodTable> lod;
+    std::optional<LodSeams> seams;
+    std::vector<std::string> left_out;
+};
+IprResult measure_ipr(const Scene& scene, const frame::Settings& settings, const IprRequest& request, const RunOptions& options,
+                      const std::function<void(const std::string&)>& tell);
+IprGoal goal_of(const std::string& scene, const IprTable& table);
+
+std::string ipr_text(const std::vector<IprResult>& results);
+Json ipr_json(const std::vector<IprResult>& results);
+std::string ipr_csv(const std::vector<IprResult>& results);
+std::string ipr_html(const std::vector<IprResult>& results, const std::string& command);
+
+}  // namespace plumb::cli
