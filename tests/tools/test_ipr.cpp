@@ -27,7 +27,7 @@ struct Room {
         settings = frame::settings_of(scene);
         settings.probes = small();
         settings.probes.placement.count = 16, settings.probes.placement.overlaps = 3;
-        request.quick = true, request.samples = 256, request.receivers = 300, request.updates = 2, request.size = {48, 32};
+        request.quick = true, request.samples = 8192, request.receivers = 128, request.updates = 2, request.size = {48, 32};
     }
 };
 

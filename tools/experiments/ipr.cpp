@@ -44,7 +44,7 @@ void check(IprOptions& given) {
         given.request.parts.insert(part);
     }
     IprRequest& r = given.request;
-    if (r.quick) r.samples = 64, r.receivers = 256, r.updates = 1, r.size = {96, 64};
+    if (r.quick) r.samples = 1024, r.receivers = 128, r.updates = 1, r.size = {96, 64};
     if (given.samples > 0) r.samples = given.samples;
     if (given.receivers > 0) r.receivers = given.receivers;
     if (!given.scene.size.empty()) r.size = parse_size("--size", given.scene.size, 16);
@@ -107,10 +107,10 @@ void add_ipr(CLI::App& experiment, Action& action) {
     command->add_option("--html", given->html, "the page alone")->check(some_word())->type_name("FILE");
     command->add_option("--only", given->only, fmt::format("some of {}; all otherwise", fmt::join(ipr_parts, ", ")))->delimiter(',')->type_name("P,P");
     command->add_flag("--quick", given->request.quick, "few receivers, probes, paths and pixels: to see that all of it works");
-    command->add_option("--samples", given->samples, "paths a receiver of the truth; 1024 otherwise, quick 64")
+    command->add_option("--samples", given->samples, "paths a receiver of the truth, of a pixel a 64th; 16384 otherwise, quick 1024")
         ->check(CLI::Range(32, 1 << 20).description(""))
         ->type_name("N");
-    command->add_option("--receivers", given->receivers, "held against the truth; 2048 otherwise, quick 256")
+    command->add_option("--receivers", given->receivers, "held against the truth; 512 otherwise, quick 128")
         ->check(CLI::Range(16, 1 << 16).description(""))
         ->type_name("N");
     command->add_option("--updates", given->request.updates, "whose median is the time of one; 5 otherwise")

@@ -23,8 +23,8 @@ namespace plumb::cli {
 
 struct IprRequest {
     bool quick = false;
-    int samples = 1024;          // paths a receiver of the truth; of a pixel a quarter
-    int receivers = 2048;        // at most so many are held against it, every k-th
+    int samples = 16384;         // paths a receiver of the truth; of a pixel a 64th
+    int receivers = 512;         // at most so many are held against it, every k-th
     int updates = 5;             // whose median is the time of one
     double open = 1;             // receivers more open to the sky than this share are left out
     glm::ivec2 size{320, 180};   // of pictures
