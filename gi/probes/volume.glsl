@@ -23,8 +23,9 @@ struct SixSides {
     vec3 z_minus;
 };
 
-// w(d, n) = 1 - 2 acos(max(0, c)) / pi, c = d . n. acos by Abramowitz and Stegun 4.4.46, to 2e-8.
-float angle_weight(float c) {
+// w(d, n) = 1 - 2 acos(max(0, c)) / pi, c = d . n. acos by Abramowitz and Stegun 4.4.46, to 2e-8, whose sqrt(1 - c) is taken as
+// |d x n| / sqrt(1 + c): where both are nearly the same direction, 1 - c has no digits left. s2 = |d x n|^2.
+float angle_weight(float c, float s2) {
     precise float x = min(max(c, 0.0), 1.0);
     precise float p = -0.0012624911 * x + 0.0066700901;
     p = p * x + -0.0170881256;
@@ -33,26 +34,27 @@ float angle_weight(float c) {
     p = p * x + 0.0889789874;
     p = p * x + -0.2145988016;
     p = p * x + 1.5707963050;
-    precise float w = 1.0 - 0.636619772 * (sqrt(1.0 - x) * p);
+    precise float w = 1.0 - 0.636619772 * (sqrt(s2 / (1.0 + x)) * p);
     return c > 0.0 ? w : 0.0;
 }
 
 // What the two sides of an axis count for: x plus, y minus.
-vec2 side_weights(int form, float c) {
+vec2 side_weights(int form, float c, float s2) {
     precise float squared = c * c;
     if (form == 1) {
         precise vec2 linear = vec2(0.5 * (squared + c), 0.5 * (squared - c));
         return linear;
     }
-    if (form == 2) return vec2(angle_weight(c), angle_weight(-c));
+    if (form == 2) return vec2(angle_weight(c, s2), angle_weight(-c, s2));
     return c > 0.0 ? vec2(squared, 0.0) : vec2(0.0, squared);
 }
 
 // E(n), by the form.
 vec3 irradiance_towards(int form, SixSides e, vec3 n) {
-    vec2 x = side_weights(form, n.x);
-    vec2 y = side_weights(form, n.y);
-    vec2 z = side_weights(form, n.z);
+    precise vec3 s2 = vec3(n.y * n.y + n.z * n.z, n.x * n.x + n.z * n.z, n.x * n.x + n.y * n.y);
+    vec2 x = side_weights(form, n.x, s2.x);
+    vec2 y = side_weights(form, n.y, s2.y);
+    vec2 z = side_weights(form, n.z, s2.z);
     precise vec3 sum = ((x.x * e.x_plus + x.y * e.x_minus) + (y.x * e.y_plus + y.y * e.y_minus)) + (z.x * e.z_plus + z.y * e.z_minus);
     return max(sum, vec3(0.0));
 }
@@ -71,9 +73,10 @@ vec3 light_vector(int form, float least, SixSides e, vec3 n) {
     precise float scale = 1.0 / max(sum, 1e-30);
     precise vec3 v = vec3(0.0);
     if (form == 2) {
-        vec2 wx = side_weights(2, n.x);
-        vec2 wy = side_weights(2, n.y);
-        vec2 wz = side_weights(2, n.z);
+        precise vec3 s2 = vec3(n.y * n.y + n.z * n.z, n.x * n.x + n.z * n.z, n.x * n.x + n.y * n.y);
+        vec2 wx = side_weights(2, n.x, s2.x);
+        vec2 wy = side_weights(2, n.y, s2.y);
+        vec2 wz = side_weights(2, n.z, s2.z);
         v = vec3((wx.x * x.x - wx.y * x.y) * scale, (wy.x * y.x - wy.y * y.y) * scale, (wz.x * z.x - wz.y * z.y) * scale);
     } else {
         precise vec3 d = vec3((x.x - x.y) * scale, (y.x - y.y) * scale, (z.x - z.y) * scale);

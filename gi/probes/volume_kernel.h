@@ -68,9 +68,10 @@ struct SixSides {
     Sides<F> x, y, z;
 };
 
-// w(d, n) = 1 - 2 acos(max(0, c)) / pi, c = d . n. acos by Abramowitz and Stegun 4.4.46, to 2e-8.
+// w(d, n) = 1 - 2 acos(max(0, c)) / pi, c = d . n. acos by Abramowitz and Stegun 4.4.46, to 2e-8, whose sqrt(1 - c) is taken as
+// |d x n| / sqrt(1 + c): where both are nearly the same direction, 1 - c has no digits left. s2 = |d x n|^2.
 template <class F>
-PLUMB_INLINE F angle_weight(F c) {
+PLUMB_INLINE F angle_weight(F c, F s2) {
     const F x = clamp(c, F(0.0f), F(1.0f));
     F p = F(-0.0012624911f) * x + F(0.0066700901f);
     p = p * x + F(-0.0170881256f);
@@ -79,18 +80,18 @@ PLUMB_INLINE F angle_weight(F c) {
     p = p * x + F(0.0889789874f);
     p = p * x + F(-0.2145988016f);
     p = p * x + F(1.5707963050f);
-    return select(c > F(0.0f), F(1.0f) - F(0.636619772f) * (sqrt(F(1.0f) - x) * p), F(0.0f));
+    return select(c > F(0.0f), F(1.0f) - F(0.636619772f) * (sqrt(s2 / (F(1.0f) + x)) * p), F(0.0f));
 }
 
-// What the two sides of an axis count for.
+// What the two sides of an axis count for; c along it, s2 the squares of the other two components.
 template <class F>
 struct SideWeights {
     F plus, minus;
 };
 template <class F>
-PLUMB_INLINE SideWeights<F> side_weights(int form, F c) {
+PLUMB_INLINE SideWeights<F> side_weights(int form, F c, F s2) {
     if (form == 1) return {F(0.5f) * (c * c + c), F(0.5f) * (c * c - c)};
-    if (form == 2) return {angle_weight<F>(c), angle_weight<F>(-c)};
+    if (form == 2) return {angle_weight<F>(c, s2), angle_weight<F>(-c, s2)};
     const mask_t<F> above = c > F(0.0f);
     return {select(above, c * c, F(0.0f)), select(above, F(0.0f), c * c)};
 }
@@ -103,7 +104,8 @@ PLUMB_INLINE F towards(const SideWeights<F>& x, const SideWeights<F>& y, const S
 // E(n), by the form.
 template <class F>
 PLUMB_INLINE vec3<F> irradiance_towards(int form, const SixSides<F>& e, const vec3<F>& n) {
-    const SideWeights<F> x = side_weights<F>(form, n.x), y = side_weights<F>(form, n.y), z = side_weights<F>(form, n.z);
+    const SideWeights<F> x = side_weights<F>(form, n.x, n.y * n.y + n.z * n.z), y = side_weights<F>(form, n.y, n.x * n.x + n.z * n.z),
+                         z = side_weights<F>(form, n.z, n.x * n.x + n.y * n.y);
     return {towards<F>(x, y, z, e.x.plus.x, e.x.minus.x, e.y.plus.x, e.y.minus.x, e.z.plus.x, e.z.minus.x),
             towards<F>(x, y, z, e.x.plus.y, e.x.minus.y, e.y.plus.y, e.y.minus.y, e.z.plus.y, e.z.minus.y),
             towards<F>(x, y, z, e.x.plus.z, e.x.minus.z, e.y.plus.z, e.y.minus.z, e.z.plus.z, e.z.minus.z)};
@@ -123,7 +125,8 @@ PLUMB_INLINE vec3<F> light_vector(int form, float least, const SixSides<F>& e, c
     const F scale = F(1.0f) / max(sum, F(1e-30f));
     vec3<F> v{F(0.0f), F(0.0f), F(0.0f)};
     if (form == 2) {
-        const SideWeights<F> wx = side_weights<F>(2, n.x), wy = side_weights<F>(2, n.y), wz = side_weights<F>(2, n.z);
+        const SideWeights<F> wx = side_weights<F>(2, n.x, n.y * n.y + n.z * n.z), wy = side_weights<F>(2, n.y, n.x * n.x + n.z * n.z),
+                             wz = side_weights<F>(2, n.z, n.x * n.x + n.y * n.y);
         v = {(wx.plus * x.plus - wx.minus * x.minus) * scale, (wy.plus * y.plus - wy.minus * y.minus) * scale,
              (wz.plus * z.plus - wz.minus * z.minus) * scale};
     } else {
