@@ -31,7 +31,7 @@ void take_distances(const LodParams& p, double diagonal_m, Lod& lod) {
     float last = 0, shifted_last = 0;
     for (int k = 0; k + 1 < n; ++k) {
         if (k + 1 < lod.levels) {
-            const float own = distances(p)[std::size_t(k)], automatic = float(std::max(diagonal_m / 8 * (1 << k), 2.0 * double(last)));
+            const float own = distances(p)[std::size_t(k)], automatic = float(std::max(diagonal_m / 4 * (1 << k), 2.0 * double(last)));
             if (own >= 0 && own < last)
                 refuse(fmt::format("distance_{} = {:g} m is less than {:g} m of the level before: expected ascending distances", k + 1, own, last));
             last = own >= 0 ? own : automatic;
@@ -81,7 +81,7 @@ void take_zones(const LodParams& p, LevelRule& rule) {
 }  // namespace
 
 std::vector<Field> fields(LodParams& p) {
-    const std::string distance = "from the eye where this level begins (IPR table 5.10: 20, 50, 100); -1: an eighth of the scene's diagonal, "
+    const std::string distance = "from the eye where this level begins (IPR table 5.10: 20, 50, 100); -1: a quarter of the scene's diagonal, "
                                  "twice as far for each level";
     const std::string degree = "of the harmonics in this level (IPR table 5.11); -1: the largest that its rays sample without aliasing";
     const std::string rays = "relight rays of a probe in this level: the first ones (figure 5.31: 512, 256, 128, 64); 0: all, then half of the "

@@ -107,8 +107,8 @@ TEST_CASE("lod: what is automatic follows from the scene and the bake", "[probes
     LodParams p;
     p.levels = 4;
     const Lod lod = lod_of(p, 80, 7, 512, 24);
-    CHECK(glm::vec3(lod.rule.distances) == glm::vec3(10, 20, 40));
-    CHECK(glm::vec3(lod.rule.widths) == glm::vec3(2.5f, 2.5f, 5));  // a quarter of 10, 10, 20 m
+    CHECK(glm::vec3(lod.rule.distances) == glm::vec3(20, 40, 80));
+    CHECK(glm::vec3(lod.rule.widths) == glm::vec3(5, 5, 10));  // a quarter of 20, 20, 40 m
     CHECK(lod.rays == std::array{512, 256, 128, 64});               // figure 5.31
     CHECK(lod.degree == std::array{7, 5, 3, 2});                    // half of 14, 10, 7, 4; table 5.11: SD0
     CHECK(lod.coefficients == std::array{64, 36, 16, 9});
@@ -122,11 +122,13 @@ TEST_CASE("lod: what is automatic follows from the scene and the bake", "[probes
     CHECK(lod_of(LodParams{}, 80, 7, 512, 3).notes.empty());
     CHECK(lod_of(LodParams{}, 80, 7, 512, 3).off());
     p.distance_1 = 0;
-    CHECK(glm::vec3(lod_of(p, 80, 7, 512, 24).rule.distances) == glm::vec3(0, 20, 40));
+    CHECK(glm::vec3(lod_of(p, 80, 7, 512, 24).rule.distances) == glm::vec3(0, 40, 80));
     p.distance_2 = 25;
-    CHECK(glm::vec3(lod_of(p, 80, 7, 512, 24).rule.distances) == glm::vec3(0, 25, 50));
-    p.fragment_shift = 20;
-    CHECK(glm::vec3(lod_of(p, 80, 7, 512, 24).fragment_distances) == glm::vec3(0, 5, 30));
+    CHECK(glm::vec3(lod_of(p, 80, 7, 512, 24).rule.distances) == glm::vec3(0, 25, 80));
+    p.distance_2 = 45;
+    CHECK(glm::vec3(lod_of(p, 80, 7, 512, 24).rule.distances) == glm::vec3(0, 45, 90));  // at least twice as far
+    p.distance_2 = 25, p.fragment_shift = 20;
+    CHECK(glm::vec3(lod_of(p, 80, 7, 512, 24).fragment_distances) == glm::vec3(0, 5, 60));
 }
 
 TEST_CASE("lod: setups of table 5.4 are taken, with notes", "[probes][lod][IPR table 5.4]") {
@@ -155,7 +157,7 @@ TEST_CASE("lod: says what it cannot use", "[probes][lod][refusal]") {
     refusal([](LodParams& p) { p.distance_1 = NAN; }, "distance_1");
     refusal([](LodParams& p) { p.distance_1 = -0.5f; }, "distance_1 = -0.5 m: expected 0 m or more, or -1");
     refusal([](LodParams& p) { p.distance_1 = 5, p.distance_3 = 4; }, "distance_3 = 4 m: a level before has 5 m");
-    refusal([](LodParams& p) { p.distance_2 = 5; }, "distance_2 = 5 m is less than 10 m of the level before");
+    refusal([](LodParams& p) { p.distance_2 = 5; }, "distance_2 = 5 m is less than 20 m of the level before");
     refusal([](LodParams& p) { p.degree_1 = 3, p.degree_3 = 4; }, "degree_3 = 4: a level before has 3");
     refusal([](LodParams& p) { p.rays_1 = 100; }, "rays_1 = 100: expected 0, or a power of two of 32 or more");
     refusal([](LodParams& p) { p.rays_1 = 16; }, "rays_1 = 16");

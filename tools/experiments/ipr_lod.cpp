@@ -259,17 +259,18 @@ std::vector<double> own_changes(const probes::RunData& data, const std::vector<d
 }
 
 LodSeam seam_of(int near, int far, const std::vector<double>& a, const std::vector<double>& b, const std::vector<double>& own, double least) {
-    LodSeam s{near, far, 0, 0, 0};
-    std::vector<double> steps, seen;
+    LodSeam s{near, far};
+    std::vector<double> steps, seen, texels;
     for (std::size_t i = 0; i < a.size(); ++i) {
         if (!(a[i] > least)) continue;
         const double step = std::fabs(b[i] - a[i]) / a[i];
         s.mean += step;
         steps.push_back(step), seen.push_back(step > own[i] ? step : 0);
+        texels.push_back(step / std::max(own[i], visible_step));
     }
     if (steps.empty()) throw InputError("level of detail: no receiver is lit");
     s.mean /= double(steps.size());
-    s.tenth = exceeded(std::move(steps)), s.seen = exceeded(std::move(seen));
+    s.tenth = exceeded(std::move(steps)), s.seen = exceeded(std::move(seen)), s.texels = exceeded(std::move(texels));
     return s;
 }
 

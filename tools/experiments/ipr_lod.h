@@ -67,6 +67,7 @@ struct LodSeam {
     double mean = 0;        // of |step| / irradiance
     double tenth = 0;       // what a tenth of the receivers exceed
     double seen = 0;        // the same, of steps that are larger than those between neighbouring texels
+    double texels = 0;      // over how many a step has to be spread, for a tenth to be above the light's own change, and visible_step, a texel
     int gap() const { return near - far; }
     bool visible() const;
 };

@@ -38,11 +38,11 @@ std::string lod_text(const std::string& title, const std::vector<LodMeasured>& o
 std::string seams_text(const LodSeams& seams) {
     std::string text = fmt::format("Seams between levels that differ in degree alone: what a tenth of a seam's length exceeds, of the irradiance; "
                                    "visible above {:g} %\n", 100 * visible_step);
-    text += "near, far   gap     mean    tenth     seen\n";
+    text += "near, far   gap     mean    tenth     seen   hidden by smoothing over\n";
     for (const LodSeam& s : seams.pairs)
         if (s.gap() > 0)
-            text += fmt::format("{:>4}, {:>3} {:>5} {:>7.2f}% {:>7.2f}% {:>7.2f}%{}\n", s.near, s.far, s.gap(), 100 * s.mean, 100 * s.tenth,
-                                100 * s.seen, s.visible() ? "  visible" : "");
+            text += fmt::format("{:>4}, {:>3} {:>5} {:>7.2f}% {:>7.2f}% {:>7.2f}% {:>8.1f} texels{}\n", s.near, s.far, s.gap(), 100 * s.mean, 100 * s.tenth,
+                                100 * s.seen, s.texels, s.visible() ? "  visible" : "");
     return text + fmt::format("largest gap without a visible seam: {} from the bake's degree, {} from any (thesis: 2)\n", seams.largest_gap_from_top,
                               seams.largest_gap);
 }
@@ -68,7 +68,7 @@ Json lod_json(const std::vector<LodMeasured>& ours) {
 Json seams_json(const LodSeams& seams) {
     Json pairs = Json::array();
     for (const LodSeam& s : seams.pairs)
-        pairs.push_back({{"near", s.near}, {"far", s.far}, {"mean", s.mean}, {"tenth", s.tenth}, {"seen", s.seen}, {"visible", s.visible()}});
+        pairs.push_back({{"near", s.near}, {"far", s.far}, {"mean", s.mean}, {"tenth", s.tenth}, {"seen", s.seen}, {"texels", s.texels}, {"visible", s.visible()}});
     return {{"largest_gap", seams.largest_gap}, {"largest_gap_from_top", seams.largest_gap_from_top}, {"pairs", pairs}};
 }
 
