@@ -254,8 +254,8 @@ void run_frame(const Case& c, const Scene& scene, const Effort& effort, Writer& 
     using compose::Operator;
     for (const Operator op : {Operator::clamp, Operator::exposure, Operator::reinhard, Operator::filmic})
         if (op != settings.tonemap.op) otherwise("tonemap", [op](frame::Settings& s) { s.tonemap.op = op; });
-    // Steeper and flatter than any display; at a contrast of 10 what is 1e-6 is no number of 32 bits any more.
-    for (const float power : {2.5f, 0.4f})
+    // A steeper power of 1e-30 is no number of 32 bits any more.
+    for (const float power : {1.2f, 0.8f})
         otherwise("tonemap", [power](frame::Settings& s) { s.tonemap.contrast = s.tonemap.gamma = power; });
 }
 
