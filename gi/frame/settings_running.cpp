@@ -29,6 +29,8 @@ std::vector<Change> changes() {
     all.push_back([=](Settings& s) { shows_indirect(s), s.isr.bounces = std::max(s.isr.bounces, 2); });
     all.push_back([=](Settings& s) { shows_indirect(s), s.isr.blur = isr::Blur::gaussian; });
     all.push_back([](Settings& s) { s.method = Method::rsm, s.shadow.mode = direct::ShadowMode::esm; });
+    all.push_back([](Settings& s) { s.method = Method::probes; });
+    all.push_back([](Settings& s) { s.method = Method::probes, s.lod.levels = std::max(s.lod.levels, 2); });
     return all;
 }
 

@@ -13,6 +13,8 @@
 #include "core/hash.h"
 #include "core/parallel.h"
 #include "gi/compose/compose.h"
+#include "tools/shared/file_store.h"
+#include "tools/shared/probe_bake.h"
 #include "tools/shared/process_memory.h"
 #include "tools/shared/reference_files.h"
 #include "tools/shared/sweep_subject.h"
@@ -103,11 +105,12 @@ void warm_up(const Subject& subject, Job& job, const RunOptions& options, const 
     if (!truths) return;
     job.pictures.color = compose::to_bytes(frame.display);
     job.pictures.against_full = difference(job.pictures.color, truths->truth);
-    job.pictures.against_own = difference(job.pictures.color, truths->own.at(job.settings.method));
+    const auto own_truth = truths->own.find(job.settings.method);
+    job.pictures.against_own = own_truth == truths->own.end() ? job.pictures.against_full : difference(job.pictures.color, own_truth->second);
 }
 
 // Points that cannot be rendered are left out, unless none of a scene's can.
-std::vector<Job> jobs_of(const SweepRequest& request, const std::vector<Subject>& subjects, Sweep& sweep) {
+std::vector<Job> jobs_of(const SweepRequest& request, const std::vector<Subject>& subjects, const RunOptions& options, Sweep& sweep) {
     std::vector<Job> jobs;
     for (std::size_t s = 0; s < subjects.size(); ++s) {
         const std::size_t before = jobs.size();
@@ -121,6 +124,7 @@ std::vector<Job> jobs_of(const SweepRequest& request, const std::vector<Subject>
                 job.point.settings = point.text, job.point.changed = point.changed;
                 job.settings = apply(subjects[s].settings, curve.method, point.changed);
                 try {
+                    add_bake(subjects[s].scene, job.settings, {options, request.no_cache ? "" : cache_folder()});
                     job.plan = frame::plan(subjects[s].scene, job.settings);
                 } catch (const InputError& error) {
                     if (refused.empty()) refused = error.what();
@@ -225,7 +229,7 @@ Sweep run_sweep(const SweepRequest& request, const RunOptions& options, SweepPic
         subjects.push_back(load_subject(request, scene));
         sweep.scenes.emplace_back().name = scene.file;
     }
-    std::vector<Job> jobs = jobs_of(request, subjects, sweep);
+    std::vector<Job> jobs = jobs_of(request, subjects, options, sweep);
     leave_out(jobs, &Job::expected_ms, expectation_slack * request.longest_ms, "expected to take", sweep);
 
     const std::string cache = request.no_cache ? "" : cache_folder();
