@@ -99,7 +99,7 @@ IprLightmap IprBench::lightmap(const probes::BakeParams& params) {
     const frame::Frame f = frame_of(scene_, variant);
     IprLightmap l;
     l.receivers = b.receivers.count(), l.side = b.atlas.size.x;
-    l.samples = request_.quick ? 32 : 256;
+    l.samples = std::max(request_.samples / 16, 32);
     const probes::ReceiverIrradiance truth = trace_all_receivers(scene_, b.receivers, l.samples, params.rays, options_);
     const probes::Lightmap layout = probes::place_lightmap(scene_, b.atlas, params, options_);
     Image4 map = f.probes.lightmap;  // one level: the strip is the map
