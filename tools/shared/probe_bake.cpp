@@ -79,6 +79,12 @@ void take_probes(const io::DescribedFile& file, probes::Bake& b) {
     b.radius.radius_m = io::number_fact(file, "probe_radius_m");
 }
 
+// A word as a scene file writes it.
+std::string without_quotes(const std::string& text) {
+    const bool quoted = text.size() >= 2 && text.front() == '"' && text.back() == '"';
+    return quoted ? text.substr(1, text.size() - 2) : text;
+}
+
 // The parameters it was baked with.
 void take_params(const io::DescribedFile& file, probes::BakeParams& params) {
     for (Field& field : fields(params))
@@ -90,7 +96,7 @@ void take_params(const io::DescribedFile& file, probes::BakeParams& params) {
             else if (const auto* d = std::get_if<double>(&fact.value))
                 value = *d;
             else
-                value = std::get<std::string>(fact.value);
+                value = without_quotes(std::get<std::string>(fact.value));
             set_field(field, value, file.path + ": " + fact.name);
         }
 }
