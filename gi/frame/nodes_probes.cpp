@@ -73,7 +73,8 @@ void add_data(Context& c, Nodes& nodes) {
     if (!c.settings.bake) node.plan.expected_ms = probes::expected_bake(c.scene, c.settings.probes).ms;
     node.reads = [&c](graph::Reads& r) {
         if (r.hashes()) r.source("bake", probes::bake_key(bake_of(c)));
-        r.source("geometry", c.keys.geometry);
+        // Which triangles stand still; where the others are is nothing to it.
+        for (const Mesh& mesh : c.scene.meshes) r.value(mesh.dynamic, mesh.triangles.size(), mesh.share);
         probes::LodParams lod = c.settings.lod;
         r.fields(probes::fields(lod));
         r.value(c.settings.probe_run.window);
