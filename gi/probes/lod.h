@@ -89,7 +89,7 @@ struct Levels {
 Levels levels_at(const Lod& lod, const Bake& bake, const LodBoxes& boxes, const glm::vec3& eye, const glm::vec3& forward,
                  const RunOptions& options);
 
-// Whether a receiver is computed (IPR 4.2.3); its level is level_of_texel() of run_data.h.
+// Whether a receiver is computed (IPR 4.2.3); its level is that of receiver_levels(), run_data.h.
 constexpr bool is_computed(int receiver_level, int cluster_level) { return receiver_level >= cluster_level; }
 
 // ---- What is left out ---------------------------------------------------------------------------------------------------
