@@ -236,11 +236,9 @@ TEST_CASE("probes: the bits do not depend on threads or instruction sets", "[pro
     settings.lod.levels = 3, settings.lod.distance_1 = 0.5f, settings.lod.distance_2 = 1.5f;
     frame::add_bake(scene, settings);
     const frame::Frame whole = frame_of(scene, settings, of_isa(Isa::scalar, 1));
-    for (const Isa isa : {Isa::sse, Isa::avx2, Isa::avx512})
-        for (const int threads : {1, 3}) {
-            if (isa > best_isa()) continue;
+    for (const Isa isa : supported_isas())
+        for (const int threads : {1, 3})
             CHECK(frame_of(scene, settings, of_isa(isa, threads)).radiance.texels == whole.radiance.texels);
-        }
 }
 
 TEST_CASE("probes: what is left out changes no bit, and in a pipeline nothing is", "[frame][probes][pruning]") {
