@@ -133,10 +133,6 @@ void add_surfaces(Context& c, int view, Nodes& nodes) {
     nodes.push_back(std::move(node));
 }
 
-}  // namespace
-
-namespace {
-
 // Levels of detail of clusters and probes, and of the hits' lookups.
 void add_levels(Context& c, Nodes& nodes) {
     ProbeBuffers& p = c.frame.probes;
@@ -239,7 +235,8 @@ void add_rounds(Context& c, Nodes& nodes) {
         const probes::RunParams& params = c.settings.probe_run;
         r.value(params.tolerance, params.rounds, params.feedback, params.reflection, behind);
         r.list(p.data.matrix), r.list(p.data.u), r.list(p.harmonics), r.list(p.weights);
-        r.image(p.surface), r.image(p.emitted), r.image(p.place), r.image(c.direct(1));
+        r.image(p.surface), r.image(p.emitted), r.image(p.lod.off() ? p.place : p.placed), r.image(c.direct(1));
+        r.list(p.probe_level), r.list(p.cluster_level);
     };
     // What lies there counts by its content: the end of each frame writes it anew.
     node.outputs = [=, &p] { return behind ? Bundle() : lent("lightmap", p.before); };

@@ -2,6 +2,7 @@
 // refused.
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <set>
 
 #include "core/error.h"
 #include "gi/frame/kept.h"
@@ -226,6 +227,27 @@ TEST_CASE("probes: only what changed runs again", "[probes][frame][keys]") {
     CHECK_FALSE(ran(*f, "probes.data"));
     // What is kept is what is made anew.
     CHECK(frame_of(scene, settings).radiance.texels == f->radiance.texels);
+}
+
+TEST_CASE("probes: a camera that moves changes levels of detail, and kept frames are what fresh ones are", "[probes][frame][keys][lod]") {
+    Scene scene = furnished();
+    for (Material& m : scene.materials) m.reflectance = glm::vec3(0.7f);
+    look_inside(scene);
+    scene.lights = {lamp_in(scene, 3)};
+    frame::Settings settings = probe_settings(scene);
+    settings.probes.cluster_receivers = 32;
+    settings.lod.levels = 3, settings.lod.distance_1 = 0.8f, settings.lod.distance_2 = 1.6f;
+    frame::add_bake(scene, settings);
+    frame::KeptStages kept;
+    std::set<std::vector<std::int32_t>> levels;
+    for (int n = 0; n < 4; ++n) {
+        scene.camera.position.x = -1.2 + 0.8 * n, scene.camera.look_at.x = scene.camera.position.x + 0.3;
+        const frame::Frame& f = frame::execute(scene, settings, frame::plan(scene, settings), {}, kept);
+        levels.insert(f.probes.cluster_level);
+        const bool same = frame_of(scene, settings).radiance.texels == f.radiance.texels;
+        CHECK(same);
+    }
+    CHECK(levels.size() > 1);
 }
 
 TEST_CASE("probes: the bits do not depend on threads or instruction sets", "[probes][frame][bits]") {
