@@ -36,6 +36,7 @@ void forget(Context& c, const Plan& plan) {
     const isr::IsrParams& isr = c.settings.isr;
     if (!gathers_isr(c.settings)) f.isr = {};
     if (!lights_probes(c.settings)) f.probes = {};
+    if (c.settings.probe_run.loop != probes::Loop::pipelined) f.probes.last = f.probes.next = {};
     if (isr.bounces < 2) f.isr.reflectance = {};
     if (isr.guard > 0) f.isr.radiosity = {};  // the wider view's takes its place
     if (isr.blur == isr::Blur::none) f.isr.blurred_across = f.isr.blurred = {};

@@ -91,10 +91,12 @@ struct ProbeBuffers {
     probes::VolumeLight volume;                  // of pixels without a place on the lightmap
     Image4 looked_up;                            // what the lightmap brings, before the two are joined
     probes::Convergence converged;           // of the rounds; loop = converged
-    // Of the frame before, loop = pipelined; empty: there was none.
-    struct {
+    // loop = pipelined: what the frame reads of the one before, and what it leaves for the next; empty: there is none. Both are
+    // there after a frame, so that what its stages read can be looked at.
+    struct Pipeline {
         Image4 direct, lambda, basis, lightmap;
-    } last;
+    };
+    Pipeline last, next;
 };
 
 struct Frame {

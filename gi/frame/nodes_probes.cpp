@@ -91,6 +91,7 @@ void add_data(Context& c, Nodes& nodes) {
         p.boxes = p.lod.off() ? probes::LodBoxes() : probes::lod_boxes(b);
         p.spatial = has_volume(c) ? probes::cluster_data(b.spatial.flat, b.spatial.receivers.count(), b.coefficients()) : probes::ClusterData();
         p.spatial_levels.assign(p.spatial.clusters.size(), 0);
+        p.last = p.next = {};  // of other sizes
         p.probe_level.assign(std::size_t(p.data.probes), 0), p.cluster_level.assign(p.data.clusters.size(), 0);
         run.bytes = (p.data.matrix.size() + p.data.u.size()) * sizeof(float);
         run.reason = fmt::format("{} receivers, {} probes, {} clusters, lightmap {} x {}", p.data.count(), p.data.probes,
@@ -214,10 +215,13 @@ probes::Convergence run_rounds(Context& c, const RunOptions& options, Image4& be
     return probes::converge(b, c.settings.probe_run, options, before);
 }
 
-// What the first frame of a pipeline finds.
+// What the frame before has left; the first frame of a pipeline finds what has converged, or black.
 void begin_pipeline(Context& c, const RunOptions& options, graph::NodeRun& run) {
     ProbeBuffers& p = c.frame.probes;
-    if (!p.last.lightmap.empty()) return;
+    if (!p.next.lightmap.empty()) {
+        p.last = p.next;
+        return;
+    }
     ProbeBuffers made;
     Image4 before;
     run.reason = text_of(run_rounds(c, options, before, made));
@@ -227,16 +231,21 @@ void begin_pipeline(Context& c, const RunOptions& options, graph::NodeRun& run) 
         std::fill(image->texels.begin(), image->texels.end(), glm::vec4(0));
 }
 
+void read_pipeline(const ProbeBuffers::Pipeline& p, graph::Reads& r) {
+    r.image(p.direct), r.image(p.lambda), r.image(p.basis), r.image(p.lightmap);
+}
+
 void add_rounds(Context& c, Nodes& nodes) {
     ProbeBuffers& p = c.frame.probes;
     const bool behind = pipelined(c);
-    PlannedNode node = begin_host(c, probes::info_rounds(), behind ? "what the first frame finds" : "light is reflected again and again", {1, 1});
+    PlannedNode node = begin_host(c, probes::info_rounds(), behind ? "what the frame before left" : "light is reflected again and again", {1, 1});
     node.reads = [=, &c, &p](graph::Reads& r) {
         const probes::RunParams& params = c.settings.probe_run;
         r.value(params.tolerance, params.rounds, params.feedback, params.reflection, behind);
         r.list(p.data.matrix), r.list(p.data.u), r.list(p.harmonics), r.list(p.weights);
         r.image(p.surface), r.image(p.emitted), r.image(p.lod.off() ? p.place : p.placed), r.image(c.direct(1));
         r.list(p.probe_level), r.list(p.cluster_level);
+        if (behind) r.value(params.start), read_pipeline(p.next, r);
     };
     // What lies there counts by its content: the end of each frame writes it anew.
     node.outputs = [=, &p] { return behind ? Bundle() : lent("lightmap", p.before); };
@@ -247,7 +256,7 @@ void add_rounds(Context& c, Nodes& nodes) {
         run.reason = text_of(p.converged);
         run.bytes = bytes_of(p.before);
     };
-    node.leave_out = [&p] { p.before = {}, p.last = {}; };
+    node.leave_out = [&p] { p.before = {}, p.last = p.next = {}; };
     nodes.push_back(std::move(node));
 }
 
@@ -263,7 +272,7 @@ void add_update(Context& c, Nodes& nodes) {
     add_stage(c, nodes, "what probes see", "lambda", hits * coefficients,
               [](const Bake& b) { return glm::ivec2(b.coefficients(), b.relight.probes); },
               [&c] { return probes::lambda_inputs(buffers_of(c)); }, [&p]() -> Image4& { return p.lambda; });
-    add_stage(c, nodes, "what clusters get", "basis", receivers, [](const Bake& b) { return glm::ivec2(b.flat.singular_values, b.flat.count()); },
+    add_stage(c, nodes, "what clusters get", "b", receivers, [](const Bake& b) { return glm::ivec2(b.flat.singular_values, b.flat.count()); },
               [&c] { return probes::basis_inputs(buffers_of(c)); }, [&p]() -> Image4& { return p.basis; });
     add_stage(c, nodes, "what receivers get", "irradiance", receivers * 32, [](const Bake& b) { return probes::irradiance_size(b.receivers.count()); },
               [&c] { return probes::irradiance_inputs(buffers_of(c)); }, [&p]() -> Image4& { return p.irradiance; });
@@ -321,7 +330,7 @@ void add_volume(Context& c, Nodes& nodes) {
         set_form(node, form);
     };
     add_active(c, nodes);
-    add_stage(c, nodes, "what clusters in the air get", "basis", 4096, [](const Bake& b) { return glm::ivec2(b.spatial.flat.singular_values, b.spatial.flat.count()); },
+    add_stage(c, nodes, "what clusters in the air get", "b", 4096, [](const Bake& b) { return glm::ivec2(b.spatial.flat.singular_values, b.spatial.flat.count()); },
               [&c, &p] {
                   probes::BasisInputs in = probes::basis_inputs(buffers_of(c));
                   in.clusters = &p.spatial, in.cluster_level = p.spatial_levels.data();
@@ -406,11 +415,10 @@ void add_latch(Context& c, Nodes& nodes) {
     PlannedNode node = begin_node(c, "pipeline", "", "", 0, {});
     node.listed = false;
     node.reads = [&c, &p](graph::Reads& r) {
-        for (const Image4* image : {const_cast<const Image4*>(&c.direct(1)), const_cast<const Image4*>(&p.lambda), const_cast<const Image4*>(&p.basis), const_cast<const Image4*>(&p.lightmap)})
-            r.image(*image);
+        r.image(c.direct(1)), r.image(p.lambda), r.image(p.basis), r.image(p.lightmap);
     };
     node.outputs = [] { return Bundle(); };
-    node.run = [&c, &p](const RunOptions&, graph::NodeRun&) { p.last = {c.direct(1), p.lambda, p.basis, p.lightmap}; };
+    node.run = [&c, &p](const RunOptions&, graph::NodeRun&) { p.next = {c.direct(1), p.lambda, p.basis, p.lightmap}; };
     node.leave_out = [] {};
     nodes.push_back(std::move(node));
 }

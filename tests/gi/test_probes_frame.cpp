@@ -200,6 +200,38 @@ TEST_CASE("probes: a pipeline shows a change after exactly four frames", "[probe
     }
 }
 
+TEST_CASE("probes: what is explained of a stage is what it wrote, in a pipeline, too", "[probes][frame][pipelined][tap]") {
+    Scene scene = glowing_room(0.1f, 0.5f);
+    look_inside(scene);
+    scene.lights = {lamp_in(scene, 1)};
+    for (const probes::Loop loop : {probes::Loop::converged, probes::Loop::pipelined}) {
+        frame::Settings settings = probe_settings(scene);
+        settings.probe_run.loop = loop;
+        frame::add_bake(scene, settings);
+        const frame::Plan plan = frame::plan(scene, settings);
+        frame::KeptStages kept;
+        for (int n = 0; n < 3; ++n) {
+            scene.lights[0].intensity = glm::vec3(1 + float(n));
+            const frame::Frame& f = frame::execute(scene, settings, plan, {}, kept);
+            const auto last_of = [&](const char* stage, const char* tap, glm::ivec2 at) {
+                glm::vec3 value(-1e30f);
+                for (const frame::Explanation& e : frame::explain(scene, settings, plan, f, stage, -1, at))
+                    for (const TapValue& v : e.values)
+                        if (v.name == tap && v.value.size() >= 3) value = glm::vec3(v.value[0], v.value[1], v.value[2]);
+                return value;
+            };
+            const frame::ProbeBuffers& p = f.probes;
+            CAPTURE(int(loop), n);
+            CHECK(last_of("probes.radiance", "f", {7, 2}) == glm::vec3(p.radiance(7, 2)));
+            CHECK(last_of("probes.lambda", "lambda", {3, 1}) == glm::vec3(p.lambda(3, 1)));
+            CHECK(last_of("probes.basis", "b", {2, 0}) == glm::vec3(p.basis(2, 0)));
+            CHECK(last_of("probes.irradiance", "irradiance", {5, 0}) == glm::vec3(p.irradiance(5, 0)));
+            CHECK(last_of("probes.lightmap", "lightmap", {9, 4}) == glm::vec3(p.lightmap(9, 4)));
+            CHECK(last_of("probes.lookup", "irradiance", {12, 9}) == glm::vec3(f.indirect(12, 9)));
+        }
+    }
+}
+
 TEST_CASE("probes: only what changed runs again", "[probes][frame][keys]") {
     Scene scene = glowing_room(0.1f, 0.5f);
     look_inside(scene);
