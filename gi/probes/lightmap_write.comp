@@ -63,6 +63,7 @@ vec4 lightmap(ivec2 at) {
         }
         value = mean(sum, count);                                 TAP(ring_2, value);
     }
+    TAP(lightmap, value);
     bool covered = (own >= 0 && own < u.places) || ring_1 || ring_2;
     return vec4(value, covered ? 1.0 : 0.0);
 }

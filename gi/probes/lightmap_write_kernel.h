@@ -95,6 +95,7 @@ PLUMB_INLINE vec4<F> lightmap(const LightmapView& in, index_t<F> x, index_t<F> y
         const vec3<F> mean = all.mean();                          tap("ring_2", mean, "mean of the ring-1 texels beside it, W/m2");
         value = select3<F>(ring_2, mean, value);
     }
+    tap("lightmap", value, "what the texel holds, W/m2");
     const mask_t<F> covered = in_range(cover, I(in.u.places)) | ring_1 | ring_2;
     return vec4<F>(value, select(covered, F(1.0f), F(0.0f)));
 }
