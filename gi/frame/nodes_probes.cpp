@@ -77,7 +77,7 @@ void add_data(Context& c, Nodes& nodes) {
         for (const Mesh& mesh : c.scene.meshes) r.value(mesh.dynamic, mesh.triangles.size(), mesh.share);
         probes::LodParams lod = c.settings.lod;
         r.fields(probes::fields(lod));
-        r.value(c.settings.probe_run.window);
+        r.value(c.settings.probe_run.window, c.settings.probe_run.unasked);
     };
     node.outputs = [&p] { return probes::lent(p.data, p.charted, p.harmonics, p.weights); };
     node.run = [&c, &p](const RunOptions&, graph::NodeRun& run) {
@@ -88,7 +88,7 @@ void add_data(Context& c, Nodes& nodes) {
         p.harmonics = probes::windowed(b.harmonics, b.params.degree, c.settings.probe_run.window);
         p.weights = p.lod.off() ? b.relight_weights
                                 : probes::level_weights(b.relight_directions, {p.lod.rays.begin(), p.lod.rays.begin() + p.lod.levels});
-        p.boxes = p.lod.off() ? probes::LodBoxes() : probes::lod_boxes(b);
+        p.boxes = p.lod.off() ? probes::LodBoxes() : probes::lod_boxes(b, c.settings.probe_run.unasked);
         p.spatial = has_volume(c) ? probes::cluster_data(b.spatial.flat, b.spatial.receivers.count(), b.coefficients()) : probes::ClusterData();
         p.spatial_levels.assign(p.spatial.clusters.size(), 0);
         p.last = p.next = {};  // of other sizes
@@ -109,7 +109,7 @@ void add_surfaces(Context& c, int view, Nodes& nodes) {
     node.reads = [&c](graph::Reads& r) {
         if (r.hashes()) r.source("bake", probes::bake_key(bake_of(c)));
         r.source("surfaces", c.keys.surfaces), r.source("emission", c.keys.emission);
-        r.value(c.scene.environment.radiance), r.image(c.scene.environment.map);
+        r.value(c.scene.environment.radiance, c.settings.probe_run.unasked), r.image(c.scene.environment.map);
     };
     node.outputs = [&c, &p, view] {
         Bundle b;
@@ -119,7 +119,7 @@ void add_surfaces(Context& c, int view, Nodes& nodes) {
         return b;
     };
     node.run = [&c, &p, view](const RunOptions& options, graph::NodeRun& run) {
-        probes::HitSurfaces made = probes::hit_surfaces(c.scene, bake_of(c), options);
+        probes::HitSurfaces made = probes::hit_surfaces(c.scene, bake_of(c), options, c.settings.probe_run.unasked);
         raster::GBuffer& g = c.gbuffer(view);
         g.position = std::move(made.position), g.normal = std::move(made.normal);
         g.covered = covered_by(g.normal);

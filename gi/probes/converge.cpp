@@ -8,10 +8,12 @@
 
 namespace plumb::probes {
 
-RunTime::RunTime(const Bake& bake, Relit relit, Transport transport) : bake_(bake), relit_(std::move(relit)), transport_(transport) {
+RunTime::RunTime(const Bake& bake, Relit relit, Transport transport, std::vector<std::int32_t> stand_in)
+    : bake_(bake), relit_(std::move(relit)), transport_(transport), stand_in_(std::move(stand_in)) {
     const std::size_t rays = bake.relight.material.size();
     for (const auto* list : {&relit_.emitted, &relit_.reflectance, &relit_.direct})
         if (list->size() != rays) throw InputError("run time: as many surfaces as relight rays expected");
+    if (!stand_in_.empty() && stand_in_.size() != rays) throw InputError("run time: as many stand-ins as relight rays expected");
     Image<std::int32_t> receivers(bake.atlas.size.x, bake.atlas.size.y, -1);
     for (int i = 0; i < bake.receivers.count(); ++i) {
         const glm::ivec2 t = bake.receivers.texel[std::size_t(i)];
@@ -43,6 +45,10 @@ std::vector<glm::dvec3> RunTime::lambda() const {
         const std::int32_t receiver = receiver_of_[k];
         const glm::dvec3 indirect = receiver < 0 ? glm::dvec3(0) : irradiance_[std::size_t(receiver)];
         f[k] += relit_.reflectance[k] * (relit_.direct[k] + indirect) / host::pi;
+    }
+    if (!stand_in_.empty()) {
+        const std::vector<glm::dvec3> found = f;
+        for (std::size_t k = 0; k < f.size(); ++k) f[k] = found[k - k % std::size_t(bake_.relight.rays) + std::size_t(stand_in_[k])];
     }
     return probe_coefficients(f, bake_.relight.probes, bake_.relight_weights, bake_.harmonics, bake_.params.degree);
 }

@@ -25,8 +25,9 @@ std::vector<glm::dvec3> clustered_irradiance(const Bake& bake, const std::vector
 
 class RunTime {
   public:
-    // The bake must outlive it, and be whole: not a part. Throws InputError for lists of another length.
-    RunTime(const Bake& bake, Relit relit, Transport transport);
+    // The bake must outlive it, and be whole: not a part. stand_in: stand_ins(); empty: each ray for itself. Throws InputError for
+    // lists of another length.
+    RunTime(const Bake& bake, Relit relit, Transport transport, std::vector<std::int32_t> stand_in = {});
 
     // I of the receivers becomes what the probes see of the last round's.
     void round();
@@ -47,6 +48,7 @@ class RunTime {
     const Bake& bake_;
     Relit relit_;
     Transport transport_;
+    std::vector<std::int32_t> stand_in_;     // [probes][rays], of the same probe
     std::vector<std::int32_t> receiver_of_;  // [probes][rays]; -1: none
     std::vector<glm::dvec3> irradiance_;
     int without_receiver_ = 0;

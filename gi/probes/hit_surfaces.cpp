@@ -25,9 +25,18 @@ glm::vec2 barycentrics_of(const Geometry& geometry, int triangle, const glm::dve
     return {float(b), float(std::clamp((d11 * dot(e2, d) - d12 * dot(e1, d)) / area, 0.0, 1.0 - b))};
 }
 
+// Those that stand for others are met by themselves: the order does not matter.
+void stand_in(const std::vector<std::int32_t>& ray_of, HitSurfaces& made) {
+    for (Image4* image : {&made.position, &made.normal, &made.surface, &made.emitted, &made.place})
+        for (std::size_t i = 0; i < ray_of.size(); ++i) {
+            const std::size_t ray = i % std::size_t(image->width);
+            image->texels[i] = image->texels[i - ray + std::size_t(ray_of[i])];
+        }
+}
+
 }  // namespace
 
-HitSurfaces hit_surfaces(const Scene& scene, const Bake& bake, const RunOptions& options) {
+HitSurfaces hit_surfaces(const Scene& scene, const Bake& bake, const RunOptions& options, Unasked unasked) {
     const RelightHits& hits = bake.relight;
     const raster::Surfaces surfaces = raster::prepare(scene, bake.atlas.geometry);
     const raster::SurfaceArgs args = raster::surface_args(bake.atlas.geometry, surfaces, View{});
@@ -54,6 +63,7 @@ HitSurfaces hit_surfaces(const Scene& scene, const Bake& bake, const RunOptions&
             made.place.texels[i] = glm::vec4(hits.uv[i], 0, 0);
         }
     });
+    stand_in(stand_ins(bake, unasked, options), made);
     return made;
 }
 

@@ -6,10 +6,11 @@
 #include "core/isa.h"
 #include "core/scene.h"
 #include "gi/probes/bake.h"
+#include "gi/probes/stand_in.h"
 
 namespace plumb::probes {
 
-// Columns: rays; rows: probes.
+// Columns: rays; rows: probes. Where no front was met: of the ray that stands for it, if any does.
 struct HitSurfaces {
     Image4 position;  // xyz m; 0 where no front was met
     Image4 normal;    // xyz unit, shading, towards the probe; w 1; all 0 where no front was met
@@ -19,6 +20,6 @@ struct HitSurfaces {
 };
 
 // Materials, textures and the sky are the scene's, triangles the bake's.
-HitSurfaces hit_surfaces(const Scene& scene, const Bake& bake, const RunOptions& options);
+HitSurfaces hit_surfaces(const Scene& scene, const Bake& bake, const RunOptions& options, Unasked unasked = Unasked::nearest);
 
 }  // namespace plumb::probes

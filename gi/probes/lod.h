@@ -9,6 +9,7 @@
 #include "core/fields.h"
 #include "core/isa.h"
 #include "gi/probes/level.h"
+#include "gi/probes/stand_in.h"
 
 namespace plumb::probes {
 
@@ -76,9 +77,9 @@ inline constexpr int lookup_reach = 3;  // one texel by interpolation (lightmap_
 struct LodBoxes {
     Buffer<glm::vec4> cluster_low, cluster_high;  // [clusters]: w m
     Buffer<glm::vec4> probe_low, probe_high;      // [probes]: w the radius
-    Buffer<glm::vec4> hit;                        // [probes][rays]: where relight rays end; of those that meet nothing the probe
+    Buffer<glm::vec4> hit;                        // [probes][rays]: where relight rays end, or what stands for them; else the probe
 };
-LodBoxes lod_boxes(const Bake& bake);
+LodBoxes lod_boxes(const Bake& bake, Unasked unasked = Unasked::nearest);
 
 struct Levels {
     std::vector<std::int32_t> cluster;  // [clusters]

@@ -78,7 +78,7 @@ Lod lod_of(const LodParams& params, const Bake& bake) {
     return lod_of(params, std::sqrt(glm::dot(size, size)), bake.params.degree, bake.params.relight_rays, bake.params.gap);
 }
 
-LodBoxes lod_boxes(const Bake& bake) {
+LodBoxes lod_boxes(const Bake& bake, Unasked unasked) {
     LodBoxes boxes;
     const Spread spread = spread_of(bake);
     for (int c = 0; c < bake.flat.count(); ++c) {
@@ -88,8 +88,9 @@ LodBoxes lod_boxes(const Bake& bake) {
     }
     for (const glm::vec4& p : bake.placement.probes)
         add_box(boxes.probe_low, boxes.probe_high, glm::vec3(p), glm::vec3(p), margin_of(bake.radius.radius_m));
+    const std::vector<std::int32_t> ray_of = stand_ins(bake, unasked, {});
     for (std::size_t k = 0; k < bake.relight.position.size(); ++k) {
-        const glm::vec4 p = bake.relight.position[k];
+        const glm::vec4 p = bake.relight.position[k - k % std::size_t(bake.relight.rays) + std::size_t(ray_of[k])];
         const glm::vec4 probe = bake.placement.probes[k / std::size_t(bake.relight.rays)];
         boxes.hit.push_back(glm::vec4(glm::vec3(p.w > 0 ? p : probe), 0));
     }

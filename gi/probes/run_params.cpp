@@ -13,6 +13,8 @@ std::vector<Field> fields(RunParams& p) {
          -unbounded, unbounded, {"corrected", "constant", "material"}, false},
         {"reflection", &p.reflection, "", "the constant of feedback = constant (IPR 3.3.1.5)", 0, 100, {}, false},
         {"start", as_int(p.start), "", "what pipelined frames begin with", -unbounded, unbounded, {"converged", "black"}, false},
+        {"unasked", as_int(p.unasked), "", "what probes find where no receiver asks, behind backs and beyond openings: what lies nearest, or black as published", -unbounded,
+         unbounded, {"nearest", "black"}, false},
         {"volume", as_int(p.volume), "", "irradiance of dynamic objects by six of spatial receivers: cube, linear, or angles as printed (IPR 4.1.2)", -unbounded, unbounded,
          {"cube", "linear", "angles"}, false},
         {"window", as_int(p.window), "", "over the degrees of harmonics, against ringing: none, Hann's, Lanczos' (Sloan 2008)", -unbounded, unbounded,

@@ -20,6 +20,8 @@ enum class Feedback : int {
 };
 // What pipelined frames begin with.
 enum class Start : int { converged, black };
+// What a probe finds in directions in which no receiver asks (stand_in.h).
+enum class Unasked : int { nearest, black };
 // How six irradiances of spatial receivers make that of a normal (volume_kernel.h).
 enum class VolumeForm : int { cube, linear, angles };
 
@@ -31,6 +33,7 @@ struct RunParams {
     Feedback feedback = Feedback::corrected;
     float reflection = 0.19f;                // c of the constant feedback (IPR 3.3.1.5)
     Start start = Start::converged;
+    Unasked unasked = Unasked::nearest;
     VolumeForm volume = VolumeForm::linear;
     Window window = Window::none;            // over the degrees of the bake's harmonics
 };

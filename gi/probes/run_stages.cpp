@@ -33,13 +33,13 @@ constexpr double rays_a_ms = 8000;
 
 StageInfo info_run_data() {
     return step("probes.data", "IPR 3.2.5; without a twin: what a bake holds, laid out for the stages that read it", {bake},
-                {{"matrix", "buffer f32", "", "Sigma V^T of each cluster"}, {"transport", "buffer f32", "", "U"}}, {"file", "window"});
+                {{"matrix", "buffer f32", "", "Sigma V^T of each cluster"}, {"transport", "buffer f32", "", "U"}}, {"file", "window", "unasked"});
 }
 
 StageInfo info_hit_surfaces() {
     return step("probes.surfaces", "IPR 3.2.3.1, 3.3.1.1; without a twin: materials where relight rays end, when a material changes",
                 {bake, {"materials", "buffer f32 x 4", "", "of the scene"}},
-                {{"surface", "image rgba32f", "", "[probe][ray] reflectance"}, {"emitted", "image rgba32f", "W/(m2 sr)", "[probe][ray] radiance"}}, {});
+                {{"surface", "image rgba32f", "", "[probe][ray] reflectance"}, {"emitted", "image rgba32f", "W/(m2 sr)", "[probe][ray] radiance"}}, {"unasked"});
 }
 
 StageInfo info_rounds() {

@@ -57,8 +57,8 @@ Predicted predicted(const LadderWorld& world, const Radiance& radiance, const pr
     p.checked = check_receivers(world, radiance, b.receivers, {most, 64, 1}, b.params.receiver_rays, b.params.distribution, {});
     for (std::size_t i = 0; i < p.checked.index.size(); ++i) p.checked.truth[i] = truth(p.checked.index[i]);
     const LadderTransport transport = transport_in_double(world, p.checked, b.placement.probes, b.radius.radius_m, b.supports.overlaps, b.transport, {});
-    const ProbeLight light = probe_light(world, radiance, b.placement.probes, b.relight_directions, {});
-    const ProbeLight fine = probe_light(world, radiance, b.placement.probes, probes::relight_directions(2048), {});
+    const ProbeLight light = probe_light(world, radiance, b.placement.probes, b.relight_directions, b.transport.escape, {});
+    const ProbeLight fine = probe_light(world, radiance, b.placement.probes, probes::relight_directions(2048), b.transport.escape, {});
     const std::vector<double> many = lambda_in_double(fine, probes::relight_weights(fine.directions, 2048), {});
     p.steps = steps_of(p.checked, transport, b, many, lambda_in_double(light, b.relight_weights, {}),
                        lambda_in_float(light, b.relight_weights, b.params.degree, {}));

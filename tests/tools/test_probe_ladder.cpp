@@ -49,7 +49,7 @@ struct Subject {
           checked(check_receivers(world, light, made.receivers, {100, 4096, 1}, params.receiver_rays, params.distribution, {})),
           transport(transport_in_double(world, checked, made.placement.probes, made.radius.radius_m, params.placement.overlaps,
                                         made.transport, {})),
-          seen(probe_light(world, light, made.placement.probes, probes::relight_directions(4096), {})),
+          seen(probe_light(world, light, made.placement.probes, probes::relight_directions(4096), made.transport.escape, {})),
           many(lambda_in_double(seen, probes::relight_weights(seen.directions, 4096), {})) {}
 
     LadderErrors errors(const Buffer<float>& weights) const {

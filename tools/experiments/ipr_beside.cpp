@@ -74,7 +74,7 @@ IprQuads IprBench::quads(const probes::BakeParams& params) {
     const IprRow chain = row(variant);
     if (!chain.refused.empty()) throw InputError(chain.refused);
     q.chain = chain.at_receivers;
-    const probes::HitSurfaces hits = probes::hit_surfaces(scene_, b, options_);
+    const probes::HitSurfaces hits = probes::hit_surfaces(scene_, b, options_, probes::Unasked::black);
     const auto lit = probes::lit_scene(scene_, params.rays);
     const Image4 direct = probes::lamp_irradiance(*lit, hits.position, hits.normal, options_);
     probes::Relit relit;
@@ -85,7 +85,7 @@ IprQuads IprBench::quads(const probes::BakeParams& params) {
         q.hits += hits.emitted.texels[i].x > 0 ? 1.0 / b.relight.probes : 0.0;
     }
     q.relight_rays = b.relight.rays;
-    probes::RunTime run(b, std::move(relit), probes::Transport::whole);
+    probes::RunTime run(b, std::move(relit), probes::Transport::whole, probes::stand_ins(b, variant.run.unasked, options_));
     (void)run.converge(1000, most_change);
     const IprTruth& truth = truth_of(b.receivers);
     q.whole = ipr_errors(compare::luminances(rows_of(run.irradiance(), truth.index)), truth.mean, truth.error);

@@ -163,7 +163,7 @@ class Climber {
             for (int i = 0; i < std::max(2048, params_.relight_rays); ++i)
                 directions.emplace_back(glm::vec3(r * glm::dvec3(measure_.directions()[std::size_t(i)])), 0);
             turned.push_back(
-                probe_light(measure_.world(), measure_.radiance(), base().bake.placement.probes, directions, options_));
+                probe_light(measure_.world(), measure_.radiance(), base().bake.placement.probes, directions, base().bake.transport.escape, options_));
         }
         const LadderTransport& transport = measure_.transport_of(base().bake);
         const std::vector<double> by_many = uncut(transport, measure_.placed_of(base().bake).many, params_.degree);

@@ -8,6 +8,7 @@
 #include "core/sequences.h"
 #include "core/sh.h"
 #include "gi/probes/receiver_rays_kernel.h"
+#include "gi/probes/stand_in.h"
 #include "gi/reference/light_kernel.h"
 #include "gi/reference/lights.h"
 #include "gi/reference/ray_query.h"
@@ -27,7 +28,7 @@ class Fetcher {
 
     double operator()(const glm::vec3& origin, const glm::vec3& direction) {
         const RayHit<float> hit = tracer_.nearest(origin, direction, true);
-        RayEnd end;
+        RayEnd& end = last = {};
         end.direction = direction;
         if (hit.found) {
             const probes::Met<float> met = probes::met_by<float>(surfaces_, hit, direction);
@@ -39,6 +40,7 @@ class Fetcher {
     }
 
     std::int64_t found = 0;  // rays that met something
+    RayEnd last;
 
   private:
     raster::SurfaceArgs surfaces_;
@@ -224,7 +226,7 @@ std::vector<std::vector<double>> irradiance_by(const LadderWorld& world, const R
 }
 
 ProbeLight probe_light(const LadderWorld& world, const Radiance& radiance, const Buffer<glm::vec4>& probes,
-                       const Buffer<glm::vec4>& directions, const RunOptions& options) {
+                       const Buffer<glm::vec4>& directions, probes::Escape escape, const RunOptions& options) {
     ProbeLight light;
     light.probes = int(probes.size()), light.directions = directions;
     for (const glm::vec4& d : directions) {
@@ -233,6 +235,7 @@ ProbeLight probe_light(const LadderWorld& world, const Radiance& radiance, const
         light.harmonics.insert(light.harmonics.end(), y.begin(), y.end());
     }
     light.radiance.resize(probes.size() * directions.size());
+    std::vector<std::uint8_t> asked(light.radiance.size());
     // Rays of a band of one probe: there may be a single one.
     constexpr int rays = 256;
     const int bands = (light.rays() + rays - 1) / rays;
@@ -241,11 +244,16 @@ ProbeLight probe_light(const LadderWorld& world, const Radiance& radiance, const
         for (int band = first; band < last; ++band) {
             const std::size_t p = std::size_t(band / bands);
             const int begin = band % bands * rays, end = std::min(begin + rays, light.rays());
-            for (int k = begin; k < end; ++k)
-                light.radiance[p * directions.size() + std::size_t(k)] =
-                    float(fetch(glm::vec3(probes[p]), glm::vec3(directions[std::size_t(k)])));
+            for (int k = begin; k < end; ++k) {
+                const std::size_t at = p * directions.size() + std::size_t(k);
+                light.radiance[at] = float(fetch(glm::vec3(probes[p]), glm::vec3(directions[std::size_t(k)])));
+                asked[at] = fetch.last.front || (!fetch.last.found && escape != probes::Escape::nothing) ? 1 : 0;
+            }
         }
     });
+    const std::vector<std::int32_t> ray_of = probes::stand_ins(directions, asked, options);
+    for (std::size_t at = 0; at < ray_of.size(); ++at)
+        if (!asked[at]) light.radiance[at] = light.radiance[at - at % directions.size() + std::size_t(ray_of[at])];
     return light;
 }
 

@@ -93,7 +93,7 @@ const LadderPlaced& LadderMeasure::placed_of(const probes::Bake& b) {
     std::unique_ptr<LadderPlaced>& placed = placed_[hash_of(b, 0)];
     if (!placed) {
         placed = std::make_unique<LadderPlaced>();
-        placed->light = probe_light(world_, radiance_, b.placement.probes, directions_, options_);
+        placed->light = probe_light(world_, radiance_, b.placement.probes, directions_, b.transport.escape, options_);
         placed->many = lambda_in_double(placed->light, weights(placed->light.rays()), options_);
     }
     return *placed;
@@ -160,7 +160,7 @@ LadderRung LadderMeasure::uncut_rung(const Buffer<glm::vec4>& probes, const prob
     const double radius = probes::probe_radius(probes, base_.bake.receivers.position, placement, options_).radius_m;
     const LadderTransport t =
         transport_in_double(world_, checked_, probes, radius, placement.overlaps, base_.bake.transport, options_);
-    const ProbeLight light = probe_light(world_, radiance_, probes, directions_, options_);
+    const ProbeLight light = probe_light(world_, radiance_, probes, directions_, base_.bake.transport.escape, options_);
     const std::vector<double> degree = uncut(t, lambda_in_double(light, weights(light.rays()), options_), params_.degree);
     LadderRung r;
     r.axis = "placement", r.line = line, r.value = double(probes.size());

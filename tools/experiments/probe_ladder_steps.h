@@ -107,8 +107,9 @@ struct ProbeLight {
 
     int rays() const { return int(directions.size()); }
 };
+// Where no receiver asks (escape says whether rays that meet nothing do) as Unasked::nearest has it.
 ProbeLight probe_light(const LadderWorld& world, const Radiance& radiance, const Buffer<glm::vec4>& probes,
-                       const Buffer<glm::vec4>& directions, const RunOptions& options);
+                       const Buffer<glm::vec4>& directions, probes::Escape escape, const RunOptions& options);
 
 // Which of many places see most of what receivers see, chosen one after the other: indices, the first `wanted`.
 std::vector<int> places_that_see_most(const LadderWorld& world, const CheckedReceivers& checked,

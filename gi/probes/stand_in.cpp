@@ -1,0 +1,78 @@
+#include "gi/probes/stand_in.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "core/error.h"
+#include "core/parallel.h"
+#include "gi/probes/bake.h"
+
+namespace plumb::probes {
+
+namespace {
+
+double cosine_of(const Buffer<glm::vec4>& directions, int a, int b) {
+    const glm::dvec3 u(directions[std::size_t(a)]), v(directions[std::size_t(b)]);
+    return u.x * v.x + u.y * v.y + u.z * v.z;
+}
+
+// Of each direction the others that are nearest to it, nearest first: most stand-ins are among them.
+class NearRays {
+  public:
+    NearRays(const Buffer<glm::vec4>& directions, const RunOptions& options)
+        : directions_(directions), rays_(int(directions.size())), kept_(std::min(32, rays_)), near_(std::size_t(rays_) * std::size_t(kept_)) {
+        parallel_bands(rays_, 8, options, [&](int first, int last) {
+            std::vector<std::pair<double, int>> all(directions_.size());  // minus the cosine, ray: pairs order as the search does
+            for (int r = first; r < last; ++r) {
+                for (int q = 0; q < rays_; ++q) all[std::size_t(q)] = {-cosine_of(directions_, r, q), q};
+                std::partial_sort(all.begin(), all.begin() + kept_, all.end());
+                for (int k = 0; k < kept_; ++k) near_[std::size_t(r) * std::size_t(kept_) + std::size_t(k)] = all[std::size_t(k)].second;
+            }
+        });
+    }
+
+    // asked: of one probe.
+    int nearest(int ray, const std::uint8_t* asked) const {
+        const std::int32_t* near = near_.data() + std::size_t(ray) * std::size_t(kept_);
+        for (int k = 0; k < kept_; ++k)
+            if (asked[near[k]]) return near[k];
+        int best = ray;
+        double most = -2;
+        for (int q = 0; q < rays_; ++q)
+            if (const double c = asked[q] ? cosine_of(directions_, ray, q) : -2; c > most) most = c, best = q;
+        return best;
+    }
+
+  private:
+    const Buffer<glm::vec4>& directions_;
+    int rays_, kept_;
+    std::vector<std::int32_t> near_;
+};
+
+}  // namespace
+
+std::vector<std::int32_t> stand_ins(const Buffer<glm::vec4>& directions, const std::vector<std::uint8_t>& asked, const RunOptions& options) {
+    const int rays = int(directions.size());
+    if (rays == 0 ? !asked.empty() : asked.size() % std::size_t(rays) != 0)
+        throw InputError("stand-ins: a whole number of probes' rays expected");
+    const int probes = rays == 0 ? 0 : int(asked.size() / std::size_t(rays));
+    std::vector<std::int32_t> of(asked.size());
+    for (std::size_t i = 0; i < of.size(); ++i) of[i] = std::int32_t(i % std::size_t(rays));
+    if (std::find(asked.begin(), asked.end(), std::uint8_t(0)) == asked.end()) return of;
+    const NearRays near(directions, options);
+    parallel_bands(probes, 1, options, [&](int first, int last) {
+        for (std::size_t at = std::size_t(first) * std::size_t(rays); at < std::size_t(last) * std::size_t(rays); ++at)
+            if (!asked[at]) of[at] = near.nearest(of[at], asked.data() + at - std::size_t(of[at]));
+    });
+    return of;
+}
+
+std::vector<std::int32_t> stand_ins(const Bake& bake, Unasked unasked, const RunOptions& options) {
+    const bool sky = bake.transport.escape != Escape::nothing;
+    std::vector<std::uint8_t> asked;
+    asked.reserve(bake.relight.material.size());
+    for (const std::int32_t m : bake.relight.material) asked.push_back(unasked == Unasked::black || m >= 0 || (m == met_nothing && sky) ? 1 : 0);
+    return stand_ins(bake.relight_directions, asked, options);
+}
+
+}  // namespace plumb::probes

@@ -1,0 +1,27 @@
+// Directions of a probe that nobody asks: rays that meet a back and, where rays that meet nothing bring nothing (Escape::nothing),
+// those. No receiver reads a probe's harmonics there, so that any radiance will do; but a finite number of harmonics blurs what
+// lies on either side of the edge into the other. With black, light that receivers see is lost to where nobody looks: 2.5 % a bounce
+// in a Cornell box with 128 probes and degree 7. differs: IPR 3.2.3.1 is black there.
+//
+// `nearest` continues what is seen: the ray tells what the nearest one that is asked has found.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/image.h"
+#include "core/isa.h"
+#include "gi/probes/run_params.h"
+
+namespace plumb::probes {
+
+struct Bake;
+
+// Of each ray [probes][rays] the ray of the same probe that it stands for: itself where it is asked (`asked` not 0) or none of its
+// probe is, else the one asked by the largest cosine between the two directions, the first of equals.
+std::vector<std::int32_t> stand_ins(const Buffer<glm::vec4>& directions, const std::vector<std::uint8_t>& asked, const RunOptions& options);
+
+// Of a bake's relight rays. black: each for itself.
+std::vector<std::int32_t> stand_ins(const Bake& bake, Unasked unasked, const RunOptions& options);
+
+}  // namespace plumb::probes

@@ -1,0 +1,143 @@
+// Directions of a probe that nobody asks: which ray stands for them, and that light stays what it is beside an opening.
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "core/error.h"
+#include "gi/frame/kept.h"
+#include "gi/frame/probe_bake.h"
+#include "gi/probes/hit_surfaces.h"
+#include "probe_bakes.h"
+
+using namespace plumb;
+using namespace plumb::test;
+
+namespace {
+
+// A room without its wall at the largest z, whose surfaces emit 2 W/m2 and reflect rho.
+Scene open_room(float rho) {
+    Scene scene = empty_room();
+    for (Material& m : scene.materials) m.emission = glm::vec3(2), m.reflectance = glm::vec3(rho);
+    glm::vec3 low, high;
+    bounds(flatten(scene), low, high);
+    std::size_t removed = 0;
+    for (Mesh& mesh : scene.meshes)
+        for (std::size_t t = mesh.triangles.size(); t-- > 0;) {
+            const glm::uvec3 c = mesh.triangles[t];
+            const auto at_end = [&](std::uint32_t v) { return mesh.vertices[v].position.z == high.z; };
+            if (at_end(c.x) && at_end(c.y) && at_end(c.z)) {
+                mesh.triangles.erase(mesh.triangles.begin() + std::ptrdiff_t(t)), ++removed;
+                mesh.material.erase(mesh.material.begin() + std::ptrdiff_t(t));
+            }
+        }
+    REQUIRE(removed == 2);
+    scene.camera.position = glm::dvec3(low + high) * 0.5;
+    scene.camera.look_at = scene.camera.position + glm::dvec3(0.3, -0.1, -1);
+    scene.camera.near = 1e-3, scene.frame_size = {16, 12}, scene.method = "probes";
+    return scene;
+}
+
+frame::Frame frame_of(const Scene& scene, probes::Unasked unasked) {
+    frame::Settings settings = frame::settings_of(scene);
+    settings.probes = small();
+    settings.probes.receivers_per_m2 = 5, settings.probes.threshold = 1e-7f, settings.probes.singular_values = 64;
+    settings.probe_run.unasked = unasked, settings.probe_run.tolerance = 1e-6f;
+    frame::add_bake(scene, settings);
+    return frame::execute(scene, settings, frame::plan(scene, settings), {});
+}
+
+// Irradiance of receivers over what it is under the radiance 2 / pi from every front that they see: by told_share(). Mean and
+// largest deviation.
+std::pair<double, double> ratio_of(const Scene& scene, probes::Unasked unasked) {
+    frame::Settings settings = frame::settings_of(scene);
+    settings.probes = small();
+    settings.probes.receivers_per_m2 = 5, settings.probes.threshold = 1e-7f, settings.probes.singular_values = 64;
+    settings.probe_run.unasked = unasked;
+    frame::add_bake(scene, settings);
+    const frame::Frame f = frame::execute(scene, settings, frame::plan(scene, settings), {});
+    const probes::Bake& b = *settings.bake;
+    std::size_t open = 0;
+    for (const std::int32_t m : b.relight.material) open += m == probes::met_nothing ? 1 : 0;
+    REQUIRE(open > b.relight.material.size() / 20);
+    double sum = 0, most = 0;
+    int seen = 0;
+    for (int i = 0; i < b.receivers.count(); ++i) {
+        const double expected = 2 * double(probes::told_share(b, i));
+        if (!(expected > 0.1)) continue;
+        const double ratio = double(f.probes.irradiance.texels[std::size_t(f.probes.data.place_of[std::size_t(i)])].x) / expected;
+        sum += ratio, most = std::max(most, std::isnan(ratio) ? INFINITY : std::fabs(ratio - 1)), ++seen;
+    }
+    REQUIRE(seen > b.receivers.count() / 2);
+    return {sum / seen, most};
+}
+
+Buffer<glm::vec4> four_directions() { return {{1, 0, 0, 0}, {0.8f, 0.6f, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}; }
+
+}  // namespace
+
+TEST_CASE("stand-ins: the nearest ray that is asked, the first of equals", "[probes][unasked]") {
+    using V = std::vector<std::int32_t>;
+    CHECK(probes::stand_ins(four_directions(), {1, 1, 1, 1}, {}) == V{0, 1, 2, 3});
+    CHECK(probes::stand_ins(four_directions(), {0, 1, 1, 1}, {}) == V{1, 1, 2, 3});      // 0.8 against 0
+    CHECK(probes::stand_ins(four_directions(), {1, 0, 1, 1}, {}) == V{0, 0, 2, 3});      // 0.8 against 0.6
+    CHECK(probes::stand_ins(four_directions(), {1, 0, 0, 0}, {}) == V{0, 0, 0, 0});
+    CHECK(probes::stand_ins(four_directions(), {1, 1, 1, 0}, {}) == V{0, 1, 2, 0});      // all have the cosine 0
+    CHECK(probes::stand_ins(four_directions(), {0, 0, 0, 0}, {}) == V{0, 1, 2, 3});      // a probe that finds nothing
+    CHECK(probes::stand_ins(four_directions(), {1, 1, 1, 1, 0, 1, 1, 1}, {}) == V{0, 1, 2, 3, 1, 1, 2, 3});
+    CHECK(probes::stand_ins({}, {}, {}).empty());
+    CHECK_THROWS_AS(probes::stand_ins(four_directions(), {1, 1, 1}, {}), InputError);
+}
+
+TEST_CASE("stand-ins: of many rays what a search through all finds, however far", "[probes][unasked]") {
+    const Buffer<glm::vec4> directions = probes::relight_directions(512);
+    for (const float edge : {0.9f, 0.0f, -0.95f}) {  // asked: below it; the last leaves some ten rays, beyond every list of neighbours
+        std::vector<std::uint8_t> asked;
+        for (const glm::vec4& d : directions) asked.push_back(d.z < edge ? 1 : 0);
+        const std::vector<std::int32_t> of = probes::stand_ins(directions, asked, {});
+        int wrong = 0;
+        for (std::size_t r = 0; r < directions.size(); ++r) {
+            const auto cosine = [&](std::size_t q) { return glm::dot(glm::dvec3(directions[r]), glm::dvec3(directions[q])); };
+            std::size_t best = r;
+            for (std::size_t q = 0; q < directions.size(); ++q)
+                if (!asked[r] && asked[q] && (best == r || cosine(q) > cosine(best))) best = q;
+            wrong += of[r] == std::int32_t(best) ? 0 : 1;
+        }
+        CHECK(wrong == 0);
+    }
+}
+
+TEST_CASE("stand-ins: beside an opening constant radiance stays constant", "[probes][unasked][analytic]") {
+    // All that receivers see is 2 / pi, and so all that probes are asked. Their harmonics of a constant are exact (relight weights).
+    const auto [mean, most] = ratio_of(open_room(0), probes::Unasked::nearest);
+    CHECK(mean == Approx(1).epsilon(1e-5));
+    CHECK(most < 1e-4);
+    // Published: the opening is black, and its edge is 25 degrees wide.
+    const auto [black_mean, black_most] = ratio_of(open_room(0), probes::Unasked::black);
+    CHECK(black_mean < 0.99);
+    CHECK(black_mean > 0.9);
+    CHECK(black_most > 0.05);
+}
+
+TEST_CASE("stand-ins: under a sky that sends light the opening is asked, and shines itself", "[probes][unasked][analytic]") {
+    Scene scene = open_room(0);
+    scene.environment.radiance = glm::vec3(float(2 / host::pi));
+    const frame::Frame f = frame_of(scene, probes::Unasked::nearest);
+    double least = 1e300, most = 0;
+    for (const glm::vec4& e : f.probes.irradiance.texels)
+        if (e.w == 1 && e.x > 0.1f) least = std::min(least, double(e.x)), most = std::max(most, double(e.x));
+    CHECK(least > 2 * (1 - 1e-2));  // rays that meet a probe's back side of a wall bring nothing
+    CHECK(most < 2 * (1 + 1e-4));
+    // Another sky: the void has its radiance, not a wall's.
+    scene.environment.radiance = glm::vec3(50);
+    frame::Settings settings = frame::settings_of(scene);
+    settings.probes = small();
+    frame::add_bake(scene, settings);
+    const probes::Bake& b = *settings.bake;
+    const probes::HitSurfaces hits = probes::hit_surfaces(scene, b, {}, probes::Unasked::nearest);
+    int wrong = 0, sky = 0;
+    for (std::size_t i = 0; i < b.relight.material.size(); ++i) {
+        if (b.relight.material[i] != probes::met_nothing) continue;
+        ++sky, wrong += hits.emitted.texels[i].x == 50 && hits.surface.texels[i].w == 0 ? 0 : 1;
+    }
+    CHECK(sky > 0);
+    CHECK(wrong == 0);
+}
