@@ -174,6 +174,11 @@ class Measure {
         };
         probes_of(add("probes", ""), 4);
         if (!request_.quick) probes_of(add("probes", ""), 16);
+        IprVariant& together = add("together", "");
+        probes_of(together, 4);
+        together.bake.relight_rays = 4 * own.relight_rays, together.bake.receiver_rays = 4 * own.receiver_rays;
+        together.settings = fmt::format("{} probes, {} relight rays, {} rays of a receiver", together.bake.placement.count, together.bake.relight_rays,
+                                        together.bake.receiver_rays);
         IprTable table{"goal", "error with converged bounces, each resource changed once", "the default bake; every row changes one number of it", {}, {}};
         for (const IprVariant& v : all) table.rows.push_back(measure(v));
         against(table.rows.front(), table.rows);

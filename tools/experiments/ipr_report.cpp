@@ -42,10 +42,10 @@ std::vector<std::string> ipr_cells(const IprRow& r) {
 }
 
 std::string goal_text(const IprGoal& g) {
-    std::string text = g.most > 0 ? fmt::format("mean |error| {:.2f} %, goal {:g} %: {}", 100 * g.reached, 100 * g.most, g.reached < g.most ? "reached" : "missed")
+    std::string text = g.most > 0 ? fmt::format("mean |error| {:.2f} %, goal {:g} %: {}", 100 * g.reached, 100 * g.most, g.reached < g.most ? "reached" : (1 - g.lowered) * g.reached < g.most ? "missed, but reached" : "missed")
                                   : fmt::format("mean |error| {:.2f} %", 100 * g.reached);
-    return text + (g.limit.empty() ? "; no change of one resource lowers it"
-                                   : fmt::format("; what lowers it most, by {:.0f} %, is {}", 100 * g.lowered, g.limit));
+    return text + (g.limit.empty() ? "; no change of a resource lowers it"
+                                   : fmt::format("; what lowers it most, by {:.0f} % to {:.2f} %, is {}", 100 * g.lowered, 100 * (1 - g.lowered) * g.reached, g.limit));
 }
 
 std::string quads_text(const IprQuads& q) {
