@@ -30,7 +30,7 @@ TransportParams transport_params(const BakeParams& p, bool sky) {
     TransportParams t;
     t.rays = p.receiver_rays, t.degree = p.degree, t.distribution = p.distribution;
     t.published_weight = p.weighting == Weighting::published;
-    t.escape = p.escapes == Escapes::automatic ? (sky ? Escape::same_direction : Escape::nothing)
+    t.escape = p.escapes == Escapes::automatic ? (sky ? Escape::sky : Escape::nothing)
                                              : Escape(int(p.escapes) - 1);
     return t;
 }

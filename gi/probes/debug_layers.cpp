@@ -9,6 +9,7 @@
 #include "core/host_math.h"
 #include "core/sh.h"
 #include "gi/probes/scene_view.h"
+#include "gi/probes/sky_probe.h"
 
 namespace plumb::probes {
 
@@ -118,9 +119,10 @@ std::vector<DebugLayer> debug_layers(const Bake& b, const raster::Surfaces& surf
     for (const glm::vec4& c : b.placement.candidates) scene.ball(placed, glm::dvec3(c), 0.3 * ball, {0.9f, 0.6f, 0.2f, 1});
     add("candidates", "probes.placement", "all candidates", placed);
     placed = scene.with(nullptr);
-    for (const glm::vec4& p : b.placement.probes) scene.ball(placed, glm::dvec3(p), ball, {0.2f, 0.5f, 1, 1});
-    const std::size_t shown = std::size_t(scene.in_sight(b.placement.probes));
-    const glm::dvec3 from(b.placement.probes[shown]);
+    const Buffer<glm::vec4> standing(b.placement.probes.begin(), b.placement.probes.begin() + standing_probes(b.placement.probes));
+    for (const glm::vec4& p : standing) scene.ball(placed, glm::dvec3(p), ball, {0.2f, 0.5f, 1, 1});
+    const std::size_t shown = std::size_t(scene.in_sight(standing));
+    const glm::dvec3 from(standing[shown]);
     scene.outline(placed, from, b.radius.radius_m, {1, 1, 1, 1});
     add("probes", "probes.placement", "probes; the outline is the reach of the one nearest to the middle", placed);
     add_both("supports", "probes.supports", "green: as many probes as there are slots; black: none",

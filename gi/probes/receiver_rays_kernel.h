@@ -21,6 +21,7 @@ enum class Escape : int {
     same_direction,  // the second: from probes whose ray in the same direction meets nothing, either
     visible_probes,  // the third: from probes that the receiver sees
     all_probes,      // the fourth: from all that support it
+    sky,             // from the sky, which is the probe of the last slot (sky_probe.h)
 };
 
 inline constexpr float escaped_length = 1e15f;  // m: stands for the length of a ray that met nothing
@@ -100,14 +101,16 @@ PLUMB_INLINE index_t<F> probes_that_see(const ReceiverRaysView& in, index_t<F> r
     const vec3<F> start = met.point + met.normal * F(in.offset);
     const mask_t<F> on_front = active & hit.found & met.front, free = active & !hit.found;
     I bits(0);
-    for (int slot = 0; slot < in.slots; ++slot) {
+    const int standing = in.escape == int(Escape::sky) ? in.slots - 1 : in.slots;
+    if (standing < in.slots) bits = select(free, I(1 << standing), I(0));
+    for (int slot = 0; slot < standing; ++slot) {
         const vec4<F> probe = N::fetch4(in.supporting, I(slot * in.width) + receiver);
         const mask_t<F> supports = probe.w > F(0.0f);
         const vec3<F> to_probe = raster::minus3(xyz<F>(probe), start);
         mask_t<F> sees = on_front & supports & (dot3(met.normal, to_probe) > F(0.0f));
         if (any(sees)) sees = tracer.visible(start, to_probe, F(0.0f), F(1.0f), sees);
         mask_t<F> escapes = free & supports;
-        if (in.escape == int(Escape::nothing) || !any(escapes)) {
+        if (in.escape == int(Escape::nothing) || in.escape == int(Escape::sky) || !any(escapes)) {
             escapes = escapes & (F(1.0f) < F(0.0f));
         } else if (in.escape == int(Escape::same_direction)) {
             escapes = tracer.visible(xyz<F>(probe), direction, F(0.0f), F(__builtin_inff()), escapes);

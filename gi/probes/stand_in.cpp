@@ -6,6 +6,7 @@
 #include "core/error.h"
 #include "core/parallel.h"
 #include "gi/probes/bake.h"
+#include "gi/probes/sky_probe.h"
 
 namespace plumb::probes {
 
@@ -68,10 +69,16 @@ std::vector<std::int32_t> stand_ins(const Buffer<glm::vec4>& directions, const s
 }
 
 std::vector<std::int32_t> stand_ins(const Bake& bake, Unasked unasked, const RunOptions& options) {
-    const bool sky = bake.transport.escape != Escape::nothing;
+    const Escape escape = bake.transport.escape;
+    const bool everywhere = escape != Escape::nothing && escape != Escape::sky;
+    const std::size_t rays = std::size_t(bake.relight.rays), standing = std::size_t(standing_probes(bake.placement.probes));
     std::vector<std::uint8_t> asked;
     asked.reserve(bake.relight.material.size());
-    for (const std::int32_t m : bake.relight.material) asked.push_back(unasked == Unasked::black || m >= 0 || (m == met_nothing && sky) ? 1 : 0);
+    for (std::size_t k = 0; k < bake.relight.material.size(); ++k) {
+        const std::int32_t m = bake.relight.material[k];
+        const bool sky = everywhere || k / rays >= standing;
+        asked.push_back(unasked == Unasked::black || m >= 0 || (m == met_nothing && sky) ? 1 : 0);
+    }
     return stand_ins(bake.relight_directions, asked, options);
 }
 

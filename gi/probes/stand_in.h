@@ -1,5 +1,5 @@
-// Directions of a probe that nobody asks: rays that meet a back and, where rays that meet nothing bring nothing (Escape::nothing),
-// those. No receiver reads a probe's harmonics there, so that any radiance will do; but a finite number of harmonics blurs what
+// Directions of a probe that nobody asks: rays that meet a back and, where rays that meet nothing bring nothing or ask the sky itself
+// (Escape::nothing, sky), those. No receiver reads a probe's harmonics there, so that any radiance will do; but a finite number of harmonics blurs what
 // lies on either side of the edge into the other. With black, light that receivers see is lost to where nobody looks: 2.5 % a bounce
 // in a Cornell box with 128 probes and degree 7. differs: IPR 3.2.3.1 is black there.
 //

@@ -14,6 +14,7 @@
 #include "gi/frame/settings.h"
 #include "gi/probes/debug_layers.h"
 #include "gi/probes/memory.h"
+#include "gi/probes/sky_probe.h"
 #include "gi/probes/static_scene.h"
 #include "io/file.h"
 #include "io/image_file.h"
@@ -146,7 +147,7 @@ Json report_json(const probes::BakeGraph& graph, const std::vector<graph::NodeRu
                  {"receivers", b.receivers.count()},
                  {"moved", b.shifted},
                  {"receivers_without_probe", b.supports.unsupported},
-                 {"probes", b.placement.probes.size()},
+                 {"probes", probes::standing_probes(b.placement.probes)},
                  {"probe_radius_m", b.radius.radius_m},
                  {"lightmap", {b.atlas.size.x, b.atlas.size.y}},
                  {"clusters", b.clusters.clusters.size()},
@@ -261,7 +262,7 @@ int bake(const BakeOptions& given) {
         graph.when_sized([&](std::uint64_t bytes) {
             const probes::Bake& b = graph.bake();
             fmt::print("{} receivers, {} probes, at most {:.1f} million rays; at most {} of memory\n", b.receivers.count(),
-                       b.placement.probes.size(),
+                       probes::standing_probes(b.placement.probes),
                        double(b.receivers.count()) * b.transport.rays * (1 + b.supports.overlaps) / 1e6, probes::size_text(bytes));
             std::fflush(stdout);
         });
