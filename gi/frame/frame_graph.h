@@ -4,7 +4,7 @@
 //     nodes_raster.cpp   G-buffers and maps            nodes_filter.cpp    filters of indirect light
 //     nodes_direct.cpp   shadows and direct light      nodes_isr.cpp       image-space radiosity
 //     nodes_rsm.cpp      gathers and their sum         nodes_compose.cpp   the picture, and what is path traced
-//     nodes_probes.cpp   irradiance probes
+//     nodes_probes.cpp   irradiance probes (nodes_probes.h)
 #pragma once
 
 #include <memory>
