@@ -2,14 +2,17 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <array>
 #include <atomic>
 #include <cerrno>
+#include <chrono>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 
 #include "core/error.h"
 
@@ -49,6 +52,7 @@ class Unfinished {
         if (!renamed_) ::unlink(name_.c_str());
         if (slot_) *slot_ = nullptr;
     }
+    const std::string& name() const { return name_; }
     void rename_to(const std::string& path) {
         if (::rename(name_.c_str(), path.c_str()) != 0) fail(path, "cannot be written", errno);
         renamed_ = true;
@@ -83,6 +87,47 @@ void write_through(const std::string& path, const std::vector<std::string_view>&
     file.fd = -1;
     if (status != 0) fail(path, "cannot be written", errno);
 }
+
+// Eight digits of what this start of this machine is called; processes of one machine can tell each other's locks.
+const std::string& machine() {
+    static const std::string name = [] {
+        std::string id;
+        std::ifstream("/proc/sys/kernel/random/boot_id") >> id;
+        return id.substr(0, 8);
+    }();
+    return name;
+}
+
+// A new file beside `path` that is locked: remove_abandoned() tells it from one whose writer has ended.
+class PartFile {
+  public:
+    explicit PartFile(const std::string& path) : path_(path), unfinished_(part_name(path)) {
+        file_.fd = ::open(name().c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        if (file_.fd < 0) fail(path, "cannot be written", errno);
+        // A file system without locks has nobody who could remove it for the want of one.
+        const bool taken = ::flock(file_.fd, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+        struct stat status;
+        removed_ = taken || (::fstat(file_.fd, &status) == 0 && status.st_nlink == 0);
+    }
+    // Somebody who cleaned up was faster than the lock.
+    bool removed() const { return removed_; }
+    void write(std::string_view bytes) { write_all(file_.fd, bytes, path_); }
+    // The lock is kept until the file has its name; what close() has to say comes before.
+    void finish() {
+        const Descriptor lock{::fcntl(file_.fd, F_DUPFD_CLOEXEC, 0)};
+        const int status = ::close(file_.fd);
+        file_.fd = -1;
+        if (status != 0) fail(path_, "cannot be written", errno);
+        unfinished_.rename_to(path_);
+    }
+
+  private:
+    const std::string& name() const { return unfinished_.name(); }
+    const std::string& path_;
+    Unfinished unfinished_;
+    Descriptor file_;
+    bool removed_ = false;
+};
 
 template <class Bytes>
 Bytes read_whole(const std::string& path, std::size_t limit) {
@@ -123,21 +168,35 @@ void write_file(const std::string& path, const std::vector<std::string_view>& pa
         return write_through(path, parts);
 
     // Same folder, hence same file system: a rename replaces the old file in one step.
+    for (int attempt = 0;; ++attempt) {
+        PartFile part(path);
+        if (part.removed() && attempt < 16) continue;
+        for (std::string_view bytes : parts) part.write(bytes);
+        return part.finish();
+    }
+}
+
+std::string part_name(const std::string& path) {
     static std::atomic<unsigned> counter{0};
     const std::string name = std::filesystem::path(path).filename().string();
     if (name.empty()) throw InputError(shown(path), "", "cannot be written: it names no file");
-    const std::string temporary = beside(path, fmt::format(".{}.{}-{}.part", name, ::getpid(), counter++));
+    return beside(path, fmt::format(".{}.{}-{}-{}.part", name, machine(), ::getpid(), counter++));
+}
 
-    Unfinished unfinished_file(temporary);
-    {
-        Descriptor file{::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666)};
-        if (file.fd < 0) fail(path, "cannot be written", errno);
-        for (std::string_view part : parts) write_all(file.fd, part, path);
-        const int status = ::close(file.fd);
-        file.fd = -1;
-        if (status != 0) fail(path, "cannot be written", errno);
-    }
-    unfinished_file.rename_to(path);
+bool remove_abandoned(const std::string& part) noexcept try {
+    const Descriptor file{::open(part.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK)};
+    struct stat status;
+    if (file.fd < 0 || ::fstat(file.fd, &status) != 0 || !S_ISREG(status.st_mode)) return false;
+    const bool locks = ::flock(file.fd, LOCK_EX | LOCK_NB) == 0;
+    if (!locks && errno == EWOULDBLOCK) return false;  // it is being written
+    const std::string name = std::filesystem::path(part).stem().string();
+    const bool own = locks && !machine().empty() && name.find("." + machine() + "-") != std::string::npos;
+    const auto day = std::chrono::hours(24);
+    std::error_code error;
+    if (!own && std::filesystem::last_write_time(part, error) > std::filesystem::file_time_type::clock::now() - day) return false;
+    return !error && ::unlink(part.c_str()) == 0;
+} catch (const std::exception&) {
+    return false;
 }
 
 void write_text(const std::string& path, const std::string& text) { write_file(path, {text}); }

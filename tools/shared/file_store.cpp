@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <new>
+#include <utility>
 
 #include "core/content_hash.h"
 #include "core/error.h"
@@ -69,6 +70,7 @@ std::string FileStore::path_of(graph::Key key) { return folder_ + "/" + hash_tex
 std::optional<Bundle> FileStore::find(graph::Key key, std::uint64_t most) {
     std::string path;
     try {
+        remove_abandoned();
         path = path_of(key);
         std::error_code error;
         if (!fs::exists(path, error)) return std::nullopt;
@@ -99,11 +101,22 @@ void FileStore::keep(graph::Key key, const Bundle& bundle, const std::string& wh
         Bundle file = bundle;
         file.arrays.push_back(key_array(own_key(key)));
         io::make_folder(folder_);
+        remove_abandoned();
         io::write_bundle(path_of(key), file);
         used_.insert(path_of(key));
         remove_oldest();
     } catch (const std::exception& e) {
         notes_.push_back(cause_of(e) + fmt::format("; {} is not kept", what));
+    }
+}
+
+void FileStore::remove_abandoned() {
+    if (std::exchange(cleaned_, true)) return;
+    std::error_code error;
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder_, error)) {
+        const std::string name = entry.path().filename().string();
+        if (name.front() == '.' && name.ends_with(".part") && name.find("." + kind_ + ".") != std::string::npos)
+            io::remove_abandoned(entry.path().string());
     }
 }
 
@@ -115,18 +128,13 @@ void FileStore::remove_oldest() const {
         bool pinned;
     };
     std::vector<File> files;
-    const fs::file_time_type yesterday = fs::file_time_type::clock::now() - std::chrono::hours(24);
     for (const fs::directory_entry& entry : fs::directory_iterator(folder_)) {
-        const std::string name = entry.path().filename().string();
         // Another run may have removed it since.
         std::error_code no_time, no_size;
         const File file{entry.last_write_time(no_time), entry.path(), entry.file_size(no_size),
                         pins_ && used_.contains(entry.path().string())};
         if (no_time || no_size) continue;
         if (entry.path().extension() == "." + kind_) files.push_back(file);
-        // What a run that was killed has left while it wrote.
-        const bool part = name.find("." + kind_ + ".") != std::string::npos && name.front() == '.';
-        if (part && file.used < yesterday) fs::remove(file.path, no_time);
     }
     std::sort(files.begin(), files.end(), [](const File& a, const File& b) {
         return a.pinned != b.pinned ? a.pinned : a.used > b.used;

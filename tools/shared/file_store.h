@@ -46,10 +46,12 @@ class FileStore : public graph::Store {
   private:
     graph::Key own_key(graph::Key key);
     void remove_oldest() const;
+    // What runs that were killed while they wrote have left: once, before the folder is first used.
+    void remove_abandoned();
 
     std::string folder_, kind_;
     Limits limits_;
-    bool pins_ = false;
+    bool pins_ = false, cleaned_ = false;
     std::set<std::string> used_;
     std::vector<std::string> notes_;
 };
