@@ -160,6 +160,7 @@ int trace(const LightmapOptions& given) {
 
 LightmapScene load_lightmap_scene(const LightmapOptions& given) {
     LightmapScene s;
+    require_baked(given.scene.sets, {"probes", "reference"}, "plumb lightmap");
     const reference::Mode mode = part_of(given.part);
     s.scene = io::load_scene(given.scene.file, frame::method_tables(), s.second);
     SceneOptions options = given.scene;
