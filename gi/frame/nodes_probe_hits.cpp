@@ -11,10 +11,15 @@ namespace {
 
 void add_data(Context& c, Nodes& nodes) {
     ProbeBuffers& p = c.frame.probes;
-    PlannedNode node = begin_host(c, probes::info_run_data(), c.settings.bake ? "what is known of the scene" : text_of(probes::expected_bake(c.scene, c.settings.probes)), {1, 1});
-    if (!c.settings.bake) node.plan.expected_ms = probes::expected_bake(c.scene, c.settings.probes).ms;
+    PlannedNode node = begin_host(c, probes::info_run_data(), "what is known of the scene", {1, 1});
+    if (!c.settings.bake) {
+        const probes::BakeParams& params = c.settings.probes;
+        const probes::ExpectedBake expected = probes::expected_bake(c.scene, params);
+        if (params.lightmap_size == 0) probes::require_room(expected.area_m2, double(params.receivers_per_m2));
+        node.plan.reason = text_of(expected), node.plan.expected_ms = expected.ms;
+    }
     node.reads = [&c](graph::Reads& r) {
-        if (r.hashes()) r.source("bake", probes::bake_key(bake_of(c)));
+        r.source("bake", c.bake_key);
         // Which triangles stand still; where the others are is nothing to it.
         for (const Mesh& mesh : c.scene.meshes) r.value(mesh.dynamic, mesh.triangles.size(), mesh.share);
         probes::LodParams lod = c.settings.lod;
@@ -49,7 +54,7 @@ void add_surfaces(Context& c, int view, Nodes& nodes) {
     set_view(c, node, view);
     node.plan.reason = "light is gathered there";
     node.reads = [&c](graph::Reads& r) {
-        if (r.hashes()) r.source("bake", probes::bake_key(bake_of(c)));
+        r.source("bake", c.bake_key);
         r.source("surfaces", c.keys.surfaces), r.source("emission", c.keys.emission);
         r.value(c.scene.environment.radiance, c.settings.probe_run.unasked), r.image(c.scene.environment.map);
     };

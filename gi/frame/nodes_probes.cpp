@@ -52,7 +52,11 @@ probes::Convergence run_rounds(Context& c, const RunOptions& options, Image4& be
     b.direct = &c.direct(1);
     b.radiance = &made.radiance, b.lambda = &made.lambda, b.basis = &made.basis, b.irradiance = &made.irradiance;
     b.lightmap = &made.lightmap;
-    return probes::converge(b, c.settings.probe_run, options, before);
+    try {
+        return probes::converge(b, c.settings.probe_run, options, before);
+    } catch (const InputError& error) {
+        throw InputError(fmt::format("{}: {}", c.scene.name, error.what()));
+    }
 }
 
 // What the frame before has left; the first frame of a pipeline finds what has converged, or black.

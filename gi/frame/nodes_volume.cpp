@@ -19,7 +19,7 @@ void add_active(Context& c, Nodes& nodes) {
     ProbeBuffers& p = c.frame.probes;
     PlannedNode node = begin_host(c, probes::info_active(), "spatial receivers near what moves", {1, 1});
     node.reads = [&c, &p](graph::Reads& r) {
-        if (r.hashes()) r.source("bake", probes::bake_key(bake_of(c)));
+        r.source("bake", c.bake_key);
         r.source("geometry", c.keys.geometry);
         r.list(p.data.matrix);
     };

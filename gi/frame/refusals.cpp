@@ -304,7 +304,12 @@ void check_parameters(const Scene& scene, const Settings& settings) {
         compose::validate(settings.tonemap);
         if (!lights_probes(settings)) return;
         probes::validate(settings.lod);
-        if (settings.bake && settings.bake->scene_hash != probes::scene_hash(scene, probes::flatten_static(scene)))
+        // Where a bake is made its parameters are known.
+        if (settings.bake)
+            probes::lod_of(settings.lod, *settings.bake);
+        else if (settings.probe_run.file.empty())
+            probes::lod_of(settings.lod, 0, settings.probes.degree, settings.probes.relight_rays, settings.probes.gap);
+        if (settings.bake && settings.bake->scene_hash != probes::scene_hash(scene))
             throw InputError("the bake is of another scene: its static meshes, or what they are made of, were others; what moves has to be dynamic");
     } catch (const InputError& error) {
         throw InputError(fmt::format("{}: {}", scene.name, error.what()));
