@@ -6,6 +6,7 @@
 
 #include "core/content_hasher.h"
 #include "gi/probes/bake.h"
+#include "gi/probes/host_step.h"
 #include "gi/probes/run_params.h"
 #include "gi/probes/static_scene.h"
 
@@ -13,15 +14,7 @@ namespace plumb::probes {
 
 namespace {
 
-StageInfo step(const std::string& name, const std::string& source, std::vector<Port> inputs, std::vector<Port> outputs,
-               const std::vector<std::string>& params) {
-    RunParams defaults;
-    StageInfo s;
-    s.name = name, s.source = source;
-    s.inputs = std::move(inputs), s.outputs = std::move(outputs);
-    s.params = describe(fields(defaults), params);
-    return s;
-}
+constexpr auto step = host_step<RunParams>;
 
 const Port bake = {"bake", "arrays", "", "of plumb bake"};
 const Port lightmap = {"lightmap", "image rgba32f", "W/m2", "irradiance"};
@@ -89,6 +82,7 @@ ExpectedBake expected_bake(const Scene& scene, const BakeParams& p) {
     e.receivers = p.lightmap_size > 0 ? side * side / 2 : area * double(p.receivers_per_m2);
     e.rays = e.receivers * (double(p.receiver_rays) * (1 + p.placement.overlaps) + p.test_rays);
     e.ms = e.rays / rays_a_ms;
+    e.area_m2 = area;
     return e;
 }
 

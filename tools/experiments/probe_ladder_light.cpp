@@ -124,18 +124,6 @@ Radiance direct_light(const LadderWorld& world) {
 
 namespace {
 
-probes::Receivers some_of(const probes::Receivers& all, const std::vector<int>& index) {
-    probes::Receivers r;
-    r.size = all.size;
-    for (const int i : index) {
-        const std::size_t at = std::size_t(i);
-        r.position.push_back(all.position[at]), r.normal.push_back(all.normal[at]), r.shift.push_back(all.shift[at]);
-        r.texel.push_back(all.texel[at]), r.material.push_back(all.material[at]), r.triangle.push_back(all.triangle[at]);
-        r.border.push_back(all.border[at]);
-    }
-    return r;
-}
-
 // Leaves out receivers that see too much of the sky.
 void leave_out(const std::vector<bool>& out, CheckedReceivers& c) {
     CheckedReceivers kept;
@@ -148,7 +136,7 @@ void leave_out(const std::vector<bool>& out, CheckedReceivers& c) {
         kept.radiance.insert(kept.radiance.end(), first, first + c.rays);
     }
     if (index.empty()) throw InputError("probe-ladder: every receiver sees more of the sky than --most-sky allows");
-    kept.receivers = some_of(c.receivers, index), kept.rays = c.rays, kept.directions = c.directions;
+    kept.receivers = probes::some_of(c.receivers, index), kept.rays = c.rays, kept.directions = c.directions;
     kept.before_sky = c.count() - kept.count();
     c = std::move(kept);
 }
@@ -162,7 +150,7 @@ CheckedReceivers check_receivers(const LadderWorld& world, const Radiance& radia
     const int n = std::min(request.receivers, all.count()), truth_rays = request.truth_rays;
     std::vector<char> before_sky(std::size_t(n), 0);
     for (int i = 0; i < n; ++i) c.index.push_back(int((2 * std::int64_t(i) + 1) * all.count() / (2 * n)));
-    c.receivers = some_of(all, c.index);
+    c.receivers = probes::some_of(all, c.index);
     c.rays = bake_rays;
     c.directions = probes::receiver_directions(bake_rays, distribution);
     c.radiance.resize(std::size_t(n) * std::size_t(bake_rays));
