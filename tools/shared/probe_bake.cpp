@@ -123,8 +123,7 @@ std::uint64_t memory_there() {
 
 std::shared_ptr<const probes::Bake> read_bake(const std::string& path, const Scene& scene) {
     const io::DescribedFile file = io::read_described(path, bake_kind);
-    const Geometry geometry = probes::flatten_static(scene);
-    const std::uint64_t hash = probes::scene_hash(scene, geometry);
+    const std::uint64_t hash = probes::scene_hash(scene);
     io::require_scene(file, hash, scene.name);
     check_bake(file);
     check_sky(file, scene);
@@ -142,6 +141,14 @@ std::shared_ptr<const probes::Bake> read_bake(const std::string& path, const Sce
     return bake;
 }
 
+std::vector<graph::NodeRun> run_bake(const probes::BakeGraph& graph, const Scene& scene, const graph::RunWith& with) {
+    try {
+        return graph::run(graph.nodes(), with);
+    } catch (const InputError& error) {
+        throw InputError(fmt::format("{}: {}", io::shown(scene.name), error.what()));
+    }
+}
+
 std::shared_ptr<const probes::Bake> make_bake(const Scene& scene, const probes::BakeParams& params, const BakeWith& with) {
     probes::BakeGraph graph(scene, params, {}, memory_there());
     std::unique_ptr<FileStore> store;
@@ -154,7 +161,7 @@ std::shared_ptr<const probes::Bake> make_bake(const Scene& scene, const probes::
     {
         std::unique_ptr<BakeProgress> progress;
         if (with.progress) progress = std::make_unique<BakeProgress>(graph), run.progress = progress->callback();
-        graph::run(graph.nodes(), run);
+        run_bake(graph, scene, run);
     }
     auto bake = std::make_shared<probes::Bake>(graph.release());
     if (!with.with_alpha) bake->alpha = {};

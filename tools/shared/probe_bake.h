@@ -23,6 +23,9 @@ struct BakeWith {
 };
 std::shared_ptr<const probes::Bake> make_bake(const Scene& scene, const probes::BakeParams& params, const BakeWith& with);
 
+// Runs the nodes of a bake; what they refuse names the scene.
+std::vector<graph::NodeRun> run_bake(const probes::BakeGraph& graph, const Scene& scene, const graph::RunWith& with);
+
 // Sets settings.bake for the method probes where it is missing; of other methods nothing happens.
 void add_bake(const Scene& scene, frame::Settings& settings, const BakeWith& with);
 
