@@ -9,12 +9,11 @@
 #include <array>
 #include <atomic>
 #include <cerrno>
-#include <chrono>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 
 #include "core/error.h"
+#include "io/part_file.h"
 
 namespace plumb::io {
 namespace {
@@ -86,16 +85,6 @@ void write_through(const std::string& path, const std::vector<std::string_view>&
     const int status = ::close(file.fd);
     file.fd = -1;
     if (status != 0) fail(path, "cannot be written", errno);
-}
-
-// Eight digits of what this start of this machine is called; processes of one machine can tell each other's locks.
-const std::string& machine() {
-    static const std::string name = [] {
-        std::string id;
-        std::ifstream("/proc/sys/kernel/random/boot_id") >> id;
-        return id.substr(0, 8);
-    }();
-    return name;
 }
 
 // A new file beside `path` that is locked: remove_abandoned() tells it from one whose writer has ended.
@@ -174,29 +163,6 @@ void write_file(const std::string& path, const std::vector<std::string_view>& pa
         for (std::string_view bytes : parts) part.write(bytes);
         return part.finish();
     }
-}
-
-std::string part_name(const std::string& path) {
-    static std::atomic<unsigned> counter{0};
-    const std::string name = std::filesystem::path(path).filename().string();
-    if (name.empty()) throw InputError(shown(path), "", "cannot be written: it names no file");
-    return beside(path, fmt::format(".{}.{}-{}-{}.part", name, machine(), ::getpid(), counter++));
-}
-
-bool remove_abandoned(const std::string& part) noexcept try {
-    const Descriptor file{::open(part.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK)};
-    struct stat status;
-    if (file.fd < 0 || ::fstat(file.fd, &status) != 0 || !S_ISREG(status.st_mode)) return false;
-    const bool locks = ::flock(file.fd, LOCK_EX | LOCK_NB) == 0;
-    if (!locks && errno == EWOULDBLOCK) return false;  // it is being written
-    const std::string name = std::filesystem::path(part).stem().string();
-    const bool own = locks && !machine().empty() && name.find("." + machine() + "-") != std::string::npos;
-    const auto day = std::chrono::hours(24);
-    std::error_code error;
-    if (!own && std::filesystem::last_write_time(part, error) > std::filesystem::file_time_type::clock::now() - day) return false;
-    return !error && ::unlink(part.c_str()) == 0;
-} catch (const std::exception&) {
-    return false;
 }
 
 void write_text(const std::string& path, const std::string& text) { write_file(path, {text}); }

@@ -21,13 +21,6 @@ std::string read_text(const std::string& path, std::size_t limit = max_text_byte
 void write_file(const std::string& path, const std::vector<std::string_view>& parts);
 void write_text(const std::string& path, const std::string& text);
 
-// Where a file of that name is written before it is renamed: hidden beside it; it ends in ".part". It says on which machine, and
-// is locked as long as its writer lives.
-std::string part_name(const std::string& path);
-// Removes what a writer that was killed has left under such a name: at once where it wrote on this machine, else when it is a day
-// old. True where it did. A file that is being written stays.
-bool remove_abandoned(const std::string& part) noexcept;
-
 // Makes the folder and those above it; throws InputError.
 void make_folder(const std::string& path);
 

@@ -3,6 +3,7 @@
 
 #include "gi/frame/filters.h"
 #include "gi/frame/nodes_probes.h"
+#include "gi/probes/atlas_room.h"
 #include "gi/probes/hit_surfaces.h"
 
 namespace plumb::frame {

@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "core/host_math.h"
+#include "gi/probes/atlas_room.h"
 #include "gi/probes/mesh_charts.h"
 #include "gi/probes/pack.h"
 

@@ -50,9 +50,6 @@ struct Atlas {
     AtlasSummary summary;
 };
 
-// Throws InputError where so much surface takes more texels than the largest square has.
-void require_room(double area_m2, double receivers_per_m2, int max_size = AtlasParams().max_size);
-
 // geometry: flatten(scene). A mesh keeps its texture coordinates where gi/probes/own_uv.h allows; any other is cut into
 // planar charts (gi/probes/planar_charts.h). Every chart holds the centre of a texel, but for those that the summary
 // counts. Throws InputError for parameters out of range, for a scene without surfaces, and for one that max_size or

@@ -69,8 +69,6 @@ struct Bake {
 // Of all that a bake depends on but its parameters: the geometry, which material each triangle has, and where materials are
 // cut out by their masks. Light, reflectance and emission are the run time's. A bake's geometry is flatten_static(scene).
 std::uint64_t scene_hash(const Scene& scene, const Geometry& geometry);
-// Of the scene's own; what was asked last is kept, for frame after frame asks whether a bake is of its scene.
-std::uint64_t scene_hash(const Scene& scene);
 
 struct Part {
     int index = 0, count = 1;

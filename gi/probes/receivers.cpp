@@ -50,18 +50,6 @@ Receivers place_receivers(const Atlas& atlas, const raster::Surfaces& surfaces, 
     return r;
 }
 
-Receivers some_of(const Receivers& all, const std::vector<int>& index) {
-    Receivers some;
-    some.size = all.size;
-    for (const int i : index) {
-        const std::size_t at = std::size_t(i);
-        some.position.push_back(all.position[at]), some.normal.push_back(all.normal[at]), some.shift.push_back(all.shift[at]);
-        some.texel.push_back(all.texel[at]), some.material.push_back(all.material[at]), some.triangle.push_back(all.triangle[at]);
-        some.border.push_back(all.border[at]);
-    }
-    return some;
-}
-
 int shift_receivers(Receivers& receivers, const raster::SurfaceArgs& surfaces, const RayQuery& query, float offset,
                     const ShiftParams& params, const RunOptions& options) {
     if (params.rays == 0) return 0;

@@ -34,8 +34,6 @@ struct Receivers {
 
 // Covered texels of the atlas, not moved. Throws InputError where nothing is covered.
 Receivers place_receivers(const Atlas& atlas, const raster::Surfaces& surfaces, const RunOptions& options);
-// Those of these indices, in their order.
-Receivers some_of(const Receivers& all, const std::vector<int>& index);
 
 struct ShiftParams {
     int rays = 64;       // over the hemisphere of the normal; 0: nothing is moved

@@ -9,6 +9,7 @@
 #include <csignal>
 
 #include "files.h"
+#include "io/part_file.h"
 
 using namespace plumb;
 using namespace plumb::io;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "tools/experiments/some_receivers.h"
 
 namespace plumb::cli {
 
@@ -34,7 +35,7 @@ reference::PathParams params_of(reference::Mode mode, int samples, Rays rays) {
 // Those that see at most this share of the sky.
 std::vector<int> not_open(const Scene& scene, const probes::Receivers& receivers, std::vector<int> index, double open, Rays rays, const RunOptions& options) {
     if (!(open < 1)) return index;
-    const probes::Receivers some = probes::some_of(receivers, index);
+    const probes::Receivers some = some_of(receivers, index);
     Image4 position(some.count(), 1), normal(some.count(), 1);
     std::copy(some.position.begin(), some.position.end(), position.texels.begin());
     std::copy(some.normal.begin(), some.normal.end(), normal.texels.begin());
@@ -66,7 +67,7 @@ IprTruth trace_receivers(const Scene& scene, const probes::Receivers& receivers,
     const int step = (receivers.count() + request.receivers - 1) / request.receivers;
     for (int i = step / 2; i < receivers.count(); i += step) truth.index.push_back(i);
     truth.index = not_open(scene, receivers, truth.index, request.open, rays, options);
-    const probes::ReceiverIrradiance t = trace_all_receivers(scene, probes::some_of(receivers, truth.index), request.samples, rays, options);
+    const probes::ReceiverIrradiance t = trace_all_receivers(scene, some_of(receivers, truth.index), request.samples, rays, options);
     Image4 mean(int(truth.index.size()), 1), error = mean;
     std::copy(t.mean.begin(), t.mean.end(), mean.texels.begin());
     std::copy(t.error.begin(), t.error.end(), error.texels.begin());

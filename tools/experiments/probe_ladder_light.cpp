@@ -13,6 +13,7 @@
 #include "gi/reference/lights.h"
 #include "gi/reference/ray_query.h"
 #include "tools/experiments/probe_ladder.h"
+#include "tools/experiments/some_receivers.h"
 
 namespace plumb::cli {
 
@@ -136,7 +137,7 @@ void leave_out(const std::vector<bool>& out, CheckedReceivers& c) {
         kept.radiance.insert(kept.radiance.end(), first, first + c.rays);
     }
     if (index.empty()) throw InputError("probe-ladder: every receiver sees more of the sky than --most-sky allows");
-    kept.receivers = probes::some_of(c.receivers, index), kept.rays = c.rays, kept.directions = c.directions;
+    kept.receivers = some_of(c.receivers, index), kept.rays = c.rays, kept.directions = c.directions;
     kept.before_sky = c.count() - kept.count();
     c = std::move(kept);
 }
@@ -150,7 +151,7 @@ CheckedReceivers check_receivers(const LadderWorld& world, const Radiance& radia
     const int n = std::min(request.receivers, all.count()), truth_rays = request.truth_rays;
     std::vector<char> before_sky(std::size_t(n), 0);
     for (int i = 0; i < n; ++i) c.index.push_back(int((2 * std::int64_t(i) + 1) * all.count() / (2 * n)));
-    c.receivers = probes::some_of(all, c.index);
+    c.receivers = some_of(all, c.index);
     c.rays = bake_rays;
     c.directions = probes::receiver_directions(bake_rays, distribution);
     c.radiance.resize(std::size_t(n) * std::size_t(bake_rays));

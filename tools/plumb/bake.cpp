@@ -14,6 +14,7 @@
 #include "gi/frame/settings.h"
 #include "gi/probes/debug_layers.h"
 #include "gi/probes/memory.h"
+#include "gi/probes/static_scene.h"
 #include "io/file.h"
 #include "io/image_file.h"
 #include "tools/plumb/bake_sh.h"

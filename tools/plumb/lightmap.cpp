@@ -16,6 +16,7 @@
 #include "io/scene_file.h"
 #include "tools/plumb/cli.h"
 #include "tools/shared/outputs.h"
+#include "tools/shared/probe_bake.h"
 #include "tools/shared/progress.h"
 #include "tools/shared/reports.h"
 #include "tools/shared/scene_command.h"

@@ -13,6 +13,7 @@
 #include "core/error.h"
 #include "io/bundle_file.h"
 #include "io/file.h"
+#include "io/part_file.h"
 
 namespace plumb::cli {
 
@@ -102,25 +103,37 @@ void FileStore::keep(graph::Key key, const Bundle& bundle, const std::string& wh
         file.arrays.push_back(key_array(own_key(key)));
         io::make_folder(folder_);
         remove_abandoned();
-        io::write_bundle(path_of(key), file);
-        used_.insert(path_of(key));
-        remove_oldest();
+        const std::string path = path_of(key);
+        io::write_bundle(path, file);
+        used_.insert(path);
+        make_room(fs::file_size(path));
     } catch (const std::exception& e) {
         notes_.push_back(cause_of(e) + fmt::format("; {} is not kept", what));
     }
 }
 
+bool FileStore::is_part(const fs::path& path) const {
+    const std::string name = path.filename().string();
+    return name.front() == '.' && name.ends_with(".part") && name.find("." + kind_ + ".") != std::string::npos;
+}
+
 void FileStore::remove_abandoned() {
     if (std::exchange(cleaned_, true)) return;
     std::error_code error;
-    for (const fs::directory_entry& entry : fs::directory_iterator(folder_, error)) {
-        const std::string name = entry.path().filename().string();
-        if (name.front() == '.' && name.ends_with(".part") && name.find("." + kind_ + ".") != std::string::npos)
-            io::remove_abandoned(entry.path().string());
-    }
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder_, error))
+        if (is_part(entry.path())) io::remove_abandoned(entry.path().string());
 }
 
-void FileStore::remove_oldest() const {
+// To look through a folder of thousands of files takes as long as many a file that is kept there.
+void FileStore::make_room(std::uint64_t written) {
+    constexpr int most_unseen = 256;  // other programs write there as well
+    if (written <= room_ && ++unseen_ < most_unseen)
+        room_ -= written;
+    else
+        room_ = remove_oldest(), unseen_ = 0;
+}
+
+std::uint64_t FileStore::remove_oldest() const {
     struct File {
         fs::file_time_type used;
         fs::path path;
@@ -133,6 +146,7 @@ void FileStore::remove_oldest() const {
         std::error_code no_time, no_size;
         const File file{entry.last_write_time(no_time), entry.path(), entry.file_size(no_size),
                         pins_ && used_.contains(entry.path().string())};
+        if (is_part(file.path)) io::remove_abandoned(file.path.string());
         if (no_time || no_size) continue;
         if (entry.path().extension() == "." + kind_) files.push_back(file);
     }
@@ -145,6 +159,7 @@ void FileStore::remove_oldest() const {
         bytes += file.bytes;
         if (bytes > limits_.max_bytes && !file.pinned) fs::remove(file.path, error);
     }
+    return limits_.max_bytes - std::min(bytes, limits_.max_bytes);
 }
 
 }  // namespace plumb::cli

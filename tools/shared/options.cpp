@@ -155,20 +155,6 @@ frame::Settings settings_of(const Scene& scene, const SceneOptions& options) {
     return settings;
 }
 
-void require_baked(const std::vector<std::string>& sets, const std::vector<std::string>& tables, const std::string& command) {
-    probes::RunParams run;
-    const std::vector<Field> later = probes::fields(run);
-    for (const std::string& text : sets) {
-        const Assignment a = parse_assignment(text);
-        if (!std::count(tables.begin(), tables.end(), a.table))
-            throw InputError(fmt::format("{}: {} does not read the table [{}]: expected [{}]", a.place, command, io::printable(a.table),
-                                         fmt::join(tables, "] or [")));
-        const auto of_frames = std::find_if(later.begin(), later.end(), [&](const Field& f) { return f.name == a.key; });
-        if (a.table == "probes" && of_frames != later.end())
-            throw InputError(fmt::format("{}: {} does not read it: it is of frames that read a bake (plumb render)", a.place, command));
-    }
-}
-
 int find_light(const Scene& scene, const std::string& name) {
     std::vector<std::string> names;
     for (const Light& light : scene.lights) {

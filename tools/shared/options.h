@@ -43,10 +43,6 @@ struct SceneOptions {
 // The scene file's settings, then --method, then every --set in its order, then what --truth goes with.
 frame::Settings settings_of(const Scene& scene, const SceneOptions& options);
 
-// Throws InputError for the first --set that a command which bakes would not read: of another table, or of the run time's part of
-// [probes]. command: "plumb bake".
-void require_baked(const std::vector<std::string>& sets, const std::vector<std::string>& tables, const std::string& command);
-
 // Index of the light; throws InputError that names the nearest.
 int find_light(const Scene& scene, const std::string& name);
 

@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "io/file.h"
+#include "io/part_file.h"
 
 namespace plumb::cli {
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 
@@ -12,6 +13,7 @@
 #include "tools/shared/bake_file.h"
 #include "tools/shared/bake_progress.h"
 #include "tools/shared/file_store.h"
+#include "tools/shared/options.h"
 
 namespace plumb::cli {
 
@@ -139,6 +141,20 @@ std::shared_ptr<const probes::Bake> read_bake(const std::string& path, const Sce
     bake->flat = flat_clusters_of(file);
     bake->spatial = spatial_of(file);
     return bake;
+}
+
+void require_baked(const std::vector<std::string>& sets, const std::vector<std::string>& tables, const std::string& command) {
+    probes::RunParams run;
+    const std::vector<Field> later = probes::fields(run);
+    for (const std::string& text : sets) {
+        const Assignment a = parse_assignment(text);
+        if (!std::count(tables.begin(), tables.end(), a.table))
+            throw InputError(fmt::format("{}: {} does not read the table [{}]: expected [{}]", a.place, command, io::printable(a.table),
+                                         fmt::join(tables, "] or [")));
+        const auto of_frames = std::find_if(later.begin(), later.end(), [&](const Field& f) { return f.name == a.key; });
+        if (a.table == "probes" && of_frames != later.end())
+            throw InputError(fmt::format("{}: {} does not read it: it is of frames that read a bake (plumb render)", a.place, command));
+    }
 }
 
 std::vector<graph::NodeRun> run_bake(const probes::BakeGraph& graph, const Scene& scene, const graph::RunWith& with) {
