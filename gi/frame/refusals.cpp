@@ -304,11 +304,11 @@ void check_parameters(const Scene& scene, const Settings& settings) {
         compose::validate(settings.tonemap);
         if (!lights_probes(settings)) return;
         probes::validate(settings.lod);
-        // Where a bake is made its parameters are known.
-        if (settings.bake)
-            probes::lod_of(settings.lod, *settings.bake);
-        else if (settings.probe_run.file.empty())
-            probes::lod_of(settings.lod, 0, settings.probes.degree, settings.probes.relight_rays, settings.probes.gap);
+        // Of what is known now: where a bake is made its parameters are, the scene's diagonal is not asked for.
+        const probes::BakeParams& baked = settings.bake ? settings.bake->params : settings.probes;
+        constexpr double no_diagonal = 1e-6;
+        if (settings.bake || settings.probe_run.file.empty())
+            probes::lod_of(settings.lod, no_diagonal, baked.degree, baked.relight_rays, baked.gap);
         if (settings.bake && settings.bake->scene_hash != probes::scene_hash(scene))
             throw InputError("the bake is of another scene: its static meshes, or what they are made of, were others; what moves has to be dynamic");
     } catch (const InputError& error) {
