@@ -15,8 +15,8 @@ struct PlotTick {
 };
 
 struct PlotAxes {
-    std::vector<PlotTick> across, upwards;  // each with a pale line through the picture
-    std::string across_name, upwards_name;
+    std::vector<PlotTick> across = {}, upwards = {};  // each with a pale line through the picture
+    std::string across_name = {}, upwards_name = {};
 };
 
 // An empty plot of that size, at least 160 x 120 pixels.
