@@ -14,6 +14,7 @@
 #include "gi/reference/lights.h"
 #include "gi/reference/ray_query.h"
 #include "tools/experiments/probe_ladder.h"
+#include "tools/experiments/some_receivers.h"
 
 namespace plumb::cli {
 
@@ -124,18 +125,6 @@ Radiance direct_light(const LadderWorld& world) {
 }
 
 namespace {
-
-probes::Receivers some_of(const probes::Receivers& all, const std::vector<int>& index) {
-    probes::Receivers r;
-    r.size = all.size;
-    for (const int i : index) {
-        const std::size_t at = std::size_t(i);
-        r.position.push_back(all.position[at]), r.normal.push_back(all.normal[at]), r.shift.push_back(all.shift[at]);
-        r.texel.push_back(all.texel[at]), r.material.push_back(all.material[at]), r.triangle.push_back(all.triangle[at]);
-        r.border.push_back(all.border[at]);
-    }
-    return r;
-}
 
 // Leaves out receivers that see too much of the sky.
 void leave_out(const std::vector<bool>& out, CheckedReceivers& c) {

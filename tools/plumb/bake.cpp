@@ -167,7 +167,7 @@ int verify(const BakeOptions& given) {
         throw InputError("bake: --verify reads a file and bakes nothing: not with other options");
     const Scene scene = load(given.scene);
     const io::DescribedFile file = io::read_described(given.verified, bake_kind);
-    io::require_scene(file, probes::scene_hash(scene, probes::flatten_static(scene)), scene.name);
+    io::require_scene(file, probes::scene_hash(scene), scene.name);
     check_bake(file);
     check_sky(file, scene);
     std::vector<std::vector<std::string>> rows;
@@ -245,6 +245,7 @@ int bake(const BakeOptions& given) {
     const RunOptions options = given.common.run_options();
     const probes::Part part = part_of(given.part);
     check_options(given);
+    require_baked(given.scene.sets, {"probes"}, "plumb bake");
     const MemoryPeak memory_taken;
     const Scene scene = load(given.scene);
     const frame::Settings settings = settings_of(scene, given.scene);
@@ -272,7 +273,7 @@ int bake(const BakeOptions& given) {
     {
         BakeProgress progress(graph);
         with.progress = progress.callback();
-        runs = graph::run(graph.nodes(), with);
+        runs = run_bake(graph, scene, with);
     }
     if (!given.part.empty() && !store->notes().empty()) throw InputError("--part " + given.part + ": " + store->notes().front());
     std::vector<std::string> written;
