@@ -14,7 +14,8 @@ using F = PLUMB_ISA::Real;
 using N = number<F>;
 using I = index_t<F>;
 
-constexpr int most_packets = 4;  // at once: a load for three products and sums each
+constexpr int most_packets = 4;      // at once: a load for three products and sums each
+constexpr int numbers_ahead = 1024;  // of a matrix
 
 // Calls work.run<n>() for n of 1 to most_packets: so many sums stay in registers.
 template <class Work>
@@ -52,6 +53,8 @@ struct ProbeRows {
         const auto row = [&](int j, auto load) {
             const float *m = rows + std::ptrdiff_t(j) * rank + first, *l = lambda + 4 * std::ptrdiff_t(j);
             const F r(l[0]), g(l[1]), b(l[2]);
+            // A page further on: what a processor fetches by itself ends with its page.
+            for (int ahead = 0; ahead + 16 <= n * N::width; ahead += 16) __builtin_prefetch(m + numbers_ahead + ahead);
 #pragma GCC unroll 4
             for (int k = 0; k < n; ++k) add<n>(part, k, load(m, k * N::width), r, g, b);
         };
