@@ -4,6 +4,7 @@
 
 #include "core/image.h"
 #include "core/scene.h"
+#include "gi/probes/run_params.h"
 #include "gi/probes/textures.h"
 
 namespace plumb::probes {
@@ -20,7 +21,7 @@ struct RayTables {
 // differs: IPR (10) weighs all rays alike and needs no directions.
 RayTables ray_tables(const BakeArrays& arrays, const std::vector<int>& level_rays);
 
-// As RadianceInputs has them: [probes][rays].
+// As RadianceInputs has them: [probes][rays]. Where no front was met: of the ray that stands for it, if any does (stand_in.h).
 struct RaySurfaces {
     Buffer<glm::vec4> surface;  // xyz reflectance of the material; w 1 where a front was met, else all 0
     Buffer<glm::vec4> emitted;  // radiance, of the material or of the sky, W/(m2 sr); 0 of backs
@@ -28,6 +29,8 @@ struct RaySurfaces {
 };
 // A material has one colour here: a texture's would need the triangle, which is in no data texture. Throws InputError for a material
 // that there is not, or one with a texture of colour or emission that a ray meets.
-RaySurfaces ray_surfaces(const BakeArrays& arrays, const Scene& scene);
+//
+// sky: whether the bake's receivers get light along rays that meet nothing (TransportParams::escape is not `nothing`).
+RaySurfaces ray_surfaces(const BakeArrays& arrays, const Scene& scene, bool sky, Unasked unasked = Unasked::nearest);
 
 }  // namespace plumb::probes

@@ -9,6 +9,7 @@
 #include "gi/probes/hit_surfaces.h"
 #include "gi/probes/lambda.h"
 #include "gi/probes/radiance.h"
+#include "gi/probes/relight.h"
 #include "gi/probes/texture_rays.h"
 #include "probe_bakes.h"
 #include "tests/parity/twin_data_parts.h"
@@ -43,17 +44,27 @@ BakeArrays rays_of(int rays, int degree, int materials) {
 // IPR 3.2.5.1, 3.2.5.2.
 TEST_CASE("probe textures: radiance and lambda of textures that were written and read back have the same bits", "[probes][textures][lambda]") {
     Scene scene = furnished();
+    // A wall in the room that has one side: some rays meet its back.
+    Mesh& room = scene.meshes[0];
+    const auto first = unsigned(room.vertices.size());
+    for (const glm::vec2 at : {glm::vec2(-1, -1), {1, -1}, {1, 1}, {-1, 1}}) room.vertices.push_back({{1.4f, at.x, at.y}, 0, {1, 0, 0}, 0});
+    room.triangles.push_back({first, first + 1, first + 2}), room.triangles.push_back({first, first + 2, first + 3});
+    room.material.resize(room.triangles.size(), 1);
     scene.materials[0].reflectance = {0.7f, 0.4f, 0.2f}, scene.materials[1].emission = {3, 1, 2};
     BakeGraph graph(scene, small());
     run_all(graph);
     const Bake& bake = graph.bake();
     const BakeArrays arrays = arrays_of(all_textures(arrays_of(bake)));
 
-    const HitSurfaces hits = hit_surfaces(scene, bake, {});
-    const RaySurfaces surfaces = ray_surfaces(arrays, scene);
-    CHECK(differing(surfaces.surface, hits.surface.texels) == 0);
-    CHECK(differing(surfaces.emitted, hits.emitted.texels) == 0);
-    CHECK(differing(surfaces.place, hits.place.texels) == 0);
+    CHECK(std::count_if(arrays.relight.begin(), arrays.relight.end(), [](const BakedRay& r) { return r.material == met_back; }) > 10);
+    HitSurfaces hits;
+    RaySurfaces surfaces;
+    for (const Unasked unasked : {Unasked::black, Unasked::nearest}) {
+        hits = hit_surfaces(scene, bake, {}, unasked), surfaces = ray_surfaces(arrays, scene, bake.transport.escape != Escape::nothing, unasked);
+        CHECK(differing(surfaces.surface, hits.surface.texels) == 0);
+        CHECK(differing(surfaces.emitted, hits.emitted.texels) == 0);
+        CHECK(differing(surfaces.place, hits.place.texels) == 0);
+    }
     CHECK(std::count_if(surfaces.surface.begin(), surfaces.surface.end(), [](const glm::vec4& s) { return s.w == 1; }) > 1000);
     CHECK(std::any_of(surfaces.emitted.begin(), surfaces.emitted.end(), [](const glm::vec4& e) { return e.x > 0; }));
 
@@ -98,7 +109,7 @@ TEST_CASE("probe textures: rays that meet nothing see the sky, backs are black, 
     scene.environment.radiance = glm::vec3(1), scene.environment.map = Image4(4, 2, glm::vec4(0.5f, 1, 2, 1));
     for (int x = 0; x < 4; ++x) scene.environment.map(x, 1) = {4, 3, 1, 1};
     const BakeArrays a = rays_of(16, 2, 2);
-    const RaySurfaces s = ray_surfaces(a, scene);
+    const RaySurfaces s = ray_surfaces(a, scene, true, Unasked::black);
     const Buffer<glm::vec4> directions = relight_directions(16);
     REQUIRE(s.surface.size() == 16);
     for (std::size_t i = 0; i < 16; ++i) {
@@ -112,7 +123,7 @@ TEST_CASE("probe textures: rays that meet nothing see the sky, backs are black, 
         CHECK(s.place[i] == (first || second ? glm::vec4(0.25f, float(i) / 16, 0, 0) : glm::vec4(0)));
     }
     scene.environment = {};
-    CHECK(ray_surfaces(a, scene).emitted[1] == glm::vec4(0));
+    CHECK(ray_surfaces(a, scene, true, Unasked::black).emitted[1] == glm::vec4(0));
 }
 
 TEST_CASE("probe textures: rays of other directions, materials that are not there or have a texture are refused", "[probes][textures][robustness]") {
@@ -131,10 +142,10 @@ TEST_CASE("probe textures: rays of other directions, materials that are not ther
     ragged.coefficients = 3;
     CHECK_THROWS_WITH(ray_tables(ragged, {16}), "spherical_harmonics: 3 coefficients: expected the square of a number");
     a.relight[5].material = 2;
-    CHECK_THROWS_WITH(ray_surfaces(a, scene), "probe_rays: ray 5: material 2 of 2");
+    CHECK_THROWS_WITH(ray_surfaces(a, scene, false), "probe_rays: ray 5: material 2 of 2");
     a.relight[5].material = 1, scene.materials[1].emission_texture = 0;
-    CHECK_THROWS_WITH(ray_surfaces(a, scene), Catch::StartsWith("probe_rays: ray 3: material 1 has a texture"));
+    CHECK_THROWS_WITH(ray_surfaces(a, scene, false), Catch::StartsWith("probe_rays: ray 3: material 1 has a texture"));
     // A texture that no ray meets does not matter.
     for (BakedRay& ray : a.relight) ray.material = std::min(ray.material, 0);
-    CHECK_NOTHROW(ray_surfaces(a, scene));
+    CHECK_NOTHROW(ray_surfaces(a, scene, false));
 }
