@@ -3,6 +3,7 @@
 #include <regex>
 
 #include "gi/frame/settings.h"
+#include "gi/probes/sky_probe.h"
 #include "io/scene_file.h"
 #include "io/scenes/generate.h"
 #include "tests/gi/probe_bakes.h"
