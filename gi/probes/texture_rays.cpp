@@ -9,6 +9,7 @@
 #include "gi/probes/directions.h"
 #include "gi/probes/lambda.h"
 #include "gi/probes/relight.h"
+#include "gi/probes/sky_probe.h"
 #include "gi/probes/stand_in.h"
 #include "gi/reference/environment_kernel.h"
 #include "gi/reference/lights.h"
@@ -32,15 +33,16 @@ RayTables ray_tables(const BakeArrays& a, const std::vector<int>& level_rays) {
     return t;
 }
 
-RaySurfaces ray_surfaces(const BakeArrays& a, const Scene& scene, bool sky, Unasked unasked) {
+RaySurfaces ray_surfaces(const BakeArrays& a, const Scene& scene, Escape escape, Unasked unasked) {
     const reference::EnvironmentTable e = reference::environment_table(scene.environment);
     const reference::EnvironmentArgs around{e.width, e.height, e.radiance.data(), e.row_cdf.data(), e.column_cdf.data(), e.pdf.data()};
     const Buffer<glm::vec4> directions = relight_directions(a.rays);
     const glm::vec4 nothing(0);
     RaySurfaces s;
-    std::vector<std::uint8_t> asked;
-    for (const BakedRay& ray : a.relight)
-        asked.push_back(unasked == Unasked::black || ray.material >= 0 || (ray.material == met_nothing && sky) ? 1 : 0);
+    std::vector<std::int32_t> material;
+    for (const BakedRay& ray : a.relight) material.push_back(ray.material);
+    const bool with_sky = !a.probes.empty() && is_sky(glm::vec4(a.probes.back(), 0));
+    const std::vector<std::uint8_t> asked = asked_rays(material, a.rays, int(a.probes.size()) - (with_sky ? 1 : 0), escape, unasked);
     s.surface.assign(a.relight.size(), nothing), s.emitted.assign(a.relight.size(), nothing), s.place.assign(a.relight.size(), nothing);
     for (std::size_t i = 0; i < a.relight.size(); ++i) {
         const BakedRay& ray = a.relight[i];

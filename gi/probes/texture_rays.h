@@ -4,7 +4,7 @@
 
 #include "core/image.h"
 #include "core/scene.h"
-#include "gi/probes/run_params.h"
+#include "gi/probes/stand_in.h"
 #include "gi/probes/textures.h"
 
 namespace plumb::probes {
@@ -30,7 +30,6 @@ struct RaySurfaces {
 // A material has one colour here: a texture's would need the triangle, which is in no data texture. Throws InputError for a material
 // that there is not, or one with a texture of colour or emission that a ray meets.
 //
-// sky: whether the bake's receivers get light along rays that meet nothing (TransportParams::escape is not `nothing`).
-RaySurfaces ray_surfaces(const BakeArrays& arrays, const Scene& scene, bool sky, Unasked unasked = Unasked::nearest);
+RaySurfaces ray_surfaces(const BakeArrays& arrays, const Scene& scene, Escape escape, Unasked unasked = Unasked::nearest);
 
 }  // namespace plumb::probes

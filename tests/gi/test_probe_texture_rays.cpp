@@ -60,7 +60,7 @@ TEST_CASE("probe textures: radiance and lambda of textures that were written and
     HitSurfaces hits;
     RaySurfaces surfaces;
     for (const Unasked unasked : {Unasked::black, Unasked::nearest}) {
-        hits = hit_surfaces(scene, bake, {}, unasked), surfaces = ray_surfaces(arrays, scene, bake.transport.escape != Escape::nothing, unasked);
+        hits = hit_surfaces(scene, bake, {}, unasked), surfaces = ray_surfaces(arrays, scene, bake.transport.escape, unasked);
         CHECK(differing(surfaces.surface, hits.surface.texels) == 0);
         CHECK(differing(surfaces.emitted, hits.emitted.texels) == 0);
         CHECK(differing(surfaces.place, hits.place.texels) == 0);
@@ -109,7 +109,7 @@ TEST_CASE("probe textures: rays that meet nothing see the sky, backs are black, 
     scene.environment.radiance = glm::vec3(1), scene.environment.map = Image4(4, 2, glm::vec4(0.5f, 1, 2, 1));
     for (int x = 0; x < 4; ++x) scene.environment.map(x, 1) = {4, 3, 1, 1};
     const BakeArrays a = rays_of(16, 2, 2);
-    const RaySurfaces s = ray_surfaces(a, scene, true, Unasked::black);
+    const RaySurfaces s = ray_surfaces(a, scene, Escape::same_direction, Unasked::black);
     const Buffer<glm::vec4> directions = relight_directions(16);
     REQUIRE(s.surface.size() == 16);
     for (std::size_t i = 0; i < 16; ++i) {
@@ -123,7 +123,7 @@ TEST_CASE("probe textures: rays that meet nothing see the sky, backs are black, 
         CHECK(s.place[i] == (first || second ? glm::vec4(0.25f, float(i) / 16, 0, 0) : glm::vec4(0)));
     }
     scene.environment = {};
-    CHECK(ray_surfaces(a, scene, true, Unasked::black).emitted[1] == glm::vec4(0));
+    CHECK(ray_surfaces(a, scene, Escape::same_direction, Unasked::black).emitted[1] == glm::vec4(0));
 }
 
 TEST_CASE("probe textures: rays of other directions, materials that are not there or have a texture are refused", "[probes][textures][robustness]") {
@@ -142,10 +142,10 @@ TEST_CASE("probe textures: rays of other directions, materials that are not ther
     ragged.coefficients = 3;
     CHECK_THROWS_WITH(ray_tables(ragged, {16}), "spherical_harmonics: 3 coefficients: expected the square of a number");
     a.relight[5].material = 2;
-    CHECK_THROWS_WITH(ray_surfaces(a, scene, false), "probe_rays: ray 5: material 2 of 2");
+    CHECK_THROWS_WITH(ray_surfaces(a, scene, Escape::nothing), "probe_rays: ray 5: material 2 of 2");
     a.relight[5].material = 1, scene.materials[1].emission_texture = 0;
-    CHECK_THROWS_WITH(ray_surfaces(a, scene, false), Catch::StartsWith("probe_rays: ray 3: material 1 has a texture"));
+    CHECK_THROWS_WITH(ray_surfaces(a, scene, Escape::nothing), Catch::StartsWith("probe_rays: ray 3: material 1 has a texture"));
     // A texture that no ray meets does not matter.
     for (BakedRay& ray : a.relight) ray.material = std::min(ray.material, 0);
-    CHECK_NOTHROW(ray_surfaces(a, scene, false));
+    CHECK_NOTHROW(ray_surfaces(a, scene, Escape::nothing));
 }
