@@ -50,7 +50,7 @@ inline StageData supports_case(glm::ivec2 size, float radius, int overlaps, cons
 
 inline probes::LevelUniforms level_uniforms(glm::ivec2 size, int count, int levels, const glm::vec3& distances) {
     return {size.x, size.y, count, levels, {0.25f, -0.5f, 0.75f, 0}, {0.48f, 0.6f, -0.64f, 0}, {0.5f, 0.8660254f, -0.25f, 0.96824584f},
-            {1, 1.5f, 3, 0}, {distances.x, distances.y, distances.z, 0}, {1, 2, 4, 0}};
+            {1, 1.5f, 3, 0}, {distances.x, distances.y, distances.z, 0}, {1.125f, 2, 4, 0}};
 }
 inline StageData level_data(const probes::LevelUniforms& u, const Buffer<glm::vec4>& low, const Buffer<glm::vec4>& high, const std::string& id) {
     StageData d = begin_data<probes::LevelKernel>({u.width, u.height}, u);
@@ -75,7 +75,7 @@ inline StageData level_case(glm::ivec2 size, int levels, const glm::vec3& distan
 }
 
 // Boxes whose level is another where they lie half a hundredth nearer or farther, are so much smaller or larger, or their margin is;
-// and points and grown boxes about half of what is left for rounding beyond a cone (level_kernel.h).
+// and points and grown boxes beyond a cone by half of what is left for rounding, or by nine tenths (level_kernel.h).
 inline StageData level_edges_case(glm::ivec2 size, const std::string& id) {
     const int n = size.x * size.y;
     const probes::LevelUniforms u = level_uniforms(size, n, 4, {2.5f, 5, 9});
@@ -103,7 +103,7 @@ inline StageData level_edges_case(glm::ivec2 size, const std::string& id) {
             const glm::dvec3 v = (0.8 + 5.0 * double(noise(i, 3, 2, 86))) * ((c - s * more) * glm::dvec3(forward) + (s + c * more) * glm::dvec3(across));
             a = b = glm::vec4(eye + glm::vec3(v), 0);
             if (kind == 1) {
-                // Grown to where the cone's distance is its radius and half of what is left.
+                // Grown to where the cone's distance is its radius and a part of what is left.
                 const glm::dvec3 w = glm::dvec3(a) - glm::dvec3(eye);
                 const double turned = 0.02 + 0.3 * double(noise(i, 4, 2, 86));
                 const glm::dvec3 t = glm::length(w) * ((c - s * turned) * glm::dvec3(forward) + (s + c * turned) * glm::dvec3(across));
@@ -111,7 +111,8 @@ inline StageData level_edges_case(glm::ivec2 size, const std::string& id) {
                 const glm::dvec3 from = glm::dvec3(a) - glm::dvec3(eye);
                 const double along = glm::dot(from, glm::dvec3(forward)), aside = glm::length(from - along * glm::dvec3(forward));
                 const double beyond = aside * c - along * s;
-                a.w = float((beyond - 0.5e-5 * glm::length(from)) / (1 + 0.5e-5) / double(u.margins[2]));
+                const double part = i % 4 < 2 ? 0.5e-5 : 0.9e-5;
+                a.w = float((beyond - part * glm::length(from)) / (1 + part) / double(u.margins[2]));
             }
         } else {
             a = b = glm::vec4(eye + (0.3f + 14 * noise(i, 3, 2, 86)) * towards, kind % 2 == 0 ? 0 : 0.5f * noise(i, 4, 2, 86));
