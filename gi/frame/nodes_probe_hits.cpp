@@ -16,7 +16,11 @@ void add_data(Context& c, Nodes& nodes) {
     if (!c.settings.bake) {
         const probes::BakeParams& params = c.settings.probes;
         const probes::ExpectedBake expected = probes::expected_bake(c.scene, params);
-        if (params.lightmap_size == 0) probes::require_room(expected.area_m2, double(params.receivers_per_m2));
+        try {
+            if (params.lightmap_size == 0) probes::require_room(expected.area_m2, double(params.receivers_per_m2));
+        } catch (const InputError& error) {
+            throw InputError(fmt::format("{}: {}", c.scene.name, error.what()));
+        }
         node.plan.reason = text_of(expected), node.plan.expected_ms = expected.ms;
     }
     node.reads = [&c](graph::Reads& r) {
