@@ -161,14 +161,14 @@ IprRow IprBench::row(const IprVariant& v) {
 namespace {
 
 // Which pixels have something else so near that a quarter of what they could see is hidden: within a fiftieth of the diagonal.
-Image<std::uint8_t> contacts_of(const Scene& scene, const raster::GBuffer& seen, Rays rays, const RunOptions& options) {
+Image<std::uint8_t> contacts_of(const Scene& scene, const raster::GBuffer& seen, const Image<std::uint8_t>& compared, Rays rays, const RunOptions& options) {
     glm::vec3 low(0), high(0);
     bounds(flatten(scene), low, high);
     reference::PathParams p;
     p.mode = reference::Mode::ambient_occlusion, p.samples = 64, p.rays = rays, p.ao_distance = 0.02f * glm::length(high - low);
     const Image4 open = reference::trace_irradiance(p, *reference::prepare(scene, rays), {&seen.position, &seen.normal}, 5, options).mean;
     Image<std::uint8_t> contacts(open.width, open.height);
-    for (std::size_t i = 0; i < contacts.size(); ++i) contacts.texels[i] = seen.normal.texels[i].w != 0 && open.texels[i].x < 0.75f ? 1 : 0;
+    for (std::size_t i = 0; i < contacts.size(); ++i) contacts.texels[i] = compared.texels[i] && open.texels[i].x < 0.75f ? 1 : 0;
     return contacts;
 }
 
@@ -180,7 +180,11 @@ void IprBench::judge_pixels(const frame::Frame& f, bool contacts, IprRow& row) {
         trace_points(scene_, {&f.gbuffer.position, &f.gbuffer.normal}, ipr_pixel_samples(request_), settings_.probes.rays, options_, pixel_truth_, error);
         pixel_mean_ = compare::luminances(pixel_truth_), pixel_error_ = compare::luminance_errors(error);
         pixel_compared_ = Image<std::uint8_t>(pixel_truth_.width, pixel_truth_.height);
-        for (std::size_t i = 0; i < pixel_compared_.size(); ++i) pixel_compared_.texels[i] = f.gbuffer.normal.texels[i].w != 0 ? 1 : 0;
+        // What moves is lit where a bake has spatial receivers: a part of its own (ipr_spatial.cpp).
+        for (std::size_t i = 0; i < pixel_compared_.size(); ++i) {
+            const int object = f.gbuffer.id.texels[i].x;
+            pixel_compared_.texels[i] = object >= 0 && !scene_.meshes[std::size_t(object)].dynamic ? 1 : 0;
+        }
         // The picture with the traced light in place of the probes'.
         Image4 radiance = f.radiance;
         for (std::size_t i = 0; i < radiance.size(); ++i)
@@ -196,7 +200,7 @@ void IprBench::judge_pixels(const frame::Frame& f, bool contacts, IprRow& row) {
     row.ssim_truth = ssim_of(row.display, truth_display_);
     row.error = error_picture(own, pixel_mean_, pixel_error_, pixel_compared_, 0.1 * row.at_pixels->truth);
     if (!contacts) return;
-    if (pixel_contacts_.empty()) pixel_contacts_ = contacts_of(scene_, f.gbuffer, settings_.probes.rays, options_);
+    if (pixel_contacts_.empty()) pixel_contacts_ = contacts_of(scene_, f.gbuffer, pixel_compared_, settings_.probes.rays, options_);
     if (std::count(pixel_contacts_.texels.begin(), pixel_contacts_.texels.end(), 1) > 0)
         row.at_contacts = ipr_errors(own, pixel_mean_, pixel_error_, pixel_contacts_);
 }

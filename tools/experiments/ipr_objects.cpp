@@ -26,6 +26,16 @@ std::set<std::int32_t> materials_of(const Scene& scene, bool dynamic) {
     return used;
 }
 
+// A bake knows which texture a material with a normal map has: it stays, in one colour. Alpha stays.
+void fill_with_mean(Texture& t) {
+    std::uint64_t sum[3] = {};
+    for (const std::uint32_t texel : t.texels.texels)
+        for (int c = 0; c < 3; ++c) sum[c] += texel >> (8 * c) & 255;
+    std::uint32_t mean = 0;
+    for (int c = 0; c < 3; ++c) mean |= std::uint32_t(sum[c] / std::max(t.texels.size(), std::size_t(1))) << (8 * c);
+    for (std::uint32_t& texel : t.texels.texels) texel = (texel & 0xff000000u) | mean;
+}
+
 // Whether a frame knows the key; it is set where it does.
 bool set_key(probes::RunParams& run, const std::string& name, const std::string& value) {
     std::vector<Field> all = probes::fields(run);
@@ -106,7 +116,8 @@ IprSheetRow Objects::row_of(const std::string& name, const std::string& settings
 void Objects::layers() {
     part_.tell("figure 5.20: layers of shading");
     Scene plain = scene_;
-    for (const std::int32_t m : materials_of(scene_, true)) plain.materials[std::size_t(m)].texture = -1;
+    for (const std::int32_t m : materials_of(scene_, true))
+        if (const int t = scene_.materials[std::size_t(m)].texture; t >= 0) fill_with_mean(plain.textures[std::size_t(t)]);
     IprSheet sheet = begin("figure 5.20", "layers of shading of what moves", "what moves");
     struct Layer {
         const char *name, *relief;
@@ -119,7 +130,7 @@ void Objects::layers() {
         known = set_key(v.run, "relief", l.relief);
         if (!known && std::string(l.relief) != "off" && !l.texture) continue;
         const frame::Frame f = frame_of(l.texture ? scene_ : plain, v);
-        sheet.rows.push_back(row_of(l.name, l.texture ? "" : "without textures", f, truth_of(truths[l.texture]), moving(f)));
+        sheet.rows.push_back(row_of(l.name, l.texture ? "" : "textures are their mean colour", f, truth_of(truths[l.texture]), moving(f)));
     }
     if (!known) sheet.lines.push_back("frames show neither normal maps nor highlights of indirect light: there is no probes.relief");
     part_.result.sheets.push_back(std::move(sheet));
