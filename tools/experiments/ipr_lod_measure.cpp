@@ -67,7 +67,11 @@ class Lod {
              const std::string& reference = "NO LOD") {
         part_.tell(title);
         const std::string scaled = scale_ < 1 ? fmt::format("; distances times {:.3g}", scale_) : "";
-        part_.result.lod.push_back({title + scaled, number, bench.measure(view, lod_setups(setups, scale_), part_.request.updates, reference)});
+        try {
+            part_.result.lod.push_back({title + scaled, number, bench.measure(view, lod_setups(setups, scale_), part_.request.updates, reference)});
+        } catch (const InputError& e) {
+            part_.result.left_out.push_back(title + ": " + e.what());
+        }
     }
     void open_hall();
 
@@ -116,7 +120,7 @@ void measure_lod(const IprPart& part) {
     const Size& size = size_of(part.result.scene);
     probes::BakeParams params = as_published(part);
     params.gap = 24;  // texels: four levels between charts
-    params.placement.count = part.request.quick ? 4 : size.probes;
+    params.placement.count = part.request.quick ? (size.probes + 1) / 2 : size.probes;
     const int wanted = part.request.quick ? 700 : size.receivers;
     // Not by size_for(): gaps of its own.
     params.lightmap_size = lightmap_for(part.scene, params, wanted, part.request.quick ? 128 : 1024, part.options);

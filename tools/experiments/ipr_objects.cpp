@@ -79,6 +79,11 @@ class Objects {
         if (!traced) throw InputError("the frame has no traced truth");
         return traced->estimate;
     }
+    // Of the scene as it is, traced once.
+    const reference::Estimate& own_truth() {
+        if (own_truth_.mean.empty()) own_truth_ = truth_of(frame_of(scene_, traced()));
+        return own_truth_;
+    }
     // truth: of the frame itself, or of another.
     IprSheetRow row_of(const std::string& name, const std::string& settings, const frame::Frame& f, const reference::Estimate& truth, const Pixels& pixels) const;
     Pixels moving(const frame::Frame& f) const;
@@ -87,6 +92,7 @@ class Objects {
     const IprPart& part_;
     Scene scene_;
     IprVariant base_;
+    reference::Estimate own_truth_;
 };
 
 Pixels Objects::moving(const frame::Frame& f) const {
@@ -124,13 +130,13 @@ void Objects::layers() {
         bool texture;
     };
     bool known = true;
-    const frame::Frame truths[] = {frame_of(plain, traced()), frame_of(scene_, traced())};
+    const reference::Estimate plain_truth = truth_of(frame_of(plain, traced()));
     for (const Layer& l : {Layer{"diffuse", "off", false}, {"normal maps", "normals", false}, {"diffuse, specular", "specular", false}, {"all, texture", "all", true}}) {
         IprVariant v = base_;
         known = set_key(v.run, "relief", l.relief);
         if (!known && std::string(l.relief) != "off" && !l.texture) continue;
         const frame::Frame f = frame_of(l.texture ? scene_ : plain, v);
-        sheet.rows.push_back(row_of(l.name, l.texture ? "" : "textures are their mean colour", f, truth_of(truths[l.texture]), moving(f)));
+        sheet.rows.push_back(row_of(l.name, l.texture ? "" : "textures are their mean colour", f, l.texture ? own_truth() : plain_truth, moving(f)));
     }
     if (!known) sheet.lines.push_back("frames show neither normal maps nor highlights of indirect light: there is no probes.relief");
     part_.result.sheets.push_back(std::move(sheet));
@@ -144,16 +150,16 @@ void Objects::shadow() {
     Scene alone = scene_;
     for (Mesh& m : alone.meshes)
         if (m.dynamic) m.triangles.clear(), m.material.clear();
-    const frame::Frame with = frame_of(scene_, traced()), without = frame_of(alone, base_);
+    const frame::Frame with = frame_of(scene_, base_), without = frame_of(alone, base_);
     Pixels shadow(with.direct.width, with.direct.height), still = shadow;
     const Pixels moved = moving(with);
     for (std::size_t i = 0; i < shadow.size(); ++i) {
         still.texels[i] = with.gbuffer.normal.texels[i].w != 0 && !moved.texels[i] ? 1 : 0;
         shadow.texels[i] = still.texels[i] && with.direct.texels[i] != without.direct.texels[i] ? 1 : 0;
     }
-    sheet.rows.push_back(row_of("with shadow", "where it falls", with, truth_of(with), shadow));
-    sheet.rows.push_back(row_of("without", "where it falls", without, truth_of(with), shadow));
-    sheet.rows.push_back(row_of("with shadow", "all static pixels", with, truth_of(with), still));
+    sheet.rows.push_back(row_of("with shadow", "where it falls", with, own_truth(), shadow));
+    sheet.rows.push_back(row_of("without", "where it falls", without, own_truth(), shadow));
+    sheet.rows.push_back(row_of("with shadow", "all static pixels", with, own_truth(), still));
     sheet.rows.back().pictures.clear();
     part_.result.sheets.push_back(std::move(sheet));
 }
@@ -200,7 +206,7 @@ void Objects::normal_maps() {
     const std::set<std::int32_t> walls = materials_of(scene_, false);
     const auto mapped = [&](std::int32_t m) { return scene_.materials[std::size_t(m)].normal_texture >= 0; };
     if (std::none_of(walls.begin(), walls.end(), mapped)) return leave_out("figure 5.23", "nothing static has a normal map in this scene");
-    IprVariant off = traced(), on = base_;
+    IprVariant off = base_, on = base_;
     if (!set_key(off.run, "relief", "off") || !set_key(on.run, "relief", "all"))
         return leave_out("figure 5.23", "frames show no normal maps in indirect light: there is no probes.relief");
     part_.tell("figure 5.23: normal maps of the static scene");
@@ -208,8 +214,8 @@ void Objects::normal_maps() {
     const frame::Frame without = frame_of(scene_, off), with = frame_of(scene_, on);
     Pixels still = moving(without);
     for (std::size_t i = 0; i < still.size(); ++i) still.texels[i] = without.gbuffer.normal.texels[i].w != 0 && !still.texels[i] ? 1 : 0;
-    sheet.rows.push_back(row_of("without", "probes.relief = off", without, truth_of(without), still));
-    sheet.rows.push_back(row_of("with", "probes.relief = all", with, truth_of(without), still));
+    sheet.rows.push_back(row_of("without", "probes.relief = off", without, own_truth(), still));
+    sheet.rows.push_back(row_of("with", "probes.relief = all", with, own_truth(), still));
     part_.result.sheets.push_back(std::move(sheet));
 }
 
