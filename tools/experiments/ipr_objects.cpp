@@ -198,6 +198,14 @@ void Objects::static_light() {
         const frame::Frame f = frame_of(lit, traced());
         sheet.rows.push_back(row_of(names, "emits, lamps are off", f, truth_of(f), moving(f)));
     }
+    // Lamps as static ones: they light what moves by spatial receivers alone.
+    std::string names;
+    for (const Light& l : scene_.lights) names += (names.empty() ? "" : ", ") + l.name;
+    IprVariant fixed = base_;
+    if (!names.empty() && set_key(fixed.run, "static_lamps", names)) {
+        const frame::Frame f = frame_of(scene_, fixed);
+        sheet.rows.push_back(row_of(names, "static lamps", f, own_truth(), moving(f)));
+    }
     part_.result.sheets.push_back(std::move(sheet));
 }
 
