@@ -164,15 +164,15 @@ TEST_CASE("experiment ipr: every row of level of detail has its error against th
     REQUIRE(m.size() == 6);
     for (const LodMeasured& row : m) {
         CAPTURE(row.setup);
-        REQUIRE((row.at_pixels && row.at_receivers && row.ssim_truth));
+        REQUIRE((row.at_pixels && row.ssim_truth));
         CHECK(row.at_pixels->mean > 0.005);
         CHECK(row.at_pixels->mean >= std::fabs(row.at_pixels->bias));
         CHECK(row.at_pixels->noise > 0);
-        CHECK(row.at_receivers->count <= int(truth.index.size()));
         CHECK(*row.ssim_truth < 1);
         CHECK(row.error_picture.size() == row.picture.size());
     }
     // All receivers are computed without levels, fewer with them. Degree 0 sees no direction.
+    REQUIRE((m[0].at_receivers && m[3].at_receivers));
     CHECK(m[0].at_receivers->count == int(truth.index.size()));
     CHECK(m[3].at_receivers->count < int(truth.index.size()));
     CHECK(m[2].at_pixels->rms > m[1].at_pixels->rms);

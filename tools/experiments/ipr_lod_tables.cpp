@@ -56,7 +56,7 @@ LodSetup with_borders(LodSetup s, LodBorders borders) {
 
 constexpr Degrees full = {7, 7, 7, 7}, automatic = {-1, -1, -1, -1};
 constexpr Distances usual = {20, 50, 100};  // D0, and the GUI's default (appendix A)
-constexpr Distances near = {0, 12, 30.5f};  // D2
+constexpr Distances middle = {14, 24, 46};  // D1: level 0 is still seen
 
 // Of all levels the same rays; degrees are the largest that they sample without aliasing.
 LodSetup rays_setup(int rays) {
@@ -71,16 +71,16 @@ std::vector<LodSetup> all_setups() {
                                  with_zones(setup("S1", {7, 7, 6, 5}, {11, 30, 60}, true)),
                                  with_zones(setup("S2", {4, 4, 4, 3}, {11, 30, 60}, true)),
                                  setup("D0", full, usual, false),
-                                 setup("D1", full, {14, 24, 46}, false),
-                                 setup("D2", full, near, false),
+                                 setup("D1", full, middle, false),
+                                 setup("D2", full, {0, 12, 30.5f}, false),
                                  setup("SD0", {7, 5, 3, 2}, usual, false),
                                  setup("SD1", {4, 3, 2, 0}, usual, false),
                                  setup("SD2", {7, 2, 0, 0}, usual, false),
                                  setup("no zones", full, usual, false),
                                  with_zones(setup("zones", full, usual, false)),
-                                 setup("borders: all", full, near, false),
-                                 with_borders(setup("borders: level 0", full, near, false), LodBorders::finest),
-                                 with_borders(setup("borders: none", full, near, false), LodBorders::none)};
+                                 setup("borders: all", full, middle, false),
+                                 with_borders(setup("borders: level 0", full, middle, false), LodBorders::finest),
+                                 with_borders(setup("borders: none", full, middle, false), LodBorders::none)};
     const float never = 1e6f;
     for (int k = 0; k < 4; ++k)
         all.push_back(setup("LOD " + std::to_string(k), full, {k > 0 ? 0 : never, k > 1 ? 0 : never, k > 2 ? 0 : never}, false));
