@@ -69,7 +69,7 @@ struct IprRow {
     std::optional<IprErrors> at_pixels;  // what the picture shows of it; none where the picture is of another light
     std::optional<IprErrors> at_contacts;
     std::optional<double> ssim, ssim_truth;  // of the displayed picture, against the reference row's, and with traced indirect light
-    Image4 radiance, display, error, dots;   // error: of pixels, signed; dots: probes, and nothing hides them
+    Image4 radiance, display, error, dots;   // error: of pixels, signed; dots: probes
 
     double median_ms() const { return ms.empty() ? 0 : ms[ms.size() / 2]; }
     double spread() const { return ms.empty() ? 0 : (ms.back() - ms.front()) / median_ms(); }
@@ -145,8 +145,9 @@ struct IprTable {
     std::vector<std::string> left_out;
 };
 struct IprLodTable {
-    std::string title, number;  // number: of the thesis' table; empty: none of its own
-    std::vector<LodMeasured> rows;
+    std::string title, number;  // "table 5.8: ..."; number: of the thesis' rows; empty: none of its own
+    std::string notes;
+    std::vector<LodMeasured> rows = {};
 };
 // By how much of |error| a change of one resource is better than the default; the limit is the best of them.
 struct IprGoal {

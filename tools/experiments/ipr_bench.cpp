@@ -153,7 +153,9 @@ IprRow IprBench::row(const IprVariant& v) {
         const View view = make_view(scene.camera, double(request_.size.x) / request_.size.y, scene.convention, request_.size);
         std::vector<glm::dvec3> centres;
         for (const glm::vec4& probe : b.placement.probes) centres.emplace_back(glm::vec3(probe));
-        draw_balls(r.dots, f.gbuffer.position, view, centres, 0.008 * double(glm::length(high - low)), {0.2f, 0.45f, 1});
+        const double radius = 0.012 * double(glm::length(high - low));
+        draw_balls(r.dots, {}, view, centres, radius, {0.1f, 0.15f, 0.5f});  // hidden ones are darker
+        draw_balls(r.dots, f.gbuffer.position, view, centres, radius, {0.25f, 0.5f, 1});
     }
     return r;
 }

@@ -66,9 +66,9 @@ class Lod {
     void add(const LodBench& bench, const LodView& view, const std::string& title, const std::string& number, const std::vector<std::string>& setups,
              const std::string& reference = "NO LOD") {
         part_.tell(title);
-        const std::string scaled = scale_ < 1 ? fmt::format("; distances times {:.3g}", scale_) : "";
+        const std::string scaled = scale_ < 1 ? fmt::format("the thesis' distances times {:.3g}", scale_) : "";
         try {
-            part_.result.lod.push_back({title + scaled, number, bench.measure(view, lod_setups(setups, scale_), part_.request.updates, reference)});
+            part_.result.lod.push_back({title, number, scaled, bench.measure(view, lod_setups(setups, scale_), part_.request.updates, reference)});
         } catch (const InputError& e) {
             part_.result.left_out.push_back(title + ": " + e.what());
         }
@@ -94,7 +94,8 @@ void Lod::open_hall() {
             LodView view = view_of(cameras[i].name, cameras[i].camera);
             view.receivers = &truth;
             const std::string number = size_.cameras && i < 3 ? fmt::format("5.{}", 5 + i) : "";
-            add(bench, view, fmt::format("setups of table 5.4, {}, {}", cameras[i].name, light.name), number, {"S0", "S1", "S2"});
+            add(bench, view, fmt::format("{}: {}, {}", number.empty() ? "setups of table 5.4" : "table " + number, cameras[i].name, light.name), number,
+                {"S0", "S1", "S2"});
         }
     }
 }

@@ -37,7 +37,7 @@ std::string lod_text(const std::string& title, const std::vector<LodMeasured>& o
         if (const LodFigures* f = find(thesis, m.setup))
             text += fmt::format("   {:>7} {:>5.1f}% {:>5.2f} {}", f->receivers, share(f->receivers, thesis->rows[0].receivers), f->speed_up, ssim_text(f->ssim));
         text += "\n";
-        for (const std::string& note : m.notes) text += "         " + note + "\n";
+        if (!m.notes.empty()) text += fmt::format("    {}\n", fmt::join(m.notes, "; "));
     }
     return text;
 }

@@ -102,7 +102,7 @@ void draw_balls(Image4& picture, const Image4& seen, const View& view, const std
             for (int x = int(std::floor(at.x - pixels)); x <= int(at.x + pixels); ++x) {
                 const glm::dvec2 off = glm::dvec2(x + 0.5, y + 0.5) - at;
                 if (x < 0 || y < 0 || x >= picture.width || y >= picture.height || glm::dot(off, off) > pixels * pixels) continue;
-                const double before = double(seen(x, y).w);
+                const double before = seen.empty() ? 0 : double(seen(x, y).w);
                 if (before > 0 && before < depth - radius_m) continue;
                 const float shade = float(1 - 0.5 * glm::dot(off, off) / (pixels * pixels));
                 picture(x, y) = glm::vec4(shade * colour, 1);

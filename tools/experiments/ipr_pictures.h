@@ -25,7 +25,8 @@ Image4 ssim_map(const Image4& a, const Image4& b);
 Image4 error_picture(const compare::Plane& own, const compare::Plane& truth, const compare::Plane& error, const Image<std::uint8_t>& compared,
                      double floor);
 
-// Balls of so many metres, at least a pixel, where nothing nearer to the eye is. seen: w linear depth, m; 0: nothing.
+// Balls of so many metres, at least a pixel, where nothing nearer to the eye is. seen: w linear depth, m; 0: nothing; empty:
+// nothing hides any.
 void draw_balls(Image4& picture, const Image4& seen, const View& view, const std::vector<glm::dvec3>& centres, double radius_m,
                 const glm::vec3& colour);
 

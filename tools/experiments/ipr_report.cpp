@@ -77,7 +77,8 @@ const LodTable* thesis_table(const IprLodTable& t) {
 
 // Level of detail with its truth, the thesis beside it.
 IprSheet lod_sheet(const IprLodTable& t) {
-    IprSheet sheet{t.title.substr(0, t.title.find(':')), t.title, "", {}, {}, {}, {}};
+    const std::size_t colon = t.title.find(": ");
+    IprSheet sheet{t.title.substr(0, colon), colon == t.title.npos ? "" : t.title.substr(colon + 2), t.notes, {}, {}, {}, {}};
     sheet.heads = {{"receivers"}, {"share %", 1}, {"ms", 3}, {"speed-up", 2}, {"SSIM", 4}, {"SSIM truth", 4}, {"change %", 2}, {"worst change %", 2}};
     add_error_heads(sheet.heads, "pixels");
     add_error_heads(sheet.heads, "receivers");
@@ -95,9 +96,9 @@ IprSheet lod_sheet(const IprLodTable& t) {
             else
                 put(double(f->receivers)), put(f->ms), put(f->ms > 0 ? f->speed_up : 0), row.values.push_back(f->ssim);
         }
-        row.pictures = {{m.ssim ? fmt::format("SSIM {:.4f}", *m.ssim) : "", m.picture}, {"SSIM, pixel by pixel", m.ssim_picture}, {"error of the indirect light", m.error_picture},
+        row.pictures = {{m.ssim ? fmt::format("SSIM {:.4f}", *m.ssim) : "", m.picture}, {"SSIM, pixel by pixel", m.ssim && *m.ssim < 1 ? m.ssim_picture : Image4()}, {"error of the indirect light", m.error_picture},
                         {"levels 0, 1, 2, 3 red, green, blue, yellow", m.levels}, {"lightmaps of the levels; black: not computed", m.lightmap}};
-        for (const std::string& note : m.notes) sheet.lines.push_back(m.setup + ": " + note);
+        if (!m.notes.empty()) sheet.lines.push_back(fmt::format("{}: {}", m.setup, fmt::join(m.notes, "; ")));
         sheet.rows.push_back(std::move(row));
     }
     return sheet;
@@ -123,7 +124,7 @@ std::string ipr_text(const std::vector<IprResult>& results) {
         if (r.quads) text += quads_text(*r.quads) + "\n";
         if (r.lightmap) text += lightmap_text(*r.lightmap) + "\n";
         for (const IprSheet& sheet : r.sheets) text += sheet_text(sheet);
-        for (const IprLodTable& t : r.lod) text += "\n" + lod_text(t.title, t.rows, thesis_table(t));
+        for (const IprLodTable& t : r.lod) text += "\n" + lod_text(t.title + (t.notes.empty() ? "" : ", " + t.notes), t.rows, thesis_table(t));
         if (r.seams) text += "\n" + seams_text(*r.seams);
         for (const std::string& line : r.left_out) text += line + "\n";
         text += "\n";
@@ -171,7 +172,7 @@ Json ipr_json(const std::vector<IprResult>& results) {
         scene["sheets"] = Json::array();
         for (const IprSheet& sheet : r.sheets) scene["sheets"].push_back(sheet_json(sheet));
         Json lod = Json::array();
-        for (const IprLodTable& t : r.lod) lod.push_back({{"title", t.title}, {"thesis", t.number}, {"rows", lod_json(t.rows)}});
+        for (const IprLodTable& t : r.lod) lod.push_back({{"title", t.title}, {"thesis", t.number}, {"notes", t.notes}, {"rows", lod_json(t.rows)}});
         if (!r.lod.empty()) scene["lod"] = lod;
         if (r.seams) scene["seams"] = seams_json(*r.seams);
         scene["left_out"] = r.left_out;
@@ -211,7 +212,7 @@ std::string ipr_parts_csv(const std::vector<IprResult>& results) {
         for (const IprSheet& sheet : r.sheets) text += sheet_csv(r.scene, sheet);
         for (const IprLodTable& t : r.lod) {
             IprSheet sheet = lod_sheet(t);
-            sheet.id = sheet.title;
+            sheet.id = t.title;
             text += sheet_csv(r.scene, sheet);
         }
         if (r.seams) {
