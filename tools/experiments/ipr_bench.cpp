@@ -152,7 +152,8 @@ IprRow IprBench::row(const IprVariant& v) {
         r.dots = r.display;
         const View view = make_view(scene.camera, double(request_.size.x) / request_.size.y, scene.convention, request_.size);
         std::vector<glm::dvec3> centres;
-        for (const glm::vec4& probe : b.placement.probes) centres.emplace_back(glm::vec3(probe));
+        for (const glm::vec4& probe : b.placement.probes)
+            if (!probes::is_sky(probe)) centres.emplace_back(glm::vec3(probe));
         const double radius = 0.012 * double(glm::length(high - low));
         draw_balls(r.dots, {}, view, centres, radius, {0.1f, 0.15f, 0.5f});  // hidden ones are darker
         draw_balls(r.dots, f.gbuffer.position, view, centres, radius, {0.25f, 0.5f, 1});
