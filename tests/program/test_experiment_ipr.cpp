@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <filesystem>
+#include <map>
 
 #include "tests/program/program.h"
 
@@ -93,9 +94,59 @@ TEST_CASE("experiment ipr: figures, goals, quads and level of detail", "[program
     CHECK(s["goal"]["most"] == 0.03);
     CHECK(s["quads"]["ratio"] <= 1.2);
     CHECK(s["quads"]["whole"]["rms"] > 0);
-    REQUIRE(s["lod"].size() == 2);
-    CHECK(s["lod"][1]["rows"].size() == 5);
+    REQUIRE(s["sheets"].size() == 1);
+    CHECK(s["sheets"][0]["id"] == "figure 5.13");
+    // The lamp that emits and the spot: two lights; then one table each of levels, distances, degrees, rays, zones and borders.
+    REQUIRE(s["lod"].size() == 8);
+    for (const Json& table : s["lod"])
+        for (const Json& row : table["rows"]) {
+            CAPTURE(table["title"], row["setup"]);
+            CHECK(row["at_pixels"]["mean"] > 0);
+            CHECK(row["at_receivers"]["mean"] > 0);
+            CHECK(row["ssim"] > 0);
+        }
+    CHECK(s["lod"][2]["rows"].size() == 5);
     CHECK(s.contains("seams"));
+}
+
+TEST_CASE("experiment ipr: spatial receivers, what moves, and graphs", "[program]") {
+    const std::string out = fresh_folder("experiment_ipr_objects") + "/out";
+    const Result r = run(ipr(std::string(PLUMB_SOURCE_DIR) + "/data/scenes/cornell/cornell_container.toml", {"-o", out, "--only", "spatial,objects,graphs", "--updates", "1"}));
+    INFO(r.err);
+    REQUIRE(r.exit == 0);
+    const Json j = Json::parse(read(out + "/ipr.json"));
+    const Json& s = j["scenes"][0];
+    std::map<std::string, Json> sheets;
+    for (const Json& sheet : s["sheets"]) sheets[sheet["id"].get<std::string>()] = sheet;
+    // All places and those near the container make the same bits (figure 5.17: SSIM 1.0).
+    const Json& active = sheets.at("figures 5.16, 5.17");
+    REQUIRE(active["rows"].size() == 2);
+    CHECK(active["rows"][1]["computed"] < active["rows"][0]["computed"]);
+    CHECK(active["rows"][0]["computed"] == active["rows"][0]["places"]);
+    CHECK(active["rows"][1]["SSIM"] == 1);
+    CHECK_THAT(active["lines"][0].get<std::string>(), Contains("the same bits"));
+    CHECK(active["rows"][0]["what moves: mean %"] == active["rows"][1]["what moves: mean %"]);
+    const Json& density = sheets.at("table 5.3, figures 5.18, 5.19");
+    REQUIRE(density["rows"].size() == 3);
+    CHECK(density["rows"][2]["SSIM"].get<double>() == Approx(1));
+    CHECK(density["rows"][2]["places"] > density["rows"][0]["places"]);
+    CHECK(density["rows"][0]["thesis: ms"] == 4.15);
+    for (const Json& row : density["rows"]) CHECK((row["what moves: mean %"] > 0 && row["what moves: mean %"] < 100));
+    // Without its shadow the floor below the container is too bright.
+    const Json& shadow = sheets.at("figure 5.21")["rows"];
+    REQUIRE(shadow.size() == 3);
+    CHECK(shadow[0]["pixels"] > 0);
+    CHECK(shadow[1]["shadow: bias %"].get<double>() > shadow[0]["shadow: bias %"].get<double>() + 10);
+    const Json& emit = sheets.at("figure 5.22")["rows"];
+    REQUIRE(emit.size() == 3);
+    CHECK(emit[0]["name"] == "lamp");
+    for (const Json& row : emit) CHECK(row["what moves: mean %"] < 60);
+    CHECK(sheets.at("figure 5.20")["rows"].size() >= 2);
+    CHECK_THAT(s["left_out"].dump(), Contains("figure 5.23"));
+    CHECK(s["tables"][0]["rows"].size() == 4);
+    const std::string parts = read(out + "/ipr_parts.csv"), page = read(out + "/ipr.html");
+    CHECK_THAT(parts, Contains("cornell_container,figure 5.22,lamp,"));
+    for (const char* word : {"table 5.3", "figure 5.5", "figure 5.8", "figure 5.20", "places that are computed"}) CHECK_THAT(page, Contains(word));
 }
 
 TEST_CASE("experiment ipr: what is refused", "[program]") {

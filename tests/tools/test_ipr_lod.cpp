@@ -6,6 +6,7 @@
 #include "core/error.h"
 #include "tests/gi/probe_bakes.h"
 #include "tools/experiments/ipr_lod.h"
+#include "tools/experiments/ipr_truth.h"
 
 using namespace plumb;
 using namespace plumb::cli;
@@ -44,8 +45,9 @@ LodView view() { return {"corner", room().scene.camera, {96, 64}}; }
 }  // namespace
 
 TEST_CASE("experiment ipr: the thesis' speed-ups are the quotients of its times", "[experiment][probes][IPR tables 5.5 to 5.9]") {
-    REQUIRE(thesis_lod_tables().size() == 5);
+    REQUIRE(thesis_lod_tables().size() == 6);
     for (const LodTable& t : thesis_lod_tables()) {
+        if (t.number == "figure 5.32") continue;  // has no times
         const auto slowest = std::max_element(t.rows.begin(), t.rows.end(), [](const LodFigures& a, const LodFigures& b) { return a.ms < b.ms; });
         for (const LodFigures& f : t.rows) {
             CAPTURE(t.number, f.setup);
@@ -66,6 +68,16 @@ TEST_CASE("experiment ipr: setups of the thesis fit a bake of 512 rays and degre
     CHECK(probes::lod_of(lod_setup("S1").params, 100, 7, 512, 24).rays == std::array{512, 256, 128, 128});  // 64 rays integrate degree 4
     CHECK(probes::lod_of(lod_setup("SD2").params, 100, 7, 512, 24).degree == std::array{7, 2, 0, 0});
     CHECK_THROWS_AS(lod_setup("S3"), InputError);
+    // Figure 5.31's prefixes of the relight rays; a level that has fewer has the degrees that these sample.
+    CHECK(probes::lod_of(lod_setup("R adaptive").params, 100, 7, 512, 24).rays == std::array{512, 256, 128, 64});
+    CHECK(probes::lod_of(lod_setup("R 64").params, 100, 7, 512, 24).rays[0] == 64);
+    CHECK(probes::lod_of(lod_setup("R 64").params, 100, 7, 512, 24).degree[0] < 7);
+    // Of a smaller scene distances are smaller; 0 and "never" stay.
+    CHECK(lod_setup("D1", 0.5).params.distance_2 == 12);
+    CHECK(lod_setup("D2", 0.5).params.distance_1 == 0);
+    CHECK(lod_setup("LOD 0", 0.5).params.distance_1 == lod_setup("LOD 0").params.distance_1);
+    CHECK(lod_setup("zones").params.zones);
+    CHECK_FALSE(lod_setup("no zones").params.zones);
 }
 
 TEST_CASE("experiment ipr: the largest gap is the one below the least that shows", "[experiment][probes]") {
@@ -138,4 +150,44 @@ TEST_CASE("experiment ipr: seams grow with the gap, and there is none within a d
     CHECK(seams.largest_gap < 7);
     CHECK(seams.largest_gap_from_top >= seams.largest_gap);
     CHECK(seams_text(seams).find("thesis: 2") != std::string::npos);
+}
+
+TEST_CASE("experiment ipr: every row of level of detail has its error against the path tracer", "[experiment][probes][lod]") {
+    static const RunOptions options;
+    const probes::Bake& bake = room().graph->bake();
+    IprRequest request;
+    request.samples = 2048, request.receivers = 128;
+    const IprTruth truth = trace_receivers(room().scene, bake.receivers, request, Rays::exact, options);
+    LodView lit = view();
+    lit.name = "traced", lit.samples = 64, lit.receivers = &truth, lit.levels = true;
+    const std::vector<LodMeasured> m = bench().measure(lit, lod_setups({"SH 7", "SH 0", "D0", "borders: level 0", "borders: none"}, 0.1), 1, "SH 7");
+    REQUIRE(m.size() == 6);
+    for (const LodMeasured& row : m) {
+        CAPTURE(row.setup);
+        REQUIRE((row.at_pixels && row.ssim_truth));
+        CHECK(row.at_pixels->mean > 0.005);
+        CHECK(row.at_pixels->mean >= std::fabs(row.at_pixels->bias));
+        CHECK(row.at_pixels->noise > 0);
+        CHECK(*row.ssim_truth < 1);
+        CHECK(row.error_picture.size() == row.picture.size());
+    }
+    // All receivers are computed without levels, fewer with them. Degree 0 sees no direction.
+    REQUIRE((m[0].at_receivers && m[3].at_receivers));
+    CHECK(m[0].at_receivers->count == int(truth.index.size()));
+    CHECK(m[3].at_receivers->count < int(truth.index.size()));
+    CHECK(m[2].at_pixels->rms > m[1].at_pixels->rms);
+    CHECK(m[0].at_pixels->mean == m[1].at_pixels->mean);
+    // Light that ends at borders is missing beside them; in coarse levels more than in the finest.
+    CHECK(m[5].at_pixels->bias < m[4].at_pixels->bias);
+    CHECK(m[4].at_pixels->bias < m[3].at_pixels->bias + 0.01);
+    // The reference is the one that was asked for.
+    CHECK(*m[1].ssim == Approx(1));
+    CHECK(*m[2].ssim < 1);
+    CHECK_THROWS_AS(bench().measure(lit, {}, 1, "SH 9"), InputError);
+    // Level 0 is red, others are not; what is not computed is black.
+    const auto red = [](const glm::vec4& c) { return c.x > 2 * c.y && c.x > 2 * c.z; };
+    CHECK(std::all_of(m[0].levels.texels.begin(), m[0].levels.texels.end(), [&](const glm::vec4& c) { return red(c) || c == glm::vec4(0); }));
+    CHECK(std::any_of(m[3].levels.texels.begin(), m[3].levels.texels.end(), [&](const glm::vec4& c) { return c.w > 0 && !red(c); }));
+    CHECK(lod_text("room", m, nullptr).find("borders: none") != std::string::npos);
+    CHECK(lod_json(m)[2]["at_pixels"]["mean"] == m[2].at_pixels->mean);
 }

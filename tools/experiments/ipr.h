@@ -13,11 +13,12 @@
 #include <string>
 #include <vector>
 
-#include "core/signed_error.h"
 #include "gi/frame/frame.h"
 #include "gi/probes/bake.h"
 #include "gi/probes/debug_layers.h"
+#include "tools/experiments/ipr_errors.h"
 #include "tools/experiments/ipr_lod.h"
+#include "tools/experiments/ipr_sheet.h"
 
 namespace plumb::cli {
 
@@ -28,36 +29,18 @@ struct IprRequest {
     int updates = 5;             // whose median is the time of one
     double open = 1;             // receivers more open to the sky than this share are left out
     glm::ivec2 size{320, 180};   // of pictures
+    std::vector<LodView> cameras; // of level of detail, the thesis' cameras 1, 2, 3; empty: the scene's own
     std::set<std::string> parts; // of ipr_parts; empty: all
     bool wants(const std::string& part) const { return parts.empty() || parts.count(part) > 0; }
 };
-inline const std::vector<std::string> ipr_parts = {"tables", "figures", "goals", "quads", "lightmap", "lod"};
-
-// ---- Errors -------------------------------------------------------------------------------------------------------------
-
-// Of luminance, over receivers or pixels; all but truth relative to the truth's mean. Throws InputError where no light is.
-struct IprErrors {
-    int count = 0;
-    double truth = 0;  // mean, W/m2
-    double noise = 0;  // of the truth: root of the mean squared standard error
-    double mean = 0;   // of |error|; the truth's noise is in it
-    double bias = 0;   // mean error
-    double rms = 0;    // the truth's noise taken out
-};
-IprErrors ipr_errors(const compare::Plane& own, const compare::Plane& truth, const compare::Plane& error,
-                     const Image<std::uint8_t>& compared = {});
-
-struct IprTruth {
-    std::vector<int> index;         // receivers
-    compare::Plane mean, error;     // luminance, W/m2, in their order
-    int samples = 0;
-};
+inline const std::vector<std::string> ipr_parts = {"tables", "graphs", "figures", "goals", "quads", "lightmap", "spatial", "objects", "lod"};
 
 // ---- A setting ----------------------------------------------------------------------------------------------------------
 
 struct IprThesis {
     int receivers = 0, clusters = 0;  // 0: not printed
     double ms = 0;                    // of a GeForce GT 630M
+    double minutes = 0;               // of its precomputation, one thread of an i5-3210M
 };
 
 struct IprVariant {
@@ -68,6 +51,9 @@ struct IprVariant {
     int shadow_scale = 1;       // times the texels of shadow maps
     float reflectance = 1;      // planted: times what relight rays find
     IprThesis thesis;
+    bool dots = false;          // a picture with the probes
+    bool contacts = false;      // errors of pixels beside something else, too (figure 5.13)
+    bool traced = false;        // the frame's truth, radiance, is traced
 };
 
 struct IprRow {
@@ -81,8 +67,9 @@ struct IprRow {
     std::string rounds;
     IprErrors at_receivers;
     std::optional<IprErrors> at_pixels;  // what the picture shows of it; none where the picture is of another light
+    std::optional<IprErrors> at_contacts;
     std::optional<double> ssim, ssim_truth;  // of the displayed picture, against the reference row's, and with traced indirect light
-    Image4 radiance, display, error;         // error: of pixels, signed
+    Image4 radiance, display, error, dots;   // error: of pixels, signed; dots: probes
 
     double median_ms() const { return ms.empty() ? 0 : ms[ms.size() / 2]; }
     double spread() const { return ms.empty() ? 0 : (ms.back() - ms.front()) / median_ms(); }
@@ -121,11 +108,14 @@ class IprBench {
     // The bake, made or kept from the row before.
     const probes::Bake& bake(const probes::BakeParams& params);
     const Image4& truth_display() const { return truth_display_; }
+    const IprTruth& receiver_truth(const probes::BakeParams& params) { return truth_of(bake(params).receivers); }
+    // A frame by the bake that bake() made last: the scene may differ from this one's in all that a bake does not depend on.
+    frame::Frame frame_of(const Scene& scene, const IprVariant& variant);
+    double bake_seconds() const { return bake_seconds_; }  // of the bake that is kept
 
   private:
-    frame::Frame frame_of(const Scene& scene, const IprVariant& variant);
     const IprTruth& truth_of(const probes::Receivers& receivers);
-    void judge_pixels(const frame::Frame& f, IprRow& row);
+    void judge_pixels(const frame::Frame& f, bool contacts, IprRow& row);
     void show(IprRow& row) const;
 
     const Scene& scene_;
@@ -138,9 +128,11 @@ class IprBench {
     std::map<std::uint64_t, IprTruth> truths_;
     Image4 pixel_truth_, truth_display_;
     compare::Plane pixel_mean_, pixel_error_;
-    Image<std::uint8_t> pixel_compared_;
+    Image<std::uint8_t> pixel_compared_, pixel_contacts_;
     double white_ = 0;
 };
+// Of a frame: what an update reads and writes.
+probes::UpdateBuffers update_buffers(frame::ProbeBuffers& p, const Image4& direct, const probes::RunParams& run);
 // SSIM of each row that has a picture against that one's.
 void against(const IprRow& reference, std::vector<IprRow>& rows);
 
@@ -153,8 +145,9 @@ struct IprTable {
     std::vector<std::string> left_out;
 };
 struct IprLodTable {
-    std::string title, number;  // number: of the thesis' table; empty: none of its own
-    std::vector<LodMeasured> rows;
+    std::string title, number;  // "table 5.8: ..."; number: of the thesis' rows; empty: none of its own
+    std::string notes;
+    std::vector<LodMeasured> rows = {};
 };
 // By how much of |error| a change of one resource is better than the default; the limit is the best of them.
 struct IprGoal {
@@ -166,6 +159,7 @@ struct IprGoal {
 struct IprResult {
     std::string scene;
     std::vector<IprTable> tables;
+    std::vector<IprSheet> sheets;
     std::optional<IprGoal> goal;
     std::optional<IprLightmap> lightmap;
     std::optional<IprQuads> quads;  // of ipr_quad_room()
@@ -173,13 +167,16 @@ struct IprResult {
     std::optional<LodSeams> seams;
     std::vector<std::string> left_out;
 };
+using IprTell = std::function<void(const std::string&)>;
 IprResult measure_ipr(const Scene& scene, const frame::Settings& settings, const IprRequest& request, const RunOptions& options,
-                      const std::function<void(const std::string&)>& tell);
+                      const IprTell& tell);
 IprGoal goal_of(const std::string& scene, const IprTable& table);
 
 std::string ipr_text(const std::vector<IprResult>& results);
 Json ipr_json(const std::vector<IprResult>& results);
 std::string ipr_csv(const std::vector<IprResult>& results);
+// Sheets and level of detail: a line each number.
+std::string ipr_parts_csv(const std::vector<IprResult>& results);
 std::string ipr_html(const std::vector<IprResult>& results, const std::string& command);
 
 }  // namespace plumb::cli

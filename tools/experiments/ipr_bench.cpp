@@ -12,6 +12,7 @@
 #include "gi/probes/lit_hits.h"
 #include "gi/probes/sky_probe.h"
 #include "tools/experiments/ipr.h"
+#include "tools/experiments/ipr_pictures.h"
 #include "tools/experiments/ipr_truth.h"
 
 namespace plumb::cli {
@@ -25,46 +26,6 @@ std::string key_of(probes::BakeParams params) {
     std::string key;
     for (const Field& f : probes::fields(params)) key += f.name + "=" + value_text(f) + ";";
     return key;
-}
-
-// White: what one pixel of fifty exceeds; the exponent of displays.
-Image4 displayed(const Image4& radiance, double white) {
-    Image4 shown(radiance.width, radiance.height);
-    for (std::size_t i = 0; i < shown.size(); ++i)
-        for (int c = 0; c < 3; ++c)
-            shown.texels[i][c] = float(host::pow(std::clamp(double(radiance.texels[i][c]) / white, 0.0, 1.0), 1 / 2.2));
-    return shown;
-}
-double white_of(const Image4& radiance) {
-    const compare::Plane luminances = compare::luminances(radiance);
-    std::vector<double> values(luminances.texels.begin(), luminances.texels.end());
-    const auto at = values.begin() + std::ptrdiff_t(values.size() - 1 - values.size() / 50);
-    std::nth_element(values.begin(), at, values.end());
-    return std::max(*at, 1e-30);
-}
-
-std::optional<double> ssim_of(const Image4& a, const Image4& b) {
-    const auto picture = [](const Image4& image) {
-        compare::Picture p{{"R", "G", "B"}, image.width, image.height, {}};
-        for (const glm::vec4& v : image.texels) p.data.insert(p.data.end(), {v.x, v.y, v.z});
-        return p;
-    };
-    compare::Options how;
-    how.encoding = compare::Encoding::ldr_srgb;
-    return compare::compare(picture(a), picture(b), how).ssim;
-}
-
-// Of a frame: what an update reads and writes.
-probes::UpdateBuffers buffers_of(frame::ProbeBuffers& p, const Image4& direct, const probes::RunParams& run) {
-    probes::UpdateBuffers b;
-    b.data = &p.data, b.harmonics = &p.harmonics, b.weights = &p.weights;
-    b.probe_level = &p.probe_level, b.cluster_level = &p.cluster_level;
-    b.counts = {p.lod.levels, p.lod.rays, p.lod.coefficients};
-    b.feedback = run.feedback, b.constant = run.reflection;
-    b.surface = &p.surface, b.emitted = &p.emitted, b.place = &p.place, b.direct = &direct;
-    b.last_lightmap = &p.before, b.read_lambda = &p.lambda, b.read_basis = &p.basis;
-    b.radiance = &p.radiance, b.lambda = &p.lambda, b.basis = &p.basis, b.irradiance = &p.irradiance, b.lightmap = &p.lightmap;
-    return b;
 }
 
 std::size_t bytes_of_update(const frame::ProbeBuffers& p) {
@@ -81,6 +42,18 @@ compare::Plane shown_at(const frame::ProbeBuffers& p, const std::vector<int>& re
 }
 
 }  // namespace
+
+probes::UpdateBuffers update_buffers(frame::ProbeBuffers& p, const Image4& direct, const probes::RunParams& run) {
+    probes::UpdateBuffers b;
+    b.data = &p.data, b.harmonics = &p.harmonics, b.weights = &p.weights;
+    b.probe_level = &p.probe_level, b.cluster_level = &p.cluster_level;
+    b.counts = {p.lod.levels, p.lod.rays, p.lod.coefficients};
+    b.feedback = run.feedback, b.constant = run.reflection;
+    b.surface = &p.surface, b.emitted = &p.emitted, b.place = &p.place, b.direct = &direct;
+    b.last_lightmap = &p.before, b.read_lambda = &p.lambda, b.read_basis = &p.basis;
+    b.radiance = &p.radiance, b.lambda = &p.lambda, b.basis = &p.basis, b.irradiance = &p.irradiance, b.lightmap = &p.lightmap;
+    return b;
+}
 
 IprErrors ipr_errors(const compare::Plane& own, const compare::Plane& truth, const compare::Plane& error, const Image<std::uint8_t>& compared) {
     const compare::SignedErrors e = compare::signed_errors(own, truth, error, compared);
@@ -127,7 +100,8 @@ frame::Frame IprBench::frame_of(const Scene& scene, const IprVariant& v) {
     frame::Settings settings = settings_;
     settings.probes = v.bake, settings.probe_run = v.run;
     settings.probe_run.loop = probes::Loop::converged;
-    settings.bake = bake_;
+    settings.bake = bake_, settings.truth = v.traced;
+    settings.reference.samples = ipr_pixel_samples(request_), settings.reference.rays = settings_.probes.rays;
     return frame::execute(scene, settings, frame::plan(scene, settings), options_);
 }
 
@@ -155,7 +129,7 @@ IprRow IprBench::row(const IprVariant& v) {
         direct = probes::lamp_irradiance(*lit, f.views[1].gbuffer.position, f.views[1].gbuffer.normal, options_);
     }
     for (glm::vec4& s : p.surface.texels) s = glm::vec4(glm::vec3(s) * v.reflectance, s.w);
-    const probes::UpdateBuffers buffers = buffers_of(p, direct, v.run);
+    const probes::UpdateBuffers buffers = update_buffers(p, direct, v.run);
     r.rounds = text_of(p.converged);
     if (other_light) {
         Image4 before;
@@ -171,17 +145,49 @@ IprRow IprBench::row(const IprVariant& v) {
     std::sort(r.ms.begin(), r.ms.end());
     const IprTruth& truth = truth_of(b.receivers);
     r.at_receivers = ipr_errors(shown_at(p, truth.index), truth.mean, truth.error);
-    if (!other_light) judge_pixels(f, r);
+    if (!other_light) judge_pixels(f, v.contacts, r);
+    if (v.dots && !r.display.empty()) {
+        glm::vec3 low(0), high(0);
+        bounds(b.atlas.geometry, low, high);
+        r.dots = r.display;
+        const View view = make_view(scene.camera, double(request_.size.x) / request_.size.y, scene.convention, request_.size);
+        std::vector<glm::dvec3> centres;
+        for (const glm::vec4& probe : b.placement.probes)
+            if (!probes::is_sky(probe)) centres.emplace_back(glm::vec3(probe));
+        const double radius = 0.012 * double(glm::length(high - low));
+        draw_balls(r.dots, {}, view, centres, radius, {0.1f, 0.15f, 0.5f});  // hidden ones are darker
+        draw_balls(r.dots, f.gbuffer.position, view, centres, radius, {0.25f, 0.5f, 1});
+    }
     return r;
 }
 
-void IprBench::judge_pixels(const frame::Frame& f, IprRow& row) {
+namespace {
+
+// Which pixels have something else so near that a quarter of what they could see is hidden: within a fiftieth of the diagonal.
+Image<std::uint8_t> contacts_of(const Scene& scene, const raster::GBuffer& seen, const Image<std::uint8_t>& compared, Rays rays, const RunOptions& options) {
+    glm::vec3 low(0), high(0);
+    bounds(flatten(scene), low, high);
+    reference::PathParams p;
+    p.mode = reference::Mode::ambient_occlusion, p.samples = 64, p.rays = rays, p.ao_distance = 0.02f * glm::length(high - low);
+    const Image4 open = reference::trace_irradiance(p, *reference::prepare(scene, rays), {&seen.position, &seen.normal}, 5, options).mean;
+    Image<std::uint8_t> contacts(open.width, open.height);
+    for (std::size_t i = 0; i < contacts.size(); ++i) contacts.texels[i] = compared.texels[i] && open.texels[i].x < 0.75f ? 1 : 0;
+    return contacts;
+}
+
+}  // namespace
+
+void IprBench::judge_pixels(const frame::Frame& f, bool contacts, IprRow& row) {
     if (pixel_truth_.empty()) {
         Image4 error;
-        trace_pixels(scene_, f.gbuffer, request_, settings_.probes.rays, options_, pixel_truth_, error);
+        trace_points(scene_, {&f.gbuffer.position, &f.gbuffer.normal}, ipr_pixel_samples(request_), settings_.probes.rays, options_, pixel_truth_, error);
         pixel_mean_ = compare::luminances(pixel_truth_), pixel_error_ = compare::luminance_errors(error);
         pixel_compared_ = Image<std::uint8_t>(pixel_truth_.width, pixel_truth_.height);
-        for (std::size_t i = 0; i < pixel_compared_.size(); ++i) pixel_compared_.texels[i] = f.gbuffer.normal.texels[i].w != 0 ? 1 : 0;
+        // What moves is lit where a bake has spatial receivers: a part of its own (ipr_spatial.cpp).
+        for (std::size_t i = 0; i < pixel_compared_.size(); ++i) {
+            const int object = f.gbuffer.id.texels[i].x;
+            pixel_compared_.texels[i] = object >= 0 && !scene_.meshes[std::size_t(object)].dynamic ? 1 : 0;
+        }
         // The picture with the traced light in place of the probes'.
         Image4 radiance = f.radiance;
         for (std::size_t i = 0; i < radiance.size(); ++i)
@@ -195,10 +201,11 @@ void IprBench::judge_pixels(const frame::Frame& f, IprRow& row) {
     row.at_pixels = ipr_errors(own, pixel_mean_, pixel_error_, pixel_compared_);
     row.radiance = f.radiance, row.display = displayed(f.radiance, white_);
     row.ssim_truth = ssim_of(row.display, truth_display_);
-    const compare::Plane relative = compare::relative_errors(own, pixel_mean_, 0.1 * row.at_pixels->truth, pixel_error_, 3);
-    row.error = Image4(own.width, own.height, glm::vec4(0.25f));
-    for (std::size_t i = 0; i < relative.size(); ++i)
-        if (pixel_compared_.texels[i]) row.error.texels[i] = glm::vec4(compare::signed_color(relative.texels[i], ipr_swing), 1);
+    row.error = error_picture(own, pixel_mean_, pixel_error_, pixel_compared_, 0.1 * row.at_pixels->truth);
+    if (!contacts) return;
+    if (pixel_contacts_.empty()) pixel_contacts_ = contacts_of(scene_, f.gbuffer, pixel_compared_, settings_.probes.rays, options_);
+    if (std::count(pixel_contacts_.texels.begin(), pixel_contacts_.texels.end(), 1) > 0)
+        row.at_contacts = ipr_errors(own, pixel_mean_, pixel_error_, pixel_contacts_);
 }
 
 void against(const IprRow& reference, std::vector<IprRow>& rows) {

@@ -11,6 +11,7 @@ const char* ipr_legend();
 std::string goal_text(const IprGoal& goal);
 std::string quads_text(const IprQuads& quads);
 std::string lightmap_text(const IprLightmap& lightmap);
+IprSheet lod_sheet(const IprLodTable& table);
 const LodTable* thesis_table(const IprLodTable& table);  // null: none
 
 }  // namespace plumb::cli

@@ -12,6 +12,7 @@
 #include "core/camera.h"
 #include "gi/probes/lod.h"
 #include "gi/probes/run_loop.h"
+#include "tools/experiments/ipr_errors.h"
 #include "tools/shared/reports.h"
 
 namespace plumb::cli {
@@ -28,18 +29,24 @@ struct LodTable {
     std::string number, title;  // "5.5", "Open Hall, camera 1"
     std::vector<LodFigures> rows;
 };
-const std::vector<LodTable>& thesis_lod_tables();  // 5.5 to 5.9
+const std::vector<LodTable>& thesis_lod_tables();  // 5.5 to 5.9, figure 5.32
 
-// Setups by name: "NO LOD"; "S0" to "S2" (table 5.4); "LOD 0" to "LOD 3" (5.8); "SH 0" to "SH 7" (5.9); "D0" to "D2" (5.10);
-// "SD0" to "SD2" (5.11). The thesis does not say how many rays a level has in them: 512, 256, 128, 64 as its default (4.2.1), or the
-// fewest whose weights integrate the level's degree; all of them where only distances, or only degrees, or only the lightmap are
-// tested. Throws InputError for another name.
+// Of which levels of the lightmap the light is extended beyond borders (figure 5.33).
+enum class LodBorders : int { all, finest, none };
+
+// Setups by name: "NO LOD"; "S0" to "S2" (table 5.4, with view zones); "LOD 0" to "LOD 3" (5.8); "SH 0" to "SH 7" (5.9); "D0" to "D2"
+// (5.10); "SD0" to "SD2" (5.11); "R 512" to "R 64", "R adaptive" (figure 5.31); "zones", "no zones" (5.32); "borders: all", "borders:
+// level 0", "borders: none" (5.33). The thesis does not say how many rays a level has in its tables: 512, 256, 128, 64 as its default
+// (4.2.1), or the fewest whose weights integrate the level's degree; all of them where only distances, or only degrees, or only the
+// lightmap are tested. Throws InputError for another name.
 struct LodSetup {
     std::string name;
     probes::LodParams params;
+    LodBorders borders = LodBorders::all;
 };
-LodSetup lod_setup(const std::string& name);
-std::vector<LodSetup> lod_setups(const std::vector<std::string>& names);
+// scale: of distances, for scenes smaller than the thesis' hall.
+LodSetup lod_setup(const std::string& name, double scale = 1);
+std::vector<LodSetup> lod_setups(const std::vector<std::string>& names, double scale = 1);
 
 // ---- Ours ---------------------------------------------------------------------------------------------------------------
 
@@ -47,6 +54,9 @@ struct LodView {
     std::string name;
     Camera camera;
     glm::ivec2 size{320, 180};
+    int samples = 0;                      // paths a pixel of the truth; 0: none is traced
+    const IprTruth* receivers = nullptr;  // null: none is held against
+    bool levels = false;                  // also pictures of levels and lightmaps
 };
 
 // Of one setup in one view, against no level of detail.
@@ -55,10 +65,14 @@ struct LodMeasured {
     probes::LodCounts counts;
     std::int64_t receivers = 0;             // active: computed
     double ms = 0, speed_up = 1;            // one update, levels included: the median
-    std::optional<double> ssim;             // of the displayed picture
+    std::optional<double> ssim, ssim_truth; // of the displayed picture: against the reference's, and with traced indirect light
+    std::optional<IprErrors> at_pixels;     // of the indirect light
+    std::optional<IprErrors> at_receivers;  // of those that are computed
     double error = 0, worst = 0;            // of indirect irradiance of pixels: mean |difference| / mean; largest of 64 x 64 pixels' means
     std::vector<std::string> notes;
     Image4 picture;                         // displayed, 0..1
+    Image4 ssim_picture, error_picture;     // beside the reference's, and beside the truth
+    Image4 levels, lightmap;                // red, green, blue, yellow; the strip of levels: black where nothing is computed
 };
 
 // A step between levels that differ in degree alone, over all lit receivers: what a boundary shows, wherever it lies.
@@ -90,8 +104,10 @@ class LodBench {
     LodBench(const Scene& scene, const probes::Bake& bake, const RunOptions& options);
     ~LodBench();
 
-    // The first of them is no level of detail, whether it is asked for or not. updates: of which the time is the median.
-    std::vector<LodMeasured> measure(const LodView& view, const std::vector<LodSetup>& setups, int updates = 5) const;
+    // The first of them is no level of detail, whether it is asked for or not: speed-up and error are against it. updates: of which the
+    // time is the median. reference: the setup whose picture SSIM is against. What a view of that name sees is kept.
+    std::vector<LodMeasured> measure(const LodView& view, const std::vector<LodSetup>& setups, int updates = 5,
+                                     const std::string& reference = "NO LOD") const;
     LodSeams seams() const;
 
   private:

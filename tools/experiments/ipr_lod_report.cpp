@@ -17,20 +17,27 @@ const LodFigures* find(const LodTable* table, const std::string& setup) {
     return at == table->rows.end() ? nullptr : &*at;
 }
 
+Json errors_json(const IprErrors& e) {
+    return {{"count", e.count}, {"truth", e.truth}, {"noise", e.noise}, {"mean", e.mean}, {"bias", e.bias}, {"rms", e.rms}};
+}
+
 }  // namespace
 
 std::string lod_text(const std::string& title, const std::vector<LodMeasured>& ours, const LodTable* thesis) {
-    std::string text = title + (thesis ? fmt::format(" (thesis: table {}, {})", thesis->number, thesis->title) : "") + "\n";
-    text += fmt::format("{:<8} {:>9} {:>6} {:>9} {:>8} {:>8} {:>8} {:>8}   {}\n", "setup", "receivers", "share", "ms", "speed-up", "SSIM", "error",
-                        "worst", "thesis: receivers, share, speed-up, SSIM");
+    std::string text = title + (thesis ? fmt::format(" (thesis: {}{}, {})", thesis->number[0] == 'f' ? "" : "table ", thesis->number, thesis->title) : "") + "\n";
+    text += fmt::format("{:<16} {:>9} {:>6} {:>9} {:>8} {:>8} {:>8} {:>8} {:>10} {:>9} {:>8} {:>8} {:>9}   {}\n", "setup", "receivers", "share", "ms", "speed-up",
+                        "SSIM", "change", "worst", "SSIM truth", "pixels", "bias", "rms", "receivers", "thesis: receivers, share, speed-up, SSIM");
+    const auto percent = [](const std::optional<IprErrors>& e, double IprErrors::* part) { return e ? fmt::format("{:.2f}%", 100 * (*e).*part) : "-"; };
     for (const LodMeasured& m : ours) {
         const auto share = [](std::int64_t n, std::int64_t of) { return of > 0 ? 100 * double(n) / double(of) : 0.0; };
-        text += fmt::format("{:<8} {:>9} {:>5.1f}% {:>9.3f} {:>8.2f} {:>8} {:>7.2f}% {:>7.2f}%", m.setup, m.receivers,
-                            share(m.receivers, ours[0].receivers), m.ms, m.speed_up, ssim_text(m.ssim), 100 * m.error, 100 * m.worst);
+        text += fmt::format("{:<16} {:>9} {:>5.1f}% {:>9.3f} {:>8.2f} {:>8} {:>7.2f}% {:>7.2f}% {:>10} {:>9} {:>8} {:>8} {:>9}", m.setup, m.receivers,
+                            share(m.receivers, ours[0].receivers), m.ms, m.speed_up, ssim_text(m.ssim), 100 * m.error, 100 * m.worst, ssim_text(m.ssim_truth),
+                            percent(m.at_pixels, &IprErrors::mean), percent(m.at_pixels, &IprErrors::bias), percent(m.at_pixels, &IprErrors::rms),
+                            percent(m.at_receivers, &IprErrors::mean));
         if (const LodFigures* f = find(thesis, m.setup))
             text += fmt::format("   {:>7} {:>5.1f}% {:>5.2f} {}", f->receivers, share(f->receivers, thesis->rows[0].receivers), f->speed_up, ssim_text(f->ssim));
         text += "\n";
-        for (const std::string& note : m.notes) text += "         " + note + "\n";
+        if (!m.notes.empty()) text += fmt::format("    {}\n", fmt::join(m.notes, "; "));
     }
     return text;
 }
@@ -61,6 +68,9 @@ Json lod_json(const std::vector<LodMeasured>& ours) {
                         {"ssim", m.ssim ? Json(*m.ssim) : Json(nullptr)},
                         {"error", m.error},
                         {"worst", m.worst},
+                        {"ssim_truth", m.ssim_truth ? Json(*m.ssim_truth) : Json(nullptr)},
+                        {"at_pixels", m.at_pixels ? errors_json(*m.at_pixels) : Json(nullptr)},
+                        {"at_receivers", m.at_receivers ? errors_json(*m.at_receivers) : Json(nullptr)},
                         {"notes", m.notes}});
     return rows;
 }

@@ -20,6 +20,7 @@ const std::vector<LodTable>& thesis_lod_tables() {
         {"5.9", "Large Cornell box, 342 009 receivers, one degree for all",
          {{"SH 0", 0, 1.42, 1.06, {}}, {"SH 1", 0, 1.42, 1.06, {}}, {"SH 2", 0, 1.43, 1.05, {}}, {"SH 3", 0, 1.43, 1.05, {}},
           {"SH 4", 0, 1.43, 1.05, {}}, {"SH 5", 0, 1.43, 1.05, {}}, {"SH 6", 0, 1.46, 1.02, {}}, {"SH 7", 0, 1.50, 1.0, {}}}},
+        {"figure 5.32", "of 335 015 receivers; no times", {{"NO LOD", 335015, 0, 1, {}}, {"no zones", 229076, 0, 1, {}}, {"zones", 105259, 0, 1, {}}}},
     };
     return all;
 }
@@ -44,21 +45,42 @@ LodSetup setup(const std::string& name, const Degrees& degrees, const Distances&
     p.rays_0 = rays[0], p.rays_1 = rays[1], p.rays_2 = rays[2], p.rays_3 = rays[3];
     return s;
 }
+LodSetup with_zones(LodSetup s) {
+    s.params.zones = true;
+    return s;
+}
+LodSetup with_borders(LodSetup s, LodBorders borders) {
+    s.borders = borders;
+    return s;
+}
 
-constexpr Degrees full = {7, 7, 7, 7};
+constexpr Degrees full = {7, 7, 7, 7}, automatic = {-1, -1, -1, -1};
 constexpr Distances usual = {20, 50, 100};  // D0, and the GUI's default (appendix A)
+constexpr Distances middle = {14, 24, 46};  // D1: level 0 is still seen
+
+// Of all levels the same rays; degrees are the largest that they sample without aliasing.
+LodSetup rays_setup(int rays) {
+    LodSetup s{"R " + std::to_string(rays), {}};
+    s.params.rays_0 = rays;
+    return s;
+}
 
 std::vector<LodSetup> all_setups() {
     std::vector<LodSetup> all = {{"NO LOD", {}},
-                                 setup("S0", {7, 6, 4, 3}, usual, true),
-                                 setup("S1", {7, 7, 6, 5}, {11, 30, 60}, true),
-                                 setup("S2", {4, 4, 4, 3}, {11, 30, 60}, true),
+                                 with_zones(setup("S0", {7, 6, 4, 3}, usual, true)),
+                                 with_zones(setup("S1", {7, 7, 6, 5}, {11, 30, 60}, true)),
+                                 with_zones(setup("S2", {4, 4, 4, 3}, {11, 30, 60}, true)),
                                  setup("D0", full, usual, false),
-                                 setup("D1", full, {14, 24, 46}, false),
+                                 setup("D1", full, middle, false),
                                  setup("D2", full, {0, 12, 30.5f}, false),
                                  setup("SD0", {7, 5, 3, 2}, usual, false),
                                  setup("SD1", {4, 3, 2, 0}, usual, false),
-                                 setup("SD2", {7, 2, 0, 0}, usual, false)};
+                                 setup("SD2", {7, 2, 0, 0}, usual, false),
+                                 setup("no zones", full, usual, false),
+                                 with_zones(setup("zones", full, usual, false)),
+                                 setup("borders: all", full, middle, false),
+                                 with_borders(setup("borders: level 0", full, middle, false), LodBorders::finest),
+                                 with_borders(setup("borders: none", full, middle, false), LodBorders::none)};
     const float never = 1e6f;
     for (int k = 0; k < 4; ++k)
         all.push_back(setup("LOD " + std::to_string(k), full, {k > 0 ? 0 : never, k > 1 ? 0 : never, k > 2 ? 0 : never}, false));
@@ -67,21 +89,28 @@ std::vector<LodSetup> all_setups() {
         one.params.degree_0 = degree;
         all.push_back(one);
     }
+    for (const int rays : {512, 256, 128, 64}) all.push_back(rays_setup(rays));
+    LodSetup adaptive = setup("R adaptive", automatic, usual, false);
+    adaptive.params.rays_1 = 256, adaptive.params.rays_2 = 128, adaptive.params.rays_3 = 64;
+    all.push_back(adaptive);
     return all;
 }
 
 }  // namespace
 
-LodSetup lod_setup(const std::string& name) {
+LodSetup lod_setup(const std::string& name, double scale) {
     static const std::vector<LodSetup> all = all_setups();
     const auto found = std::find_if(all.begin(), all.end(), [&](const LodSetup& s) { return s.name == name; });
-    if (found == all.end()) throw InputError("level of detail: no setup \"" + name + "\": expected one of IPR tables 5.4 to 5.11");
-    return *found;
+    if (found == all.end()) throw InputError("level of detail: no setup \"" + name + "\": expected one of IPR tables 5.4 to 5.11, figures 5.31 to 5.33");
+    LodSetup setup = *found;
+    for (float* distance : {&setup.params.distance_1, &setup.params.distance_2, &setup.params.distance_3})
+        if (*distance > 0 && *distance < 1e5f) *distance = float(scale * double(*distance));
+    return setup;
 }
 
-std::vector<LodSetup> lod_setups(const std::vector<std::string>& names) {
+std::vector<LodSetup> lod_setups(const std::vector<std::string>& names, double scale) {
     std::vector<LodSetup> all;
-    for (const std::string& name : names) all.push_back(lod_setup(name));
+    for (const std::string& name : names) all.push_back(lod_setup(name, scale));
     return all;
 }
 

@@ -8,13 +8,11 @@
 #include "gi/probes/run_stages.h"
 #include "io/file.h"
 #include "tools/experiments/bake_sizes.h"
-#include "tools/experiments/ipr.h"
+#include "tools/experiments/ipr_parts.h"
 
 namespace plumb::cli {
 
 namespace {
-
-using Tell = std::function<void(const std::string&)>;
 
 struct Column {
     const char* name;
@@ -22,16 +20,23 @@ struct Column {
     IprThesis thesis;
 };
 // Tables 5.1 and 5.2.
-const Column table_1[] = {{"P0", 512, 1, {65011, 0, 5.29}}, {"P1", 512, 3, {65011, 0, 5.67}}, {"P2", 512, 11, {65011, 0, 6.56}},
-                          {"P3", 512, 30, {65011, 0, 7.55}}, {"P4", 512, 78, {65011, 0, 10.28}}};
-const Column table_2[] = {{"R0", 64, 7, {712, 2, 1.61}}, {"R1", 128, 7, {3369, 4, 1.76}}, {"R2", 256, 7, {15608, 36, 3.02}},
-                          {"R3", 512, 7, {67662, 103, 6.15}}, {"R4", 1024, 7, {282403, 428, 19.19}}};
+const Column table_1[] = {{"P0", 512, 1, {65011, 0, 5.29, 3.84}}, {"P1", 512, 3, {65011, 0, 5.67, 5.70}}, {"P2", 512, 11, {65011, 0, 6.56, 25.14}},
+                          {"P3", 512, 30, {65011, 0, 7.55, 36.12}}, {"P4", 512, 78, {65011, 0, 10.28, 54.31}}};
+const Column table_2[] = {{"R0", 64, 7, {712, 2, 1.61, 0.09}}, {"R1", 128, 7, {3369, 4, 1.76, 0.45}}, {"R2", 256, 7, {15608, 36, 3.02, 2.06}},
+                          {"R3", 512, 7, {67662, 103, 6.15, 8.75}}, {"R4", 1024, 7, {282403, 428, 19.19, 37.8}}};
 
 constexpr int quick_share = 64;  // of the thesis' receivers in table 5.1
 
+// The thesis' choices in place of the defaults; what the scene file or --set says is the default's.
+probes::BakeParams published_choices(probes::BakeParams p) {
+    p.placement.overlaps = 10, p.placement.least = 8;
+    p.receiver_rays = 512, p.relight_rays = 512, p.degree = 7, p.singular_values = 32, p.threshold = 0.005f;
+    return p;
+}
+
 class Measure {
   public:
-    Measure(const Scene& scene, const frame::Settings& settings, const IprRequest& request, const RunOptions& options, const Tell& tell)
+    Measure(const Scene& scene, const frame::Settings& settings, const IprRequest& request, const RunOptions& options, const IprTell& tell)
         : scene_(scene), settings_(settings), request_(request), options_(options), tell_(tell), bench_(scene, settings, request, options) {
         result_.scene = io::stem_of(scene.name);
     }
@@ -41,6 +46,7 @@ class Measure {
             add_columns("5.1", "probes", std::begin(table_1), std::end(table_1) - (request_.quick ? 2 : 0), request_.quick ? quick_share : 1);
             add_columns("5.2", "receivers", std::begin(table_2), std::end(table_2) - (request_.quick ? 3 : 0), 1);
         }
+        if (request_.wants("graphs")) add_graphs();
         if (request_.wants("figures")) add_figures();
         if (request_.wants("goals")) add_goals();
         if (request_.wants("quads")) add_quads();
@@ -50,18 +56,16 @@ class Measure {
             params.lightmap_size = size_for(params, request_.quick ? 700 : 16000, 128);
             result_.lightmap = bench_.lightmap(params);
         }
-        if (request_.wants("lod")) add_lod();
+        const std::function<int(const probes::BakeParams&, int, int)> size = [this](const probes::BakeParams& p, int receivers, int start) { return size_for(p, receivers, start); };
+        const IprPart part{scene_, settings_, request_, options_, tell_, bench_, result_, size};
+        if (request_.wants("spatial")) measure_spatial(part);
+        if (request_.wants("objects")) measure_objects(part);
+        if (request_.wants("lod")) measure_lod(part);
         return std::move(result_);
     }
 
   private:
-    // The thesis' choices in place of the defaults; what the scene file or --set says is the default's.
-    probes::BakeParams as_published() const {
-        probes::BakeParams p = settings_.probes;
-        p.placement.overlaps = 10, p.placement.least = 8;
-        p.receiver_rays = 512, p.relight_rays = 512, p.degree = 7, p.singular_values = 32, p.threshold = 0.005f;
-        return p;
-    }
+    probes::BakeParams as_published() const { return published_choices(settings_.probes); }
     // Known sizes are asked once.
     int size_for(const probes::BakeParams& params, int receivers, int start) {
         int& size = sizes_[receivers];
@@ -80,7 +84,7 @@ class Measure {
         table.notes = "with the thesis' choices: 10 probes of a receiver, 512 rays of each receiver and probe, degree 7, 32 singular values of a cluster";
         for (const Column* c = first; c != last; ++c) {
             IprVariant v;
-            v.name = c->name, v.bake = as_published(), v.thesis = c->thesis;
+            v.name = c->name, v.bake = as_published(), v.thesis = c->thesis, v.dots = id == "5.1";  // figure 5.3
             const int wanted = c->thesis.receivers / share;
             v.bake.placement.count = c->probes, v.bake.lightmap_size = size_for(v.bake, wanted, c->start);
             if (const int found = receivers_at(scene_, v.bake, v.bake.lightmap_size, options_); found > 1.25 * wanted) {
@@ -128,6 +132,8 @@ class Measure {
         add_figure("figures 5.12, 5.15", "receivers moved out of what they lie in",
                    "errors at receivers are of their own places, those at pixels of what is seen", shifts);
 
+        add_aura();
+
         std::vector<IprVariant> feedback = {figure("rho / pi", "feedback = corrected")};
         for (const double c : {0.0, 0.1, 0.19, 0.25, 0.3}) {
             feedback.push_back(figure(fmt::format("c = {:g}", c), fmt::format("feedback = constant, reflection = {:g}", c)));
@@ -136,6 +142,47 @@ class Measure {
         feedback.push_back(figure("rho", "feedback = material"));
         feedback.back().run.feedback = probes::Feedback::material;
         add_figure("figure 3.32", "what comes back from a surface", "a constant from 1/pi = 0.318 on grows from round to round in a closed scene", feedback);
+    }
+
+    // Figure 5.13: the finer the lightmap, the narrower the bright edge of what touches.
+    void add_aura() {
+        IprSheet sheet{"figure 5.13", "bright edges where objects touch, by the density of receivers", "contacts: pixels a quarter of whose view is taken by what is within a fiftieth "
+                       "of the scene's diagonal; receivers are not moved", {{"receivers"}, {"ms", 3}, {"SSIM", 4}, {"SSIM truth", 4}}, {}, {}, {}};
+        add_error_heads(sheet.heads, "pixels");
+        add_error_heads(sheet.heads, "contacts");
+        std::vector<IprRow> rows;
+        const std::vector<int> wanted = request_.quick ? std::vector<int>{700, 1400} : std::vector<int>{3369, 15608, 67662, 282403};
+        for (const int receivers : wanted) {
+            IprVariant v = figure(fmt::format("{} receivers", receivers), "test_rays = 0");
+            v.bake.lightmap_size = size_for(v.bake, receivers, 256), v.bake.test_rays = 0, v.contacts = true;
+            rows.push_back(measure(v));
+        }
+        against(rows.back(), rows);
+        for (const IprRow& r : rows) {
+            IprSheetRow row{r.name, r.settings, {double(r.receivers), r.median_ms(), r.ssim, r.ssim_truth}, {{"", r.display}, {"error of the indirect light", r.error}}};
+            add_error_values(row.values, r.at_pixels), add_error_values(row.values, r.at_contacts);
+            sheet.rows.push_back(std::move(row));
+        }
+        result_.sheets.push_back(std::move(sheet));
+    }
+
+    // Figures 5.5 and 5.8: every number of probes with every number of receivers.
+    void add_graphs() {
+        IprTable table;
+        table.id = "figures 5.5, 5.8", table.title = "probes by receivers", table.notes = "with the thesis' choices";
+        const std::vector<int> probes = request_.quick ? std::vector<int>{1, 4} : std::vector<int>{1, 3, 11, 30, 78};
+        const std::vector<int> receivers = request_.quick ? std::vector<int>{500, 1000} : std::vector<int>{3369, 15608, 67662, 282403};
+        for (const int n : receivers)
+            for (const int p : probes) {
+                IprVariant v;
+                v.name = fmt::format("{} probes, {} receivers", p, n), v.bake = as_published();
+                v.bake.placement.count = p, v.bake.lightmap_size = size_for(v.bake, n, 256);
+                v.settings = fmt::format("{} texels a side", v.bake.lightmap_size), v.thesis.receivers = n;
+                table.rows.push_back(measure(v));
+            }
+        against(table.rows.back(), table.rows);
+        for (IprRow& r : table.rows) r.radiance = {}, r.display = {}, r.error = {};  // its pictures are those of tables 5.1 and 5.2
+        result_.tables.push_back(std::move(table));
     }
 
     // The scene's own bake, but of no more receivers than an experiment can judge in its time.
@@ -200,53 +247,19 @@ class Measure {
         result_.quads = bench.quads(params);
     }
 
-    // ---- Level of detail ------------------------------------------------------------------------------------------------
-
-    void add_lod() {
-        probes::BakeParams params = as_published();
-        params.placement.overlaps = 10, params.gap = 24;  // texels: four levels between charts
-        const bool hall = result_.scene.rfind("hall", 0) == 0;
-        params.placement.count = request_.quick ? 4 : hall ? 44 : 7;
-        const int wanted = request_.quick ? 700 : hall ? 512026 : 67682;
-        params.lightmap_size = lightmap_for(scene_, params, wanted, request_.quick ? 128 : 1024, options_);
-        tell_(fmt::format("level of detail: {} receivers", wanted));
-        try {
-            const LodBench bench(scene_, bench_.bake(params), options_);
-            measure_lod(bench, hall);
-        } catch (const InputError& e) {
-            result_.left_out.push_back(std::string("level of detail: ") + e.what());
-        }
-    }
-
-    void add_lod_table(const LodBench& bench, const LodView& view, const std::string& title, const std::string& number,
-                       const std::vector<std::string>& setups) {
-        tell_(title);
-        result_.lod.push_back({title, number, bench.measure(view, lod_setups(setups), request_.updates)});
-    }
-    void measure_lod(const LodBench& bench, bool hall) {
-        const LodView view{"camera", scene_.camera, request_.size};
-        add_lod_table(bench, view, "LOD as table 5.4 has it", hall ? "5.5" : "", {"S0", "S1", "S2"});
-        add_lod_table(bench, view, "one level for all", hall ? "" : "5.8", {"LOD 0", "LOD 1", "LOD 2", "LOD 3"});
-        if (!request_.quick) {
-            add_lod_table(bench, view, "one degree for all", hall ? "" : "5.9", {"SH 0", "SH 1", "SH 2", "SH 3", "SH 4", "SH 5", "SH 6", "SH 7"});
-            add_lod_table(bench, view, "distances, table 5.10", "", {"D0", "D1", "D2"});
-            add_lod_table(bench, view, "degrees, table 5.11", "", {"SD0", "SD1", "SD2"});
-        }
-        tell_("seams between degrees");
-        result_.seams = bench.seams();
-    }
-
     const Scene& scene_;
     const frame::Settings& settings_;
     const IprRequest& request_;
     const RunOptions& options_;
-    const Tell& tell_;
+    const IprTell& tell_;
     IprBench bench_;
     IprResult result_;
     std::map<int, int> sizes_;
 };
 
 }  // namespace
+
+probes::BakeParams as_published(const IprPart& part) { return published_choices(part.settings.probes); }
 
 IprGoal goal_of(const std::string& scene, const IprTable& table) {
     IprGoal goal;
@@ -261,7 +274,7 @@ IprGoal goal_of(const std::string& scene, const IprTable& table) {
     return goal;
 }
 
-IprResult measure_ipr(const Scene& scene, const frame::Settings& settings, const IprRequest& request, const RunOptions& options, const Tell& tell) {
+IprResult measure_ipr(const Scene& scene, const frame::Settings& settings, const IprRequest& request, const RunOptions& options, const IprTell& tell) {
     return Measure(scene, settings, request, options, tell).run();
 }
 

@@ -1,6 +1,8 @@
 // plumb experiment ipr: the page, with the pictures of every row.
 #include <fmt/format.h>
 
+#include <map>
+
 #include "tools/experiments/ipr_cells.h"
 #include "tools/page/markup.h"
 #include "tools/page/page.h"
@@ -41,8 +43,39 @@ void add_chart(Page& page, const IprTable& t) {
         error.lines[0].points.push_back({x, 100 * r.at_receivers.mean, {{"setting", r.name}}});
         error.lines[1].points.push_back({x, 100 * r.at_receivers.rms, {{"setting", r.name}}});
     }
+    Chart bake{t.id + ": precomputation", t.title, "s", true, true, {{"ours", {}}, {"thesis (one thread of an i5-3210M)", {}}}};
+    for (const IprRow& r : t.rows) {
+        const double x = probes ? r.probes : r.receivers;
+        bake.lines[0].points.push_back({x, r.bake_seconds, {{"setting", r.name}}});
+        if (r.thesis.minutes > 0) bake.lines[1].points.push_back({probes ? x : double(r.thesis.receivers), 60 * r.thesis.minutes, {{"setting", r.name}}});
+    }
+    page.chart(bake);
     page.chart(chart);
     page.chart(error);
+}
+
+// Figures 5.5 and 5.8: a curve for each number of receivers, and for each number of probes.
+void add_graphs(Page& page, const IprTable& t) {
+    struct What {
+        const char *title, *unit;
+        double (*value)(const IprRow&);
+    };
+    const What whats[] = {{"precomputation", "s", [](const IprRow& r) { return r.bake_seconds; }},
+                          {"an update", "ms", [](const IprRow& r) { return r.median_ms(); }},
+                          {"error", "% of the truth's mean", [](const IprRow& r) { return 100 * r.at_receivers.mean; }}};
+    for (const bool by_probes : {true, false})
+        for (const What& what : whats) {
+            std::map<int, ChartLine> lines;
+            for (const IprRow& r : t.rows) {
+                if (!r.refused.empty()) continue;
+                const int line = by_probes ? r.receivers : r.probes, x = by_probes ? r.probes : r.receivers;
+                lines[line].name = fmt::format("{} {}", line, by_probes ? "receivers" : "probes");
+                lines[line].points.push_back({double(x), what.value(r), {{"setting", r.name}}});
+            }
+            Chart chart{fmt::format("{}: {}", by_probes ? "figure 5.5" : "figure 5.8", what.title), by_probes ? "number of probes" : "number of receivers", what.unit};
+            for (auto& [line, points] : lines) chart.lines.push_back(std::move(points));
+            page.chart(chart);
+        }
 }
 
 void add_pictures(Page& page, const IprTable& t) {
@@ -50,6 +83,7 @@ void add_pictures(Page& page, const IprTable& t) {
         if (r.display.empty()) continue;
         const std::string ssim = r.ssim ? fmt::format(", SSIM {:.4f}", *r.ssim) : "";
         page.figure(page.picture(r.display, t.id + ", " + r.name + ssim));
+        if (!r.dots.empty()) page.figure(page.picture(r.dots, "figure 5.3, " + r.name + ": probes"));
         page.figure(page.picture(r.error, fmt::format("{}, {}: error of the indirect light, mean |error| {:.2f} %; blue too dark, red too bright, full at 50 %, three "
                                                       "standard errors taken off",
                                                       t.id, r.name, 100 * r.at_pixels->mean)));
@@ -58,11 +92,8 @@ void add_pictures(Page& page, const IprTable& t) {
 
 void add_lod(Page& page, const IprResult& r) {
     if (r.lod.empty()) return;
-    page.heading("Level of detail");
-    for (const IprLodTable& t : r.lod) {
-        page.raw("<pre>" + page::escaped(lod_text(t.title, t.rows, thesis_table(t))) + "</pre>");
-        for (const LodMeasured& m : t.rows) page.figure(page.picture(m.picture, t.title + ", " + m.setup));
-    }
+    page.heading(r.scene + ": level of detail");
+    for (const IprLodTable& t : r.lod) show_sheet(page, r.scene, lod_sheet(t));
     if (r.seams) page.raw("<pre>" + page::escaped(seams_text(*r.seams)) + "</pre>");
 }
 
@@ -79,6 +110,7 @@ std::string ipr_html(const std::vector<IprResult>& results, const std::string& c
             page.heading(r.scene + ", " + t.id + ": " + t.title);
             add_table(page, t);
             if (t.id.rfind("table", 0) == 0) add_chart(page, t);
+            if (t.title == "probes by receivers") add_graphs(page, t);
             if (t.id == "goal" && r.goal) page.paragraph(goal_text(*r.goal));
             add_pictures(page, t);
         }
@@ -88,6 +120,7 @@ std::string ipr_html(const std::vector<IprResult>& results, const std::string& c
             page.paragraph(lightmap_text(*r.lightmap));
             for (const probes::DebugLayer& layer : r.lightmap->pictures) page.figure(page.picture(layer.picture, layer.name + ": " + layer.meaning));
         }
+        for (const IprSheet& sheet : r.sheets) show_sheet(page, r.scene, sheet);
         add_lod(page, r);
         for (const std::string& line : r.left_out) page.paragraph(line);
     }

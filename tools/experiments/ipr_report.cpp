@@ -75,6 +75,35 @@ const LodTable* thesis_table(const IprLodTable& t) {
     return at == thesis_lod_tables().end() ? nullptr : &*at;
 }
 
+// Level of detail with its truth, the thesis beside it.
+IprSheet lod_sheet(const IprLodTable& t) {
+    const std::size_t colon = t.title.find(": ");
+    IprSheet sheet{t.title.substr(0, colon), colon == t.title.npos ? "" : t.title.substr(colon + 2), t.notes, {}, {}, {}, {}};
+    sheet.heads = {{"receivers"}, {"share %", 1}, {"ms", 3}, {"speed-up", 2}, {"SSIM", 4}, {"SSIM truth", 4}, {"change %", 2}, {"worst change %", 2}};
+    add_error_heads(sheet.heads, "pixels");
+    add_error_heads(sheet.heads, "receivers");
+    const LodTable* thesis = thesis_table(t);
+    if (thesis) sheet.heads.insert(sheet.heads.end(), {{"thesis: receivers"}, {"thesis: ms", 2}, {"thesis: speed-up", 2}, {"thesis: SSIM", 3}});
+    for (const LodMeasured& m : t.rows) {
+        IprSheetRow row{m.setup, "", {}, {}};
+        row.values = {double(m.receivers), 100 * double(m.receivers) / double(t.rows[0].receivers), m.ms, m.speed_up, m.ssim, m.ssim_truth, 100 * m.error, 100 * m.worst};
+        add_error_values(row.values, m.at_pixels), add_error_values(row.values, m.at_receivers);
+        if (thesis) {
+            const auto f = std::find_if(thesis->rows.begin(), thesis->rows.end(), [&](const LodFigures& x) { return x.setup == m.setup; });
+            const auto put = [&](double x) { row.values.push_back(x > 0 ? std::optional(x) : std::nullopt); };
+            if (f == thesis->rows.end())
+                row.values.resize(sheet.heads.size());
+            else
+                put(double(f->receivers)), put(f->ms), put(f->ms > 0 ? f->speed_up : 0), row.values.push_back(f->ssim);
+        }
+        row.pictures = {{m.ssim ? fmt::format("SSIM {:.4f}", *m.ssim) : "", m.picture}, {"SSIM, pixel by pixel", m.ssim && *m.ssim < 1 ? m.ssim_picture : Image4()}, {"error of the indirect light", m.error_picture},
+                        {"levels 0, 1, 2, 3 red, green, blue, yellow", m.levels}, {"lightmaps of the levels; black: not computed", m.lightmap}};
+        if (!m.notes.empty()) sheet.lines.push_back(fmt::format("{}: {}", m.setup, fmt::join(m.notes, "; ")));
+        sheet.rows.push_back(std::move(row));
+    }
+    return sheet;
+}
+
 std::string ipr_text(const std::vector<IprResult>& results) {
     std::string text;
     for (const IprResult& r : results) {
@@ -94,7 +123,8 @@ std::string ipr_text(const std::vector<IprResult>& results) {
         if (r.goal) text += goal_text(*r.goal) + "\n";
         if (r.quads) text += quads_text(*r.quads) + "\n";
         if (r.lightmap) text += lightmap_text(*r.lightmap) + "\n";
-        for (const IprLodTable& t : r.lod) text += "\n" + lod_text(t.title, t.rows, thesis_table(t));
+        for (const IprSheet& sheet : r.sheets) text += sheet_text(sheet);
+        for (const IprLodTable& t : r.lod) text += "\n" + lod_text(t.title + (t.notes.empty() ? "" : ", " + t.notes), t.rows, thesis_table(t));
         if (r.seams) text += "\n" + seams_text(*r.seams);
         for (const std::string& line : r.left_out) text += line + "\n";
         text += "\n";
@@ -116,8 +146,8 @@ Json row_json(const IprRow& r) {
     return {{"name", r.name}, {"settings", r.settings}, {"lightmap", r.lightmap}, {"receivers", r.receivers}, {"probes", r.probes}, {"clusters", r.clusters},
             {"bytes", r.bytes}, {"ms", r.median_ms()}, {"spread", r.spread()}, {"seconds_of_bake", r.bake_seconds}, {"rounds", r.rounds},
             {"ssim", optional_json(r.ssim)}, {"ssim_truth", optional_json(r.ssim_truth)}, {"at_receivers", errors_json(r.at_receivers)},
-            {"at_pixels", r.at_pixels ? errors_json(*r.at_pixels) : Json(nullptr)},
-            {"thesis", {{"receivers", r.thesis.receivers}, {"clusters", r.thesis.clusters}, {"ms", r.thesis.ms}}}};
+            {"at_pixels", r.at_pixels ? errors_json(*r.at_pixels) : Json(nullptr)}, {"at_contacts", r.at_contacts ? errors_json(*r.at_contacts) : Json(nullptr)},
+            {"thesis", {{"receivers", r.thesis.receivers}, {"clusters", r.thesis.clusters}, {"ms", r.thesis.ms}, {"minutes", r.thesis.minutes}}}};
 }
 
 }  // namespace
@@ -139,8 +169,10 @@ Json ipr_json(const std::vector<IprResult>& results) {
             scene["lightmap"] = {{"receivers", r.lightmap->receivers}, {"side", r.lightmap->side}, {"samples", r.lightmap->samples},
                                  {"errors", errors_json(r.lightmap->errors)}, {"leaks", r.lightmap->leaks}, {"leaking", r.lightmap->leaking},
                                  {"black_leaking", r.lightmap->black_leaking}, {"told", r.lightmap->told}, {"told_by_chance", r.lightmap->told_by_chance}};
+        scene["sheets"] = Json::array();
+        for (const IprSheet& sheet : r.sheets) scene["sheets"].push_back(sheet_json(sheet));
         Json lod = Json::array();
-        for (const IprLodTable& t : r.lod) lod.push_back({{"title", t.title}, {"thesis", t.number}, {"rows", lod_json(t.rows)}});
+        for (const IprLodTable& t : r.lod) lod.push_back({{"title", t.title}, {"thesis", t.number}, {"notes", t.notes}, {"rows", lod_json(t.rows)}});
         if (!r.lod.empty()) scene["lod"] = lod;
         if (r.seams) scene["seams"] = seams_json(*r.seams);
         scene["left_out"] = r.left_out;
@@ -171,6 +203,23 @@ std::string ipr_csv(const std::vector<IprResult>& results) {
                 text += row.at_pixels ? fmt::format(",{:.6g},{:.6g},{:.6g}", row.at_pixels->mean, row.at_pixels->bias, row.at_pixels->rms) : ",,,";
                 text += fmt::format(",{},{},{}\n", row.thesis.receivers, row.thesis.clusters, row.thesis.ms);
             }
+    return text;
+}
+
+std::string ipr_parts_csv(const std::vector<IprResult>& results) {
+    std::string text = "scene,table,setting,of,quantity,value\n";
+    for (const IprResult& r : results) {
+        for (const IprSheet& sheet : r.sheets) text += sheet_csv(r.scene, sheet);
+        for (const IprLodTable& t : r.lod) {
+            IprSheet sheet = lod_sheet(t);
+            sheet.id = t.title;
+            text += sheet_csv(r.scene, sheet);
+        }
+        if (r.seams) {
+            text += fmt::format("{},seams,from any degree,,largest gap,{}\n", r.scene, r.seams->largest_gap);
+            text += fmt::format("{},seams,from the bake's degree,,largest gap,{}\n", r.scene, r.seams->largest_gap_from_top);
+        }
+    }
     return text;
 }
 

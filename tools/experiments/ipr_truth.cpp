@@ -75,10 +75,8 @@ IprTruth trace_receivers(const Scene& scene, const probes::Receivers& receivers,
     return truth;
 }
 
-void trace_pixels(const Scene& scene, const raster::GBuffer& seen, const IprRequest& request, Rays rays, const RunOptions& options, Image4& mean,
+void trace_points(const Scene& scene, const reference::PointInputs& points, int samples, Rays rays, const RunOptions& options, Image4& mean,
                   Image4& error) {
-    const reference::PointInputs points{&seen.position, &seen.normal};
-    const int samples = std::max(request.samples / 64, 32);
     reference::Estimate t =
         reference::trace_irradiance(params_of(reference::Mode::indirect, samples, rays), *reference::prepare(scene, rays), points, 1, options);
     mean = std::move(t.mean), error = std::move(t.error);
