@@ -98,6 +98,8 @@ std::vector<Point> points_inside(const Mesh& mesh) {
         for (std::size_t i = 0; i < lines.depths.size(); ++i) {
             std::vector<double>& depths = lines.depths[i];
             std::sort(depths.begin(), depths.end());
+            // An edge that two triangles share is met twice.
+            depths.erase(std::unique(depths.begin(), depths.end(), [&](double a, double b) { return b - a <= 1e-9 * step; }), depths.end());
             for (std::size_t k = 0; k < depths.size(); k += 2) {
                 const double first = depths[k], last = k + 1 < depths.size() ? depths[k + 1] : first;
                 const int count = std::clamp(int(std::ceil((last - first) / step)), 1, 4 * point_cells);

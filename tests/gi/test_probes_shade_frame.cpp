@@ -105,10 +105,17 @@ TEST_CASE("probes: where nothing moves shadows are left out, and change no bit",
     const frame::Frame shaded = frame_of(moving, settings_with(moving, probes::IndirectShadow::spheres));
     CHECK(row(shaded, "probes.indirect_shadow").rule.empty());
     CHECK(shaded.indirect.texels != frame_of(moving, settings_with(moving, probes::IndirectShadow::off)).indirect.texels);
-    // Without spatial receivers light comes from everywhere alike.
-    frame::Settings bare = settings_with(moving, probes::IndirectShadow::spheres), uniform = settings_with(moving, probes::IndirectShadow::uniform);
-    bare.probes.spatial_receivers = uniform.probes.spatial_receivers = 0;
-    CHECK(frame_of(moving, bare).indirect.texels == frame_of(moving, uniform).indirect.texels);
+    // Of a bake without spatial receivers light comes from everywhere alike.
+    frame::Settings bare = settings_with(moving, probes::IndirectShadow::spheres);
+    frame::add_bake(moving, bare);
+    auto without = std::make_shared<probes::Bake>(*bare.bake);
+    without->spatial = {};
+    bare.bake = without;
+    frame::Settings uniform = bare;
+    uniform.probe_run.indirect_shadow = probes::IndirectShadow::uniform;
+    const frame::Frame alike = frame::execute(moving, bare, frame::plan(moving, bare), {});
+    CHECK(alike.indirect.texels == frame::execute(moving, uniform, frame::plan(moving, uniform), {}).indirect.texels);
+    CHECK(row(alike, "probes.indirect_shadow").needed);
 }
 
 TEST_CASE("probes: a mesh is fitted once, its spheres move, and what is explained is what is seen", "[probes][shade][frame][keys]") {
