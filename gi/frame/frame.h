@@ -92,7 +92,7 @@ struct ProbeBuffers {
     probes::VolumeLight volume;                  // of pixels without a place on the lightmap
     Image4 looked_up;                            // what the lightmap brings, before the two are joined
     // Of indirect shadows; empty where they are off.
-    std::vector<Buffer<glm::vec4>> fitted;       // [meshes] in their own space; none of static ones
+    std::vector<Buffer<glm::vec4>> fitted;       // of each group of dynamic meshes, in its own space
     probes::ShadowSpheres shadow_spheres;
     Image4 unshaded;                             // indirect light without them, W/m2
     probes::Convergence converged;           // of the rounds; loop = converged

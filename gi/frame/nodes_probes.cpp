@@ -12,6 +12,7 @@
 #include "gi/probes/lookup.h"
 #include "gi/probes/run_loop.h"
 #include "gi/probes/run_stages.h"
+#include "gi/probes/shadow_rays.h"
 #include "gi/probes/spatial.h"
 
 namespace plumb::frame {
@@ -110,6 +111,8 @@ void add_surfaces(Context& c, int view, Nodes& nodes) {
         if (r.hashes()) r.source("bake", probes::bake_key(bake_of(c)));
         r.source("surfaces", c.keys.surfaces), r.source("emission", c.keys.emission);
         r.value(c.scene.environment.radiance, c.settings.probe_run.unasked), r.image(c.scene.environment.map);
+        r.value(c.settings.probe_run.relight_dynamic);
+        if (c.settings.probe_run.relight_dynamic) r.source("geometry", c.keys.geometry);
     };
     node.outputs = [&c, &p, view] {
         Bundle b;
@@ -120,6 +123,8 @@ void add_surfaces(Context& c, int view, Nodes& nodes) {
     };
     node.run = [&c, &p, view](const RunOptions& options, graph::NodeRun& run) {
         probes::HitSurfaces made = probes::hit_surfaces(c.scene, bake_of(c), options, c.settings.probe_run.unasked);
+        if (c.settings.probe_run.relight_dynamic)
+            run.reason = fmt::format("light is gathered there; {} rays end on what moves", probes::meet_dynamic(*probes::dynamic_world(c.scene), bake_of(c), options, made));
         raster::GBuffer& g = c.gbuffer(view);
         g.position = std::move(made.position), g.normal = std::move(made.normal);
         g.covered = covered_by(g.normal);

@@ -15,12 +15,7 @@ using probes::IndirectShadow;
 
 IndirectShadow mode_of(const Context& c) { return c.settings.probe_run.indirect_shadow; }
 
-bool moves(const Mesh& mesh) { return mesh.dynamic && !mesh.triangles.empty(); }
-
-double spheres_of(const Context& c) {
-    const auto meshes = std::count_if(c.scene.meshes.begin(), c.scene.meshes.end(), moves);
-    return double(std::max<std::ptrdiff_t>(meshes, 1)) * c.settings.probe_run.shadow_spheres;
-}
+double spheres_of(const Context& c) { return double(std::max<std::size_t>(probes::moving_groups(c.scene).size(), 1)) * c.settings.probe_run.shadow_spheres; }
 
 PlannedNode begin_spheres(Context& c, const std::string& form, const std::string& why) {
     PlannedNode node = begin_node(c, probes::info_shadow_spheres().name, "probes shadow", why, 0, {});
@@ -36,25 +31,29 @@ void add_fit(Context& c, Nodes& nodes) {
     ProbeBuffers& p = c.frame.probes;
     PlannedNode node = begin_spheres(c, "fit", "spheres in place of what moves");
     node.reads = [&c](graph::Reads& r) {
-        r.value(c.settings.probe_run.shadow_spheres, c.scene.meshes.size());
-        for (const Mesh& mesh : c.scene.meshes) {
-            r.value(moves(mesh), mesh.share);
-            if (!moves(mesh)) continue;
-            r.list(mesh.triangles);
-            for (const Vertex& v : mesh.vertices) r.value(v.position);
+        r.value(c.settings.probe_run.shadow_spheres);
+        for (const probes::MovingGroup& g : probes::moving_groups(c.scene)) {
+            r.value(g.first, g.last);
+            for (int i = g.first; i <= g.last; ++i) {
+                const Mesh& mesh = c.scene.meshes[std::size_t(i)];
+                r.value(mesh.share), r.list(mesh.triangles);
+                for (const Vertex& v : mesh.vertices) r.value(v.position);
+            }
         }
     };
     node.outputs = [&p] {
         Bundle b;
         for (std::size_t i = 0; i < p.fitted.size(); ++i)
-            if (!p.fitted[i].empty()) lend(b, fmt::format("mesh_{}", i), {std::int64_t(p.fitted[i].size()), 4}, &p.fitted[i][0].x);
+            if (!p.fitted[i].empty()) lend(b, fmt::format("group_{}", i), {std::int64_t(p.fitted[i].size()), 4}, &p.fitted[i][0].x);
         return b;
     };
     node.run = [&c, &p](const RunOptions&, graph::NodeRun& run) {
-        p.fitted.assign(c.scene.meshes.size(), {});
+        p.fitted.clear();
         std::size_t count = 0;
-        for (std::size_t i = 0; i < c.scene.meshes.size(); ++i)
-            if (moves(c.scene.meshes[i])) p.fitted[i] = probes::fit_spheres(c.scene.meshes[i], c.settings.probe_run.shadow_spheres), count += p.fitted[i].size();
+        for (const probes::MovingGroup& g : probes::moving_groups(c.scene)) {
+            p.fitted.push_back(probes::fit_spheres({&c.scene.meshes[std::size_t(g.first)], std::size_t(g.last - g.first + 1)}, c.settings.probe_run.shadow_spheres));
+            count += p.fitted.back().size();
+        }
         run.reason = fmt::format("{} spheres in place of what moves", count);
     };
     node.leave_out = [&p] { p.fitted.clear(); };
@@ -75,11 +74,11 @@ void add_place(Context& c, bool spatial, Nodes& nodes) {
         Bundle b;
         const probes::ShadowSpheres& s = p.shadow_spheres;
         lend(b, "spheres", {std::int64_t(s.rows.size()), 4}, s.rows.empty() ? nullptr : &s.rows[0].x);
-        lend(b, "owner", {std::int64_t(s.owner.size())}, s.owner.data());
+        lend(b, "owner", {std::int64_t(s.owner.size()), 2}, s.owner.empty() ? nullptr : &s.owner[0].x);
         return b;
     };
     node.run = [=, &c, &p](const RunOptions& options, graph::NodeRun&) {
-        p.shadow_spheres = probes::place_spheres(c.scene, p.fitted);
+        p.shadow_spheres = probes::place_spheres(c.scene, probes::moving_groups(c.scene), p.fitted);
         if (!spatial || mode_of(c) == IndirectShadow::uniform) return;
         const std::vector<glm::vec3> reflects = mode_of(c) == IndirectShadow::reflecting ? probes::mean_reflectance(c.scene) : std::vector<glm::vec3>();
         probes::light_spheres(c.settings.bake->spatial.grid, p.grid, reflects, options, p.shadow_spheres);

@@ -15,7 +15,7 @@ layout(binding = 1) uniform sampler2D position_image;                    // xyz 
 layout(binding = 2) uniform sampler2D normal_image;                      // xyz unit; w 1: a point
 layout(binding = 3) uniform sampler2D irradiance_image;                  // W/m2
 layout(std430, binding = 4) readonly buffer Id { ivec2 id[]; };          // object, triangle
-layout(std430, binding = 5) readonly buffer Owner { int owner[]; };      // the object that a sphere stands for
+layout(std430, binding = 5) readonly buffer Owner { ivec2 owner[]; };    // first and last object that a sphere stands for
 layout(std430, binding = 6) readonly buffer Spheres { vec4 spheres[]; }; // seven a sphere: centre and radius; b, a; b', a'
 layout(binding = 7, rgba32f) uniform writeonly image2D shaded_image;
 
@@ -91,7 +91,8 @@ vec4 indirect_shadow(ivec2 at) {
         TAP_SAMPLE(i);
         int first = i * shadow_rows;
         HiddenShare h = hidden_share(x, n, spheres[first]);
-        float share = point && owner[i] != object ? h.share : 0.0;
+        bool own = object >= owner[i].x && object <= owner[i].y;  TAP(own, own);
+        float share = point && !own ? h.share : 0.0;
         TAP(F, share);
         if (!(share > 0.0)) continue;
         hidden = hidden + share * (1.0 - hidden);

@@ -16,7 +16,7 @@ StageData data_of(const IndirectShadowInputs& in) {
                                                                                            int(count), in.directional ? 1 : 0});
     lend(d, {{"position", in.position}, {"normal", in.normal}, {"irradiance", in.irradiance}});
     lend(d.inputs, "id", {std::int64_t(in.id->size()), 2}, &in.id->data()->x);
-    lend(d.inputs, "owner", {std::int64_t(count)}, in.spheres->owner.data());
+    lend(d.inputs, "owner", {std::int64_t(count), 2}, &in.spheres->owner[0].x);
     lend(d.inputs, "spheres", {std::int64_t(in.spheres->rows.size()), 4}, &in.spheres->rows[0].x);
     return d;
 }

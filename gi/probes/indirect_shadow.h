@@ -31,7 +31,7 @@ inline StageDescription<IndirectShadowView> describe(IndirectShadowKernel) {
                    {.name = "irradiance", .at = &View::irradiance, .unit = "W/m2", .meaning = "E, without shadows of what moves; w is kept", .fixed = 8},
                    {.name = "id", .at = &View::id, .meaning = "object, triangle; -1, -1 where nothing is",
                     .count = [](const View& v) { return std::size_t(v.u.width) * std::size_t(v.u.height); }, .why = "one a pixel"},
-                   {.name = "owner", .at = &View::owner, .meaning = "[sphere] the object that it stands for: it does not shade itself",
+                   {.name = "owner", .at = &View::owner, .meaning = "[sphere] first and last of the objects that it stands for: it does not shade these",
                     .count = [](const View& v) { return std::size_t(v.u.spheres); }, .why = "one a sphere"},
                    {.name = "spheres", .at = &View::spheres,
                     .meaning = "[sphere][7] centre and radius, m; b and a of the light that it hides, rgb; of what its object sends, rgb",

@@ -42,7 +42,7 @@ struct IndirectShadowView {
     const float* normal;          // [height][width][4]: xyz unit; w 1: a point
     const float* irradiance;      // [height][width][4]: E, W/m2
     const std::int32_t* id;       // [height][width][2]: object, triangle; -1, -1: nothing
-    const std::int32_t* owner;    // [spheres]: the object that the sphere stands for; it does not shade itself
+    const std::int32_t* owner;    // [spheres][2]: first and last of the objects that the sphere stands for; it does not shade these
     const float* spheres;         // [spheres][7][4]: centre, radius, m; b and a of red, green, blue; b' and a' of the same, W/(m2 sr)
     float* shaded;                // out: [height][width][4]: E', W/m2; w as of E
 };
@@ -118,8 +118,9 @@ PLUMB_INLINE vec4<F> indirect_shadow(const IndirectShadowView& in, index_t<F> px
         tap.sample(i);
         const I first = I(i * shadow_rows);
         const HiddenShare<F> h = hidden_share<F>(x, n, N::fetch4(in.spheres, first), tap);
-        const mask_t<F> other = !(N::fetch(in.owner, I(i)) == object);
-        const F share = select(point & other, h.share, F(0.0f));  tap("F", share, "hidden share of the hemisphere; 0: of the object itself");
+        const mask_t<F> own = !(object < N::fetch(in.owner, I(2 * i))) & !(N::fetch(in.owner, I(2 * i + 1)) < object);
+        tap("own", own, "whether the surface is of what the sphere stands for");
+        const F share = select(point & !own, h.share, F(0.0f));   tap("F", share, "hidden share of the hemisphere; 0 of a surface of its own");
         const mask_t<F> hides = share > F(0.0f);
         if (!any(hides)) continue;
         hidden = hidden + share * (F(1.0f) - hidden);

@@ -21,6 +21,7 @@ std::vector<Field> fields(RunParams& p) {
          -unbounded, unbounded, {"off", "uniform", "spheres", "reflecting", "rays"}, false},
         {"shadow_spheres", &p.shadow_spheres, "", "spheres of each dynamic mesh at most (indirect_shadow)", 1, 1024, {}, false},
         {"shadow_rays", &p.shadow_rays, "", "rays of a pixel against dynamic meshes (indirect_shadow = rays)", 1, 4096, {}, false},
+        {"relight_dynamic", &p.relight_dynamic, "", "probes' rays end on dynamic meshes, too: what these hide of all bounces, and what they send", -unbounded, unbounded, {}, false},
         {"window", as_int(p.window), "", "over the degrees of harmonics, against ringing: none, Hann's, Lanczos' (Sloan 2008)", -unbounded, unbounded,
          {"none", "hann", "lanczos"}, false},
     };

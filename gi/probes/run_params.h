@@ -46,6 +46,7 @@ struct RunParams {
     IndirectShadow indirect_shadow = IndirectShadow::off;
     int shadow_spheres = 16;                 // at most, of each dynamic mesh
     int shadow_rays = 64;                    // of a pixel
+    bool relight_dynamic = false;            // relight rays end on dynamic meshes, too (shadow_rays.h)
     Window window = Window::none;            // over the degrees of the bake's harmonics
 };
 std::vector<Field> fields(RunParams& params);

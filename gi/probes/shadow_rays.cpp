@@ -1,11 +1,14 @@
 #include "gi/probes/shadow_rays.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 
 #include "core/error.h"
 #include "core/host_math.h"
 #include "core/parallel.h"
+#include "gi/probes/bake.h"
+#include "gi/probes/hit_surfaces.h"
 #include "gi/probes/receivers.h"
 #include "gi/probes/run_params.h"
 #include "gi/probes/volume_kernel.h"
@@ -113,6 +116,34 @@ void run(const ShadowRaysInputs& in, const RunOptions& options, Image4& shaded) 
                 shaded.texels[at] = glm::vec4(glm::max(left, glm::vec3(0)), e.w);
             }
     });
+}
+
+std::size_t meet_dynamic(const DynamicWorld& world, const Bake& bake, const RunOptions& options, HitSurfaces& made) {
+    if (!world.query) return 0;
+    const RelightHits& hits = bake.relight;
+    const raster::SurfaceArgs surfaces = raster::surface_args(world.geometry, world.surfaces, View{});
+    std::atomic<std::size_t> met{0};
+    parallel_bands(hits.probes, 1, options, [&](int first, int last) {
+        RayTracer<float> tracer(*world.query);
+        NoTap quiet;
+        std::size_t mine = 0;
+        for (std::size_t i = std::size_t(first) * std::size_t(hits.rays); i < std::size_t(last) * std::size_t(hits.rays); ++i) {
+            const glm::vec3 origin(bake.placement.probes[i / std::size_t(hits.rays)]), end(hits.position[i]);
+            const bool escapes = hits.material[i] == met_nothing;
+            const glm::vec3 to = escapes ? end : end - origin;  // of what met nothing its direction is kept
+            const RayHit<float> hit = tracer.nearest(origin, to, true);
+            if (!hit.found || (!escapes && hit.t >= 1)) continue;
+            const auto s = raster::surface<float>(surfaces, hit.triangle, hit.barycentrics, glm::vec4(-to, 0), quiet);
+            const bool front = dot3(s.face, to) < 0;
+            made.position.texels[i] = front ? glm::vec4(s.position, 0) : glm::vec4(0);
+            made.normal.texels[i] = front ? glm::vec4(s.normal, 1) : glm::vec4(0);
+            made.surface.texels[i] = front ? glm::vec4(s.albedo, 1) : glm::vec4(0);
+            made.emitted.texels[i] = front ? glm::vec4(s.emission * float(1 / host::pi), 0) : glm::vec4(0);
+            ++mine;
+        }
+        met += mine;
+    });
+    return met;
 }
 
 StageInfo info_shadow_rays() {

@@ -27,6 +27,9 @@ struct DynamicWorld {
 };
 std::unique_ptr<DynamicWorld> dynamic_world(const Scene& scene);
 
+struct Bake;
+struct HitSurfaces;
+
 struct ShadowRaysInputs {
     const DynamicWorld* world = nullptr;
     int rays = 64;                                  // of a point
@@ -40,6 +43,11 @@ struct ShadowRaysInputs {
 // without a grid E' = E (1 - hits / N). w as of E. N directions distributed as the cosine (Hammersley), turned about the normal by one
 // of 16 angles, as pixels lie in squares of 4 x 4. A mesh shades itself, too.
 void run(const ShadowRaysInputs& in, const RunOptions& options, Image4& shaded);
+
+// Relight rays that meet a dynamic mesh before what stands still end there: position, normal, reflectance and emission are the mesh's, and
+// black where a ray meets its back. Lamps light it as they light every hit; indirect light is taken from the lightmap where the ray would
+// have ended, for the mesh has none (none of rays that would have met nothing). Returns how many rays there are.
+std::size_t meet_dynamic(const DynamicWorld& world, const Bake& bake, const RunOptions& options, HitSurfaces& hits);
 
 StageInfo info_shadow_rays();
 

@@ -45,25 +45,42 @@ struct Lines {
     }
 };
 
-Lines lines_through(const Mesh& mesh, const glm::dvec3& direction, int side) {
-    Lines l;
-    l.axes = axes_along(direction), l.side = side, l.depths.resize(std::size_t(side) * std::size_t(side));
+std::size_t drawn(const Mesh& mesh) {
+    return std::min(std::size_t(std::max(mesh.share, 0.0) * double(mesh.triangles.size())), mesh.triangles.size());
+}
+
+std::vector<glm::dvec3> points_along(const Axes& axes, const Mesh& mesh) {
     std::vector<glm::dvec3> points;
-    glm::dvec2 low(HUGE_VAL), high(-HUGE_VAL);
     for (const Vertex& v : mesh.vertices) {
         const glm::dvec3 p(v.position);
-        points.emplace_back(dot(p, l.axes.u), dot(p, l.axes.v), dot(p, l.axes.d));
+        points.emplace_back(dot(p, axes.u), dot(p, axes.v), dot(p, axes.d));
         if (!std::isfinite(points.back().x + points.back().y + points.back().z))
             throw InputError(fmt::format("shadow spheres: mesh \"{}\" is not finite", mesh.name));
-        low = glm::min(low, glm::dvec2(points.back())), high = glm::max(high, glm::dvec2(points.back()));
     }
+    return points;
+}
+
+Lines begin_lines(std::span<const Mesh> meshes, const glm::dvec3& direction, int side) {
+    Lines l;
+    l.axes = axes_along(direction), l.side = side, l.depths.resize(std::size_t(side) * std::size_t(side));
+    glm::dvec2 low(HUGE_VAL), high(-HUGE_VAL);
+    for (const Mesh& mesh : meshes)
+        for (const glm::dvec3& p : points_along(l.axes, mesh)) low = glm::min(low, glm::dvec2(p)), high = glm::max(high, glm::dvec2(p));
     l.low = low, l.cell = (high - low) / double(side);
-    if (!(l.cell.x > 0 && l.cell.y > 0)) return l;
+    return l;
+}
+
+void add_mesh(const Mesh& mesh, Lines& l) {
+    if (!(l.cell.x > 0 && l.cell.y > 0)) return;
+    const std::vector<glm::dvec3> points = points_along(l.axes, mesh);
+    const int side = l.side;
+    const glm::dvec2 low = l.low;
     const auto cells = [&](double a, double b, int axis) {  // whose middles lie between
         const int first = std::max(int(std::ceil((a - low[axis]) / l.cell[axis] - 0.5)), 0);
         return std::pair(first, std::min(int(std::floor((b - low[axis]) / l.cell[axis] - 0.5)), side - 1));
     };
-    for (const glm::uvec3& t : mesh.triangles) {
+    for (std::size_t i = 0; i < drawn(mesh); ++i) {
+        const glm::uvec3& t = mesh.triangles[i];
         const glm::dvec3 &a = points[t.x], &b = points[t.y], &c = points[t.z];
         const double area = (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y);
         if (area == 0) continue;
@@ -78,7 +95,6 @@ Lines lines_through(const Mesh& mesh, const glm::dvec3& direction, int side) {
                 l.depths[std::size_t(y) * std::size_t(side) + std::size_t(x)].push_back(a.z + wb * (b.z - a.z) + wc * (c.z - a.z));
             }
     }
-    return l;
 }
 
 struct Point {
@@ -86,27 +102,32 @@ struct Point {
     double volume;  // m3
 };
 
-// Inside of the mesh, by lines along its three axes.
-std::vector<Point> points_inside(const Mesh& mesh) {
+// Between the surfaces that a line meets.
+void add_spans(const Lines& lines, std::size_t line, std::vector<double> depths, std::vector<Point>& points) {
+    const double area = lines.cell.x * lines.cell.y, step = std::sqrt(area);
+    std::sort(depths.begin(), depths.end());
+    // An edge that two triangles share is met twice.
+    depths.erase(std::unique(depths.begin(), depths.end(), [&](double a, double b) { return b - a <= 1e-9 * step; }), depths.end());
+    for (std::size_t k = 0; k < depths.size(); k += 2) {
+        const double first = depths[k], last = k + 1 < depths.size() ? depths[k + 1] : first;
+        const int count = std::clamp(int(std::ceil((last - first) / step)), 1, 4 * point_cells);
+        const double each = std::max((last - first) / count, 1e-3 * step);
+        for (int j = 0; j < count; ++j) points.push_back({lines.at(line, first + (last - first) * (j + 0.5) / count), area * each});
+    }
+}
+
+// Inside of each mesh, by lines along the three axes.
+std::vector<Point> points_inside(std::span<const Mesh> meshes) {
     std::vector<Point> points;
     for (int axis = 0; axis < 3; ++axis) {
         glm::dvec3 direction(0);
         direction[axis] = 1;
-        Lines lines = lines_through(mesh, direction, point_cells);
-        const double area = lines.cell.x * lines.cell.y, step = std::sqrt(area);
-        if (!(area > 0)) continue;
-        for (std::size_t i = 0; i < lines.depths.size(); ++i) {
-            std::vector<double>& depths = lines.depths[i];
-            std::sort(depths.begin(), depths.end());
-            // An edge that two triangles share is met twice.
-            depths.erase(std::unique(depths.begin(), depths.end(), [&](double a, double b) { return b - a <= 1e-9 * step; }), depths.end());
-            for (std::size_t k = 0; k < depths.size(); k += 2) {
-                const double first = depths[k], last = k + 1 < depths.size() ? depths[k + 1] : first;
-                const int count = std::clamp(int(std::ceil((last - first) / step)), 1, 4 * point_cells);
-                const double each = std::max((last - first) / count, 1e-3 * step);
-                for (int j = 0; j < count; ++j)
-                    points.push_back({lines.at(i, first + (last - first) * (j + 0.5) / count), area * each});
-            }
+        const Lines grid = begin_lines(meshes, direction, point_cells);
+        if (!(grid.cell.x > 0 && grid.cell.y > 0)) continue;
+        for (const Mesh& mesh : meshes) {
+            Lines lines = grid;
+            add_mesh(mesh, lines);
+            for (std::size_t i = 0; i < lines.depths.size(); ++i) add_spans(lines, i, lines.depths[i], points);
         }
     }
     return points;
@@ -155,19 +176,19 @@ std::vector<glm::dvec4> parts_of(const std::vector<Point>& points, int count) {
     return parts;
 }
 
-Mesh drawn(const Mesh& mesh) {
-    Mesh m;
-    m.name = mesh.name, m.vertices = mesh.vertices;
-    const std::size_t count = mesh.triangles.size();
-    m.triangles.assign(mesh.triangles.begin(), mesh.triangles.begin() + std::ptrdiff_t(std::clamp(mesh.share, 0.0, 1.0) * double(count)));
-    return m;
+bool same_transform(const Mesh& a, const Mesh& b) {
+    for (int c = 0; c < 4; ++c)
+        for (int k = 0; k < 4; ++k)
+            if (a.transform[c][k] != b.transform[c][k]) return false;
+    return true;
 }
 
-double covered_area(const Mesh& mesh) {
+double covered_area(std::span<const Mesh> meshes) {
     double sum = 0;
     for (int i = 0; i < area_directions; ++i) {  // a spiral over the hemisphere, each for as much of it
         const double z = (i + 0.5) / area_directions, angle = i * golden_angle, across = std::sqrt(1 - z * z);
-        const Lines l = lines_through(mesh, glm::dvec3(across * host::cos(angle), across * host::sin(angle), z), area_cells);
+        Lines l = begin_lines(meshes, glm::dvec3(across * host::cos(angle), across * host::sin(angle), z), area_cells);
+        for (const Mesh& mesh : meshes) add_mesh(mesh, l);
         const std::ptrdiff_t cells = std::count_if(l.depths.begin(), l.depths.end(), [](const auto& d) { return !d.empty(); });
         sum += double(cells) * l.cell.x * l.cell.y;
     }
@@ -176,14 +197,25 @@ double covered_area(const Mesh& mesh) {
 
 }  // namespace
 
-double projected_area(const Mesh& mesh) { return mesh.triangles.empty() ? 0 : covered_area(drawn(mesh)); }
+std::vector<MovingGroup> moving_groups(const Scene& scene) {
+    std::vector<MovingGroup> groups;
+    for (int i = 0; i < int(scene.meshes.size()); ++i) {
+        const Mesh& mesh = scene.meshes[std::size_t(i)];
+        if (!mesh.dynamic || mesh.triangles.empty()) continue;
+        if (!groups.empty() && groups.back().last == i - 1 && same_transform(mesh, scene.meshes[std::size_t(i - 1)]))
+            groups.back().last = i;
+        else
+            groups.push_back({i, i});
+    }
+    return groups;
+}
 
-Buffer<glm::vec4> fit_spheres(const Mesh& mesh, int count) {
+double projected_area(std::span<const Mesh> meshes) { return covered_area(meshes); }
+
+Buffer<glm::vec4> fit_spheres(std::span<const Mesh> meshes, int count) {
     Buffer<glm::vec4> spheres;
-    const Mesh m = drawn(mesh);
-    if (m.triangles.empty()) return spheres;
-    const std::vector<Point> points = points_inside(m);
-    const double area = covered_area(m);
+    const std::vector<Point> points = points_inside(meshes);
+    const double area = covered_area(meshes);
     if (points.empty() || !(area > 0)) return spheres;
     const std::vector<glm::dvec4> parts = parts_of(points, count);
     std::vector<double> radii;
@@ -197,22 +229,22 @@ Buffer<glm::vec4> fit_spheres(const Mesh& mesh, int count) {
     return spheres;
 }
 
-ShadowSpheres place_spheres(const Scene& scene, const std::vector<Buffer<glm::vec4>>& fitted) {
+ShadowSpheres place_spheres(const Scene& scene, const std::vector<MovingGroup>& groups, const std::vector<Buffer<glm::vec4>>& fitted) {
     ShadowSpheres s;
-    const auto add = [&](const glm::vec4& sphere, std::int32_t owner) {
+    const auto add = [&](const glm::vec4& sphere, const glm::ivec2& owner) {
         s.rows.push_back(sphere);
         s.rows.insert(s.rows.end(), shadow_rows - 1, glm::vec4(0));
         s.owner.push_back(owner);
     };
-    for (std::size_t i = 0; i < fitted.size(); ++i) {
-        const glm::dmat4& t = scene.meshes[i].transform;
+    for (std::size_t g = 0; g < fitted.size(); ++g) {
+        const glm::dmat4& t = scene.meshes[std::size_t(groups[g].first)].transform;
         double squares = 0;
         for (int k = 0; k < 3; ++k) squares += dot(glm::dvec3(t[k]), glm::dvec3(t[k]));
         const double scale = std::sqrt(squares / 3);
-        for (const glm::vec4& f : fitted[i])
-            add(glm::vec4(glm::dvec4(glm::dvec3(t * glm::dvec4(glm::dvec3(f), 1)), double(f.w) * scale)), std::int32_t(i));
+        for (const glm::vec4& f : fitted[g])
+            add(glm::vec4(glm::dvec4(glm::dvec3(t * glm::dvec4(glm::dvec3(f), 1)), double(f.w) * scale)), {groups[g].first, groups[g].last});
     }
-    if (s.owner.empty()) add(glm::vec4(0), -1);
+    if (s.owner.empty()) add(glm::vec4(0), {-1, -2});
     return s;
 }
 
@@ -233,7 +265,7 @@ void light_spheres(const SpatialGrid& grid, const Buffer<glm::vec4>& irradiance,
     VolumeLight six;
     run(in, options, six);
     for (int i = 0; i < count; ++i) {
-        const std::int32_t owner = spheres.owner[std::size_t(i)];
+        const int owner = spheres.owner[std::size_t(i)].x;
         const glm::vec3 rho = owner >= 0 && std::size_t(owner) < reflects.size() ? reflects[std::size_t(owner)] : glm::vec3(0);
         for (int c = 0; c < 3; ++c) {
             double a = 0;
@@ -250,19 +282,22 @@ void light_spheres(const SpatialGrid& grid, const Buffer<glm::vec4>& irradiance,
 }
 
 std::vector<glm::vec3> mean_reflectance(const Scene& scene) {
-    std::vector<glm::vec3> means;
-    for (const Mesh& mesh : scene.meshes) {
+    std::vector<glm::vec3> means(scene.meshes.size(), glm::vec3(0));
+    for (const MovingGroup& group : moving_groups(scene)) {
         glm::dvec3 sum(0);
         double total = 0;
-        for (std::size_t i = 0; i < mesh.triangles.size() && mesh.dynamic; ++i) {
-            const glm::uvec3& t = mesh.triangles[i];
-            const glm::dvec3 a(mesh.vertices[t.x].position), n = glm::cross(glm::dvec3(mesh.vertices[t.y].position) - a, glm::dvec3(mesh.vertices[t.z].position) - a);
-            const double area = std::sqrt(dot(n, n));
-            const std::int32_t material = mesh.material[i];
-            if (material < 0 || std::size_t(material) >= scene.materials.size()) continue;
-            sum += area * glm::dvec3(scene.materials[std::size_t(material)].reflectance), total += area;
+        for (int m = group.first; m <= group.last; ++m) {
+            const Mesh& mesh = scene.meshes[std::size_t(m)];
+            for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+                const glm::uvec3& t = mesh.triangles[i];
+                const glm::dvec3 a(mesh.vertices[t.x].position), n = glm::cross(glm::dvec3(mesh.vertices[t.y].position) - a, glm::dvec3(mesh.vertices[t.z].position) - a);
+                const std::int32_t material = mesh.material[i];
+                if (material < 0 || std::size_t(material) >= scene.materials.size()) continue;
+                const double area = std::sqrt(dot(n, n));
+                sum += area * glm::dvec3(scene.materials[std::size_t(material)].reflectance), total += area;
+            }
         }
-        means.push_back(total > 0 ? glm::vec3(sum / total) : glm::vec3(0));
+        for (int m = group.first; m <= group.last && total > 0; ++m) means[std::size_t(m)] = glm::vec3(sum / total);
     }
     return means;
 }
@@ -273,7 +308,7 @@ StageInfo info_shadow_spheres() {
     info.source = "beyond IPR (its 6.1); without a twin: k-means of a mesh once, then a few numbers a sphere";
     info.inputs = {{"meshes", "triangles", "m", "that are dynamic"}, {"grid", "buffer f32 x 4", "W/m2", "[place][direction] irradiance of spatial receivers"}};
     info.outputs = {{"spheres", "buffer f32 x 4", "m; W/(m2 sr)", "[sphere][7] centre and radius; the light that it hides, and what it sends"},
-                    {"owner", "buffer i32", "", "[sphere] the object that it stands for"}};
+                    {"owner", "buffer i32 x 2", "", "[sphere] first and last of the objects that it stands for"}};
     RunParams defaults;
     info.params = describe(fields(defaults), {"indirect_shadow", "shadow_spheres"});
     return info;

@@ -70,7 +70,7 @@ void add_shadows(const Image4& position, const Image4& normal, const glm::vec3& 
         spheres.rows.push_back(glm::vec4(at, i % 3 == 2 ? 0 : 0.05f * float(i + 1) * unit));
         for (int c = 0; c < 3; ++c) spheres.rows.push_back({0.1f, 0.05f * float(c), -0.1f, 0.25f});
         for (int c = 0; c < 3; ++c) spheres.rows.push_back({-0.01f, 0, 0.01f, 0.03f});
-        spheres.owner.push_back(1);
+        spheres.owner.push_back({1, 1});
     }
     probes::IndirectShadowInputs in;
     in.position = &position, in.normal = &normal, in.irradiance = &lit, in.id = &id, in.spheres = &spheres;

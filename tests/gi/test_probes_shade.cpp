@@ -24,7 +24,7 @@ struct Row {
         spheres.rows.push_back(s);
         spheres.rows.insert(spheres.rows.end(), 3, light);
         spheres.rows.insert(spheres.rows.end(), 3, sends);
-        spheres.owner.push_back(1);
+        spheres.owner.push_back({1, 1});
         return *this;
     }
     IndirectShadowInputs inputs(bool directional = false) const {
@@ -110,8 +110,8 @@ TEST_CASE("probes.indirect_shadow: within a sphere the share stays between 0 and
 TEST_CASE("probes.indirect_shadow: several spheres, and those that a surface belongs to", "[probes][shade][analytic]") {
     Row row(4);
     row.sphere({0, 0, 2, 1}).sphere({0, 0, -2, 1}).sphere({0, 0, 4, 1});  // 1/4, nothing, 1/16
-    row.spheres.owner = {1, 1, 2};
-    row.id(1, 0) = {1, 0}, row.id(2, 0) = {2, 0}, row.normal(3, 0) = glm::vec4(0);
+    row.spheres.owner = {{1, 1}, {1, 1}, {2, 5}};
+    row.id(1, 0) = {1, 0}, row.id(2, 0) = {4, 0}, row.normal(3, 0) = glm::vec4(0);
     const Image4 e = shaded(row.inputs());
     CHECK(e(0, 0).x == Approx(0.75 * 15 / 16));
     CHECK(e(1, 0).x == Approx(15.0 / 16));
@@ -197,11 +197,11 @@ TEST_CASE("shadow spheres: their discs are the mesh's mean projected area, a qua
     for (const glm::vec3& size : {glm::vec3(1), glm::vec3(1, 2, 3), glm::vec3(0.1f, 4, 0.1f)}) {
         const Mesh mesh = box_mesh(glm::vec3(5, -3, 1), glm::vec3(5, -3, 1) + size);
         const double area = double(size.x * size.y + size.y * size.z + size.z * size.x) / 2;
-        CHECK(projected_area(mesh) == Approx(area).epsilon(0.02));
+        CHECK(projected_area({&mesh, 1}) == Approx(area).epsilon(0.02));
         for (const int count : {1, 4, 16}) {
-            const Buffer<glm::vec4> spheres = fit_spheres(mesh, count);
+            const Buffer<glm::vec4> spheres = fit_spheres({&mesh, 1}, count);
             CHECK(int(spheres.size()) == count);
-            CHECK(discs(spheres) == Approx(projected_area(mesh)).epsilon(1e-5));
+            CHECK(discs(spheres) == Approx(projected_area({&mesh, 1})).epsilon(1e-5));
             glm::dvec3 middle(0);
             for (const glm::vec4& s : spheres) {
                 middle += glm::dvec3(s) / double(count);
@@ -212,17 +212,35 @@ TEST_CASE("shadow spheres: their discs are the mesh's mean projected area, a qua
         }
     }
     // Without extent there is nothing: no triangle, or only such without area.
-    CHECK(fit_spheres(Mesh(), 4).empty());
-    CHECK(projected_area(Mesh()) == 0);
-    CHECK(fit_spheres(box_mesh(glm::vec3(1), glm::vec3(1)), 4).empty());
+    const Mesh none, point = box_mesh(glm::vec3(1), glm::vec3(1));
+    CHECK(fit_spheres({&none, 1}, 4).empty());
+    CHECK(projected_area({&none, 1}) == 0);
+    CHECK(fit_spheres({&point, 1}, 4).empty());
     // A sheet has no inside, but hides: half of its area, as seen from everywhere.
     Mesh sheet = box_mesh(glm::vec3(0), glm::vec3(2, 1, 0));
     sheet.triangles.erase(sheet.triangles.begin(), sheet.triangles.begin() + 8), sheet.triangles.resize(2);
-    const double seen = projected_area(sheet);
+    const double seen = projected_area({&sheet, 1});
     CHECK(seen == Approx(1).epsilon(0.05));
-    CHECK(discs(fit_spheres(sheet, 8)) == Approx(seen).epsilon(1e-5));
+    CHECK(discs(fit_spheres({&sheet, 1}, 8)) == Approx(seen).epsilon(1e-5));
     sheet.vertices[0].position.x = std::nanf("");
-    CHECK_THROWS_AS(fit_spheres(sheet, 8), InputError);
+    CHECK_THROWS_AS(fit_spheres({&sheet, 1}, 8), InputError);
+}
+
+TEST_CASE("shadow spheres: meshes that move together are one thing, and cover no more than it", "[probes][shade][spheres]") {
+    // A box, and another around it: of both the outer one's area.
+    Scene scene;
+    scene.meshes = {box_mesh(glm::vec3(-9), glm::vec3(9)), box_mesh(glm::vec3(-1), glm::vec3(1)), box_mesh(glm::vec3(-0.5f), glm::vec3(0.5f)), box_mesh(glm::vec3(2), glm::vec3(3))};
+    for (std::size_t i = 1; i < 4; ++i) scene.meshes[i].dynamic = true;
+    scene.meshes[3].transform[3].x = 1;
+    const std::vector<MovingGroup> groups = moving_groups(scene);
+    REQUIRE(groups.size() == 2);
+    CHECK((groups[0].first == 1 && groups[0].last == 2 && groups[1].first == 3 && groups[1].last == 3));
+    CHECK(projected_area({&scene.meshes[1], 2}) == projected_area({&scene.meshes[1], 1}));
+    CHECK(discs(fit_spheres({&scene.meshes[1], 2}, 8)) == Approx(projected_area({&scene.meshes[1], 1})).epsilon(1e-5));
+    scene.meshes[2].dynamic = false;
+    CHECK(moving_groups(scene).size() == 2);
+    scene.meshes[1].triangles.clear();
+    CHECK(moving_groups(scene).size() == 1);
 }
 
 TEST_CASE("shadow spheres: they move with their mesh, and know the light where they are", "[probes][shade][spheres]") {
@@ -233,12 +251,12 @@ TEST_CASE("shadow spheres: they move with their mesh, and know the light where t
     scene.meshes[1].dynamic = true;
     glm::dmat4& t = scene.meshes[1].transform;
     t[0] = {0, 2, 0, 0}, t[1] = {-2, 0, 0, 0}, t[2] = {0, 0, 2, 0}, t[3] = {1, 2, 3, 1};  // a quarter turn, twice as large
-    ShadowSpheres s = place_spheres(scene, {{}, {{0.5f, 0, 0, 0.25f}}});
+    ShadowSpheres s = place_spheres(scene, {{1, 1}}, {{{0.5f, 0, 0, 0.25f}}});
     REQUIRE(s.count() == 1);
-    CHECK(s.owner[0] == 1);
+    CHECK(s.owner[0] == glm::ivec2(1, 1));
     CHECK(s.rows[0] == glm::vec4(1, 3, 3, 0.5f));
     // Nothing that moves: a sphere that hides nothing.
-    const ShadowSpheres none = place_spheres(scene, {{}, {}});
+    const ShadowSpheres none = place_spheres(scene, {}, {});
     CHECK(none.count() == 1);
     CHECK(none.rows[0].w == 0);
     // Radiance 0.3 + (0.1, -0.05, 0.02) . w: E_d = pi a + 2 pi / 3 b . d.

@@ -269,7 +269,7 @@ inline StageData indirect_shadow_case(glm::ivec2 size, bool directional, const s
             const glm::vec4& l = light[std::size_t(6 * i + k)];
             spheres.rows.push_back((k < 3 ? 1.0f : 0.3f) * glm::vec4(1.2f * glm::vec3(l) - 0.6f, 0.5f * noise(i, k, 4, 64)));
         }
-        spheres.owner.push_back(i % 3);
+        spheres.owner.push_back({i % 3, i % 3 + i % 2});
     }
     probes::IndirectShadowInputs in;
     in.position = &p.position, in.normal = &p.normal, in.irradiance = &irradiance, in.id = &found, in.spheres = &spheres, in.directional = directional;

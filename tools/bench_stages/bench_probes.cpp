@@ -208,7 +208,7 @@ Work indirect_shadow() {
     for (int i = 0; i < count && int(spheres.owner.size()) < count; ++i) {
         spheres.rows.push_back({1.7f + 0.2f * float(i % 4), 0.1f + 0.45f * float(i / 4), 2, 0.25f});
         for (int k = 0; k < 6; ++k) spheres.rows.push_back({0.1f, 0.2f, -0.1f, k < 3 ? 0.5f : 0.1f});
-        spheres.owner.push_back(1);
+        spheres.owner.push_back({1, 1});
     }
     probes::IndirectShadowInputs in;
     in.position = &position, in.normal = &up, in.irradiance = &lit, in.id = &id, in.spheres = &spheres;
