@@ -118,7 +118,7 @@ PLUMB_INLINE vec4<F> indirect_shadow(const IndirectShadowView& in, index_t<F> px
         tap.sample(i);
         const I first = I(i * shadow_rows);
         const HiddenShare<F> h = hidden_share<F>(x, n, N::fetch4(in.spheres, first), tap);
-        const mask_t<F> own = !(object < N::fetch(in.owner, I(2 * i))) & !(N::fetch(in.owner, I(2 * i + 1)) < object);
+        const mask_t<F> outside = (object < N::fetch(in.owner, I(2 * i))) | (N::fetch(in.owner, I(2 * i + 1)) < object), own = !outside;
         tap("own", own, "whether the surface is of what the sphere stands for");
         const F share = select(point & !own, h.share, F(0.0f));   tap("F", share, "hidden share of the hemisphere; 0 of a surface of its own");
         const mask_t<F> hides = share > F(0.0f);

@@ -189,6 +189,7 @@ double covered_area(std::span<const Mesh> meshes) {
         const double z = (i + 0.5) / area_directions, angle = i * golden_angle, across = std::sqrt(1 - z * z);
         Lines l = begin_lines(meshes, glm::dvec3(across * host::cos(angle), across * host::sin(angle), z), area_cells);
         for (const Mesh& mesh : meshes) add_mesh(mesh, l);
+        if (!(l.cell.x > 0 && l.cell.y > 0)) continue;
         const std::ptrdiff_t cells = std::count_if(l.depths.begin(), l.depths.end(), [](const auto& d) { return !d.empty(); });
         sum += double(cells) * l.cell.x * l.cell.y;
     }
