@@ -8,6 +8,7 @@
 #include "core/signed_error.h"
 #include "gi/frame/probe_bake.h"
 #include "gi/probes/bake.h"
+#include "gi/probes/static_scene.h"
 #include "io/file.h"
 #include "tools/experiments/ipr_truth.h"
 #include "tools/experiments/shade.h"
@@ -54,6 +55,11 @@ class Measure {
         tell_("bake");
         frame::add_bake(scene_, settings_, options_);
         result_.scene = io::stem_of(scene_.name), result_.request = request_;
+        // The same bake: what moves is no part of it, but the list of materials is longer.
+        black_scene_ = with_black(scene_);
+        auto black_bake = std::make_shared<probes::Bake>(*settings_.bake);
+        black_bake->scene_hash = probes::scene_hash(black_scene_, probes::flatten_static(black_scene_));
+        black_bake_ = black_bake;
         result_.receivers = settings_.bake->receivers.count(), result_.places = settings_.bake->spatial.grid.places();
         const frame::Frame seen = frame_of(scene_, IndirectShadow::off, 0, 0);
         points_ = seen.gbuffer;
@@ -64,7 +70,7 @@ class Measure {
         const Scene empty = without_moving(scene_);
         own_none_ = own_without(empty);
         tell_("truth without what moves"), none_ = truth_of(empty);
-        tell_("truth, black"), black_ = truth_of(with_black(scene_));
+        tell_("truth, black"), black_ = truth_of(black_scene_);
         tell_("truth"), whole_ = truth_of(scene_);
         result_.truth = shown(difference(black_.mean, none_.mean));
         add("off", IndirectShadow::off, 0, 0);
@@ -83,6 +89,7 @@ class Measure {
   private:
     frame::Frame frame_of(const Scene& scene, IndirectShadow shadow, int spheres, int rays) const {
         frame::Settings s = settings_;
+        if (&scene == &black_scene_) s.bake = black_bake_;
         s.probe_run.indirect_shadow = shadow;
         if (spheres > 0) s.probe_run.shadow_spheres = spheres;
         if (rays > 0) s.probe_run.shadow_rays = rays;
@@ -155,15 +162,16 @@ class Measure {
         for (const auto& fitted : f.probes.fitted) row.spheres += int(fitted.size());
         const Plane own = compare::luminances(f.indirect);
         // Meshes are seen by probes, or send light, in black and as they are.
-        const Plane black = compare::luminances(frame_of(with_black(scene_), shadow, spheres, rays).indirect);
+        const Plane black = compare::luminances(frame_of(black_scene_, shadow, spheres, rays).indirect);
         row.black = judge(black, black_), row.whole = judge(own, whole_);
         row.error = shown(difference(difference(black, own_none_), difference(black_.mean, none_.mean)));
         row.indirect = f.indirect;
         result_.rows.push_back(std::move(row));
     }
 
-    Scene scene_;
+    Scene scene_, black_scene_;
     frame::Settings settings_;
+    std::shared_ptr<const probes::Bake> black_bake_;
     ShadeRequest request_;
     const RunOptions& options_;
     const std::function<void(const std::string&)>& tell_;
