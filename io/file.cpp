@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -12,6 +13,7 @@
 #include <filesystem>
 
 #include "core/error.h"
+#include "io/part_file.h"
 
 namespace plumb::io {
 namespace {
@@ -49,6 +51,7 @@ class Unfinished {
         if (!renamed_) ::unlink(name_.c_str());
         if (slot_) *slot_ = nullptr;
     }
+    const std::string& name() const { return name_; }
     void rename_to(const std::string& path) {
         if (::rename(name_.c_str(), path.c_str()) != 0) fail(path, "cannot be written", errno);
         renamed_ = true;
@@ -83,6 +86,37 @@ void write_through(const std::string& path, const std::vector<std::string_view>&
     file.fd = -1;
     if (status != 0) fail(path, "cannot be written", errno);
 }
+
+// A new file beside `path` that is locked: remove_abandoned() tells it from one whose writer has ended.
+class PartFile {
+  public:
+    explicit PartFile(const std::string& path) : path_(path), unfinished_(part_name(path)) {
+        file_.fd = ::open(name().c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        if (file_.fd < 0) fail(path, "cannot be written", errno);
+        // A file system without locks has nobody who could remove it for the want of one.
+        const bool taken = ::flock(file_.fd, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+        struct stat status;
+        removed_ = taken || (::fstat(file_.fd, &status) == 0 && status.st_nlink == 0);
+    }
+    // Somebody who cleaned up was faster than the lock.
+    bool removed() const { return removed_; }
+    void write(std::string_view bytes) { write_all(file_.fd, bytes, path_); }
+    // The lock is kept until the file has its name; what close() has to say comes before.
+    void finish() {
+        const Descriptor lock{::fcntl(file_.fd, F_DUPFD_CLOEXEC, 0)};
+        const int status = ::close(file_.fd);
+        file_.fd = -1;
+        if (status != 0) fail(path_, "cannot be written", errno);
+        unfinished_.rename_to(path_);
+    }
+
+  private:
+    const std::string& name() const { return unfinished_.name(); }
+    const std::string& path_;
+    Unfinished unfinished_;
+    Descriptor file_;
+    bool removed_ = false;
+};
 
 template <class Bytes>
 Bytes read_whole(const std::string& path, std::size_t limit) {
@@ -123,21 +157,12 @@ void write_file(const std::string& path, const std::vector<std::string_view>& pa
         return write_through(path, parts);
 
     // Same folder, hence same file system: a rename replaces the old file in one step.
-    static std::atomic<unsigned> counter{0};
-    const std::string name = std::filesystem::path(path).filename().string();
-    if (name.empty()) throw InputError(shown(path), "", "cannot be written: it names no file");
-    const std::string temporary = beside(path, fmt::format(".{}.{}-{}.part", name, ::getpid(), counter++));
-
-    Unfinished unfinished_file(temporary);
-    {
-        Descriptor file{::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666)};
-        if (file.fd < 0) fail(path, "cannot be written", errno);
-        for (std::string_view part : parts) write_all(file.fd, part, path);
-        const int status = ::close(file.fd);
-        file.fd = -1;
-        if (status != 0) fail(path, "cannot be written", errno);
+    for (int attempt = 0;; ++attempt) {
+        PartFile part(path);
+        if (part.removed() && attempt < 16) continue;
+        for (std::string_view bytes : parts) part.write(bytes);
+        return part.finish();
     }
-    unfinished_file.rename_to(path);
 }
 
 void write_text(const std::string& path, const std::string& text) { write_file(path, {text}); }

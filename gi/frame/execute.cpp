@@ -60,7 +60,7 @@ void execute_in(KeptMemory& memory, const Scene& scene, const Settings& settings
                 const RunOptions& options, const Progress& progress, reference::Store* store, const KeptStages* kept) {
     FrameGraph graph(scene, settings, plan, memory);
     Context& c = graph.context();
-    if (kept) c.keys = scene_keys(scene);
+    if (kept) c.keys = scene_keys(scene), c.bake_key = memory.bake_key.of(settings.bake);
     memory.world.update(scene, settings, kept ? &c.keys : nullptr);
     c.tracer = std::make_unique<Tracer>(scene, settings, memory.world.geometry, store, &memory.world.paths);
     c.keeps = kept != nullptr, c.isa = options.isa;

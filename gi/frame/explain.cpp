@@ -30,9 +30,11 @@ std::vector<Explanation> explain(const Scene& scene, const Settings& settings, c
     const FrameGraph graph(scene, settings, frame);
     std::vector<const PlannedNode*> chosen;
     std::string left_out;
+    bool of_host = false;
     for (const PlannedStage& s : plan_after_run(plan, frame).stages) {
         if (!stage.empty() && s.name != stage) continue;
         const PlannedNode& node = graph.node(s);
+        of_host = of_host || !node.explain;
         if (!node.explain || !(stage.empty() ? node.of_pixels : node.by_name)) continue;
         if (light >= 0 && s.light >= 0 && s.light != light) continue;
         if (!s.needed) {
@@ -44,6 +46,8 @@ std::vector<Explanation> explain(const Scene& scene, const Settings& settings, c
         if (!node.in_steps) break;
         light = s.light;
     }
+    if (chosen.empty() && of_host && !stage.empty())
+        throw InputError(fmt::format("explain: the stage {} is a step of the host, without items; it has no values to list", stage));
     if (chosen.empty())
         throw InputError(fmt::format("explain: {} does not run for this scene{}", stage.empty() ? "any stage" : stage,
                                      left_out.empty() ? ": its method does not use it" : ": " + left_out));

@@ -4,7 +4,8 @@
 //     nodes_raster.cpp   G-buffers and maps            nodes_filter.cpp    filters of indirect light
 //     nodes_direct.cpp   shadows and direct light      nodes_isr.cpp       image-space radiosity
 //     nodes_rsm.cpp      gathers and their sum         nodes_compose.cpp   the picture, and what is path traced
-//     nodes_probes.cpp   irradiance probes             nodes_shade.cpp     indirect shadows of what moves
+//     nodes_probes.cpp   irradiance probes (nodes_probes.h)
+//     nodes_shade.cpp    indirect shadows of what moves
 #pragma once
 
 #include <memory>
@@ -39,6 +40,7 @@ struct Context {
     const Plan* plan = nullptr;     // what of buffers and maps is wanted, and the rules that the run asks; null: all, and none
     std::unique_ptr<Tracer> tracer = {};
     SceneKeys keys = {};            // where keys are asked for
+    std::uint64_t bake_key = 0;     // as well
     Isa isa = Isa::scalar;
     bool keeps = false;             // of an execution: what each gather makes is wanted again
     std::vector<std::string> summed = {};  // labels of gathers that have added to the sum themselves

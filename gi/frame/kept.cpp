@@ -2,6 +2,7 @@
 
 #include "core/content_hasher.h"
 #include "gi/frame/kept_memory.h"
+#include "gi/probes/run_stages.h"
 
 namespace plumb::frame {
 
@@ -25,6 +26,13 @@ bool changed(std::optional<std::uint64_t>& before, const SceneKeys* keys, std::u
 
 KeptStages::KeptStages(OtherKey other) : memory_(std::make_unique<KeptMemory>()), other_key_(std::move(other)) {}
 KeptStages::~KeptStages() = default;
+
+std::uint64_t BakeKey::of(const std::shared_ptr<const probes::Bake>& bake) {
+    const std::shared_ptr<const probes::Bake> before = bake_.lock();
+    if (bake && before != bake) key_ = probes::bake_key(*bake);
+    bake_ = bake;
+    return bake ? key_ : 0;
+}
 
 void World::update(const Scene& scene, const Settings& settings, const SceneKeys* keys) {
     const SceneKeys k = keys ? *keys : SceneKeys{};

@@ -26,8 +26,20 @@ struct World {
     void update(const Scene& scene, const Settings& settings, const SceneKeys* keys);
 };
 
+// probes::bake_key() of the bake that was asked last. A bake that settings share does not change.
+class BakeKey {
+  public:
+    // Of none: 0.
+    std::uint64_t of(const std::shared_ptr<const probes::Bake>& bake);
+
+  private:
+    std::weak_ptr<const probes::Bake> bake_;
+    std::uint64_t key_ = 0;
+};
+
 struct KeptMemory {
     World world;
+    BakeKey bake_key;
     raster::Workspace workspace;
     Frame frame;
     graph::Kept made;                                  // empty: `frame` holds nothing to rely on

@@ -304,7 +304,12 @@ void check_parameters(const Scene& scene, const Settings& settings) {
         compose::validate(settings.tonemap);
         if (!lights_probes(settings)) return;
         probes::validate(settings.lod);
-        if (settings.bake && settings.bake->scene_hash != probes::scene_hash(scene, probes::flatten_static(scene)))
+        // Of what is known now: where a bake is made its parameters are, the scene's diagonal is not asked for.
+        const probes::BakeParams& baked = settings.bake ? settings.bake->params : settings.probes;
+        constexpr double no_diagonal = 1e-6;
+        if (settings.bake || settings.probe_run.file.empty())
+            probes::lod_of(settings.lod, no_diagonal, baked.degree, baked.relight_rays, baked.gap);
+        if (settings.bake && settings.bake->scene_hash != probes::scene_hash(scene))
             throw InputError("the bake is of another scene: its static meshes, or what they are made of, were others; what moves has to be dynamic");
     } catch (const InputError& error) {
         throw InputError(fmt::format("{}: {}", scene.name, error.what()));

@@ -23,6 +23,8 @@ const StageBinding& find_binding(const std::string& stage, const std::string& pl
         if (b.info.name == stage) return b;
         names.push_back(b.info.name);
     }
+    for (const ListedStage& s : stages())
+        if (s.info.name == stage) throw InputError(fmt::format("{}: the stage \"{}\" has no twin: it runs on the host alone", place, stage));
     throw InputError(fmt::format("{}: unknown stage \"{}\"; the nearest known one is \"{}\"", place, stage,
                                  nearest_name(stage, names)));
 }

@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "core/host_math.h"
+#include "gi/probes/atlas_room.h"
 #include "gi/probes/mesh_charts.h"
 #include "gi/probes/pack.h"
 
@@ -53,16 +54,17 @@ double total_area(const std::vector<MeshCharts>& meshes) {
     return sum;
 }
 
+[[noreturn]] void refuse_room(double area_m2, double receivers_per_m2, int max_size) {
+    throw InputError(fmt::format("atlas: {:.4g} m2 of surfaces with {:.4g} receivers a m2: expected what fits {} x {} "
+                                 "texels; a lower receivers_per_m2, or a lightmap_size, does",
+                                 area_m2, receivers_per_m2, max_size, max_size));
+}
+
 // The density asked for, and the square that it takes.
 Layout layout_of_density(const std::vector<MeshCharts>& meshes, double area, const AtlasParams& p) {
-    const double most = double(p.max_size) * p.max_size;
-    Layout l;
-    if (area * p.receivers_per_m2 <= most) l = lay_out(meshes, std::sqrt(p.receivers_per_m2), p);
-    if (!l.fits())
-        throw InputError(
-            fmt::format("atlas: {:.4g} m2 of surfaces with {:.4g} receivers a m2: expected what fits {} x {} "
-                        "texels; a lower receivers_per_m2, or a lightmap_size, does",
-                        area, p.receivers_per_m2, p.max_size, p.max_size));
+    require_room(area, p.receivers_per_m2, p.max_size);
+    Layout l = lay_out(meshes, std::sqrt(p.receivers_per_m2), p);
+    if (!l.fits()) refuse_room(area, p.receivers_per_m2, p.max_size);
     return l;
 }
 
@@ -187,6 +189,10 @@ void summarise(const std::vector<MeshCharts>& meshes, const Layout& layout, Atla
 }
 
 }  // namespace
+
+void require_room(double area_m2, double receivers_per_m2, int max_size) {
+    if (!(area_m2 * receivers_per_m2 <= double(max_size) * max_size)) refuse_room(area_m2, receivers_per_m2, max_size);
+}
 
 Atlas make_atlas(const Scene& scene, const Geometry& geometry, const AtlasParams& params) {
     check(params);

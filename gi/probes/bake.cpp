@@ -4,9 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
+#include <optional>
+#include <utility>
 
 #include "core/error.h"
 #include "core/host_math.h"
+#include "gi/probes/static_scene.h"
 
 namespace plumb::probes {
 
@@ -30,7 +34,7 @@ TransportParams transport_params(const BakeParams& p, bool sky) {
     TransportParams t;
     t.rays = p.receiver_rays, t.degree = p.degree, t.distribution = p.distribution;
     t.published_weight = p.weighting == Weighting::published;
-    t.escape = p.escapes == Escapes::automatic ? (sky ? Escape::same_direction : Escape::nothing)
+    t.escape = p.escapes == Escapes::automatic ? (sky ? Escape::sky : Escape::nothing)
                                              : Escape(int(p.escapes) - 1);
     return t;
 }
@@ -42,10 +46,10 @@ bool sends_light(const Environment& e) {
     });
 }
 
-std::uint64_t scene_hash(const Scene& scene, const Geometry& geometry) {
-    ContentHasher h;
-    h.add_all(geometry.vertices), h.add_all(geometry.triangles), h.add_all(geometry.material), h.add_all(geometry.object);
-    h.add_all(geometry.tangents);
+namespace {
+
+// Where materials are cut out by their masks, and where their normals are of a texture.
+void add_masks(const Scene& scene, ContentHasher& h) {
     h.add(scene.materials.size());
     for (const Material& m : scene.materials) {
         h.add(m.alpha_cutoff, m.normal_texture, m.normal_scale);
@@ -58,7 +62,39 @@ std::uint64_t scene_hash(const Scene& scene, const Geometry& geometry) {
                 h.add(t.srgb, t.filter, t.wrap_u, t.wrap_v, t.mips);
             }
     }
+}
+
+// Of all that flatten_static() and scene_hash() read. A member that a mesh gets does not compile until somebody has said here
+// whether they do.
+std::uint64_t static_key(const Scene& scene) {
+    ContentHasher h;
+    for (const Mesh& mesh : scene.meshes) {
+        const auto& [name, vertices, tangents, triangles, material, transform, dynamic, share] = mesh;
+        if (dynamic) continue;
+        h.add_all(vertices), h.add_all(tangents), h.add_all(triangles), h.add_all(material);
+        h.add(vertices.size(), triangles.size(), transform, share);
+    }
+    add_masks(scene, h);
     return h.hash;
+}
+
+}  // namespace
+
+std::uint64_t scene_hash(const Scene& scene, const Geometry& geometry) {
+    ContentHasher h;
+    h.add_all(geometry.vertices), h.add_all(geometry.triangles), h.add_all(geometry.material), h.add_all(geometry.object);
+    h.add_all(geometry.tangents);
+    add_masks(scene, h);
+    return h.hash;
+}
+
+std::uint64_t scene_hash(const Scene& scene) {
+    static std::mutex mutex;
+    static std::optional<std::pair<std::uint64_t, std::uint64_t>> last;  // its key, its hash
+    const std::uint64_t key = static_key(scene);
+    const std::lock_guard lock(mutex);
+    if (!last || last->first != key) last = {key, scene_hash(scene, flatten_static(scene))};
+    return last->second;
 }
 
 RayCounts Bake::counts() const {

@@ -5,6 +5,7 @@
 #include "gi/probes/bake_world.h"
 #include "gi/probes/kept_steps.h"
 #include "gi/probes/memory.h"
+#include "gi/probes/sky_probe.h"
 #include "gi/probes/static_scene.h"
 
 namespace plumb::probes {
@@ -102,13 +103,15 @@ graph::Node BakeGraph::placement_node() {
     node.reads = [&](graph::Reads& r) {
         r.fields(fields(b.params.placement));
         r.list(b.receivers.position);
+        r.value(b.transport.escape == Escape::sky);
         read_rays(r);
     };
     node.run = [&](const RunOptions& options, graph::NodeRun& run) {
         b.placement = place_probes(b.atlas.geometry, w.query(), b.params.placement, options);
         b.radius = probe_radius(b.placement.probes, b.receivers.position, b.params.placement, options);
+        if (b.transport.escape == Escape::sky) add_sky(b.placement);
         run.bytes = b.placement.candidates.size() * 16 + b.placement.probes.size() * 16;
-        run.reason = fmt::format("{} probes of {} candidates, radius {:.4g} m", b.placement.probes.size(),
+        run.reason = fmt::format("{} probes of {} candidates, radius {:.4g} m", standing_probes(b.placement.probes),
                                  b.placement.candidates.size(), b.radius.radius_m);
     };
     node.outputs = [&] { return lent(b.placement, b.radius); };
@@ -136,6 +139,7 @@ graph::Node BakeGraph::supports_node() {
         run.bytes = b.supports.probe.size() * 8;
         run.reason = fmt::format("{} receivers without probe, {} with fewer than {}", b.supports.unsupported,
                                  b.supports.incomplete, b.supports.overlaps);
+        add_sky(b.supports, b.placement.probes);
     };
     node.outputs = [&b] { return lent(b.supports); };
     node.load = [&b](const Bundle& kept) { take(kept, b.supports); };

@@ -18,9 +18,9 @@ std::vector<Field> fields(BakeParams& p) {
         {"degree", &p.degree, "", "of the spherical harmonics: (degree + 1)^2 coefficients", 0, 7, {}},
         {"distribution", as_int(p.distribution), "", "of a receiver's rays about its normal", -unbounded, unbounded,
          {"cosine", "uniform"}},
-        {"escapes", as_int(p.escapes), "", "what rays that meet nothing bring (IPR 5.1.3.1); automatic: same_direction under a "
+        {"escapes", as_int(p.escapes), "", "what rays that meet nothing bring (IPR 5.1.3.1); automatic: sky, a probe at infinity, under a "
          "sky that sends light, else nothing", -unbounded, unbounded,
-         {"automatic", "nothing", "same_direction", "visible_probes", "all_probes"}},
+         {"automatic", "nothing", "same_direction", "visible_probes", "all_probes", "sky"}},
         {"weighting", as_int(p.weighting), "", "of rays by their length (IPR 5.1.3.2); published depends on the unit of length",
          -unbounded, unbounded, {"none", "published"}},
         {"singular_values", &p.singular_values, "", "kept of a cluster's transport (IPR 3.2.4.2)", 4, 64, {}},

@@ -12,7 +12,7 @@
 namespace plumb::probes {
 
 // What rays that meet nothing bring: as Escape has it, or what suits the scene.
-enum class Escapes : int { automatic, nothing, same_direction, visible_probes, all_probes };
+enum class Escapes : int { automatic, nothing, same_direction, visible_probes, all_probes, sky };
 enum class Weighting : int { none, published };
 
 // fields() says what each means. Of the thesis' choices three are others: there a receiver has 10 probes and 512 rays, and probes are

@@ -1,20 +1,13 @@
 #include "gi/probes/bake_steps.h"
 
 #include "gi/probes/bake_params.h"
+#include "gi/probes/host_step.h"
 
 namespace plumb::probes {
 
 namespace {
 
-StageInfo step(const std::string& name, const std::string& source, std::vector<Port> inputs, std::vector<Port> outputs,
-               const std::vector<std::string>& params) {
-    BakeParams defaults;
-    StageInfo s;
-    s.name = name, s.source = source;
-    s.inputs = std::move(inputs), s.outputs = std::move(outputs);
-    s.params = describe(fields(defaults), params);
-    return s;
-}
+constexpr auto step = host_step<BakeParams>;
 
 const Port geometry = {"geometry", "triangles", "m", "all meshes in world space"};
 const Port uv = {"uv", "buffer f32 x 2", "", "[vertex] lightmap coordinate, (0, 0) the top left corner of the first texel"};

@@ -39,18 +39,27 @@ std::int32_t RunTime::receiver_at(const Image<std::int32_t>& receivers, const gl
     return -1;
 }
 
-std::vector<glm::dvec3> RunTime::lambda() const {
+std::vector<glm::dvec3> RunTime::radiance() const {
     std::vector<glm::dvec3> f = relit_.emitted;
     for (std::size_t k = 0; k < f.size(); ++k) {
         const std::int32_t receiver = receiver_of_[k];
         const glm::dvec3 indirect = receiver < 0 ? glm::dvec3(0) : irradiance_[std::size_t(receiver)];
         f[k] += relit_.reflectance[k] * (relit_.direct[k] + indirect) / host::pi;
     }
+    return f;
+}
+
+std::vector<glm::dvec3> RunTime::lambda() const {
+    std::vector<glm::dvec3> f = radiance();
     if (!stand_in_.empty()) {
         const std::vector<glm::dvec3> found = f;
         for (std::size_t k = 0; k < f.size(); ++k) f[k] = found[k - k % std::size_t(bake_.relight.rays) + std::size_t(stand_in_[k])];
     }
     return probe_coefficients(f, bake_.relight.probes, bake_.relight_weights, bake_.harmonics, bake_.params.degree);
+}
+
+std::vector<glm::dvec3> RunTime::lambda_everywhere() const {
+    return probe_coefficients(radiance(), bake_.relight.probes, bake_.relight_weights, bake_.harmonics, bake_.params.degree);
 }
 
 std::vector<glm::dvec3> clustered_irradiance(const Bake& b, const std::vector<glm::dvec3>& lambda) {

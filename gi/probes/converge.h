@@ -37,12 +37,15 @@ class RunTime {
     const std::vector<glm::dvec3>& irradiance() const { return irradiance_; }  // [receivers], W/m2
     // What the probes see of it, [probes][(degree + 1)^2], W/(m2 sr).
     std::vector<glm::dvec3> lambda() const;
+    // The same without stand-ins: for who asks everywhere.
+    std::vector<glm::dvec3> lambda_everywhere() const;
     double mean() const;    // of x over the receivers
     double spread() const;  // largest |x / mean - 1|
     // Relight rays that met a surface without a receiver within two texels: they bring what is emitted alone.
     int without_receiver() const { return without_receiver_; }
 
   private:
+    std::vector<glm::dvec3> radiance() const;
     std::int32_t receiver_at(const Image<std::int32_t>& receivers, const glm::vec2& uv) const;
 
     const Bake& bake_;

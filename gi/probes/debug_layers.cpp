@@ -8,7 +8,9 @@
 #include "core/hash.h"
 #include "core/host_math.h"
 #include "core/sh.h"
+#include "gi/probes/plot.h"
 #include "gi/probes/scene_view.h"
+#include "gi/probes/sky_probe.h"
 
 namespace plumb::probes {
 
@@ -70,22 +72,26 @@ Image4 alpha_picture(const Bake& b, int receiver) {
     return picture;
 }
 
-// A curve a cluster: log10 of the singular values over the largest, 0 to -6 downwards, the kept ones from left to right.
+// A curve a cluster: the singular values that are kept over the largest, 1 to 1e-6, logarithmic, by their number.
 Image4 singular_picture(const Clusters& clusters) {
-    Image4 picture(640, 360, glm::vec4(1));
+    constexpr int decades = 6;
     std::size_t most = 2;
     for (const Cluster& c : clusters.clusters) most = std::max(most, c.singular_values.size());
+    const auto across = [&](std::size_t i) { return double(i) / double(most - 1); };
+    PlotAxes axes{.across_name = "i", .upwards_name = "si/s1"};
+    const std::size_t every = std::max(std::size_t(1), most / 8);
+    for (std::size_t i = 0; i < most; ++i)
+        if (i == 0 || (i + 1) % every == 0) axes.across.push_back({across(i), fmt::format("{}", i + 1)});
+    for (int d = 0; d <= decades; ++d) axes.upwards.push_back({1 - double(d) / decades, d == 0 ? "1" : fmt::format("1e-{}", d)});
+    Plot plot({640, 360}, axes);
     for (std::size_t k = 0; k < clusters.clusters.size(); ++k) {
         const std::vector<double>& s = clusters.clusters[k].singular_values;
-        for (std::size_t i = 0; i + 1 < s.size() && s[0] > 0; ++i)
-            for (int step = 0; step <= 32; ++step) {
-                const double t = step / 32.0, a = host::log(std::max(s[i] / s[0], 1e-12)), b = host::log(std::max(s[i + 1] / s[0], 1e-12));
-                const int x = int((double(i) + t) / double(most - 1) * (picture.width - 1));
-                const int y = int(-(a + t * (b - a)) / host::log(10) / 6 * (picture.height - 1));
-                if (x < picture.width && y >= 0 && y < picture.height) picture(x, y) = 0.8f * colour_of(int(k));
-            }
+        std::vector<glm::dvec2> points;
+        for (std::size_t i = 0; i < s.size() && s[0] > 0; ++i)
+            points.push_back({across(i), 1 + host::log(std::max(s[i] / s[0], 1e-12)) / host::log(10) / decades});
+        plot.curve(points, 0.8f * colour_of(int(k)));
     }
-    return picture;
+    return plot.picture();
 }
 
 }  // namespace
@@ -118,9 +124,10 @@ std::vector<DebugLayer> debug_layers(const Bake& b, const raster::Surfaces& surf
     for (const glm::vec4& c : b.placement.candidates) scene.ball(placed, glm::dvec3(c), 0.3 * ball, {0.9f, 0.6f, 0.2f, 1});
     add("candidates", "probes.placement", "all candidates", placed);
     placed = scene.with(nullptr);
-    for (const glm::vec4& p : b.placement.probes) scene.ball(placed, glm::dvec3(p), ball, {0.2f, 0.5f, 1, 1});
-    const std::size_t shown = std::size_t(scene.in_sight(b.placement.probes));
-    const glm::dvec3 from(b.placement.probes[shown]);
+    const Buffer<glm::vec4> standing(b.placement.probes.begin(), b.placement.probes.begin() + standing_probes(b.placement.probes));
+    for (const glm::vec4& p : standing) scene.ball(placed, glm::dvec3(p), ball, {0.2f, 0.5f, 1, 1});
+    const std::size_t shown = std::size_t(scene.in_sight(standing));
+    const glm::dvec3 from(standing[shown]);
     scene.outline(placed, from, b.radius.radius_m, {1, 1, 1, 1});
     add("probes", "probes.placement", "probes; the outline is the reach of the one nearest to the middle", placed);
     add_both("supports", "probes.supports", "green: as many probes as there are slots; black: none",
@@ -165,7 +172,7 @@ std::vector<DebugLayer> debug_layers(const Bake& b, const raster::Surfaces& surf
     if (!b.clusters.clusters.empty()) {
         add_both("clusters", "probes.clusters", "a colour each cluster; black: no probe",
                  on_lightmap(r, [&](int i) { return b.clusters.cluster_of[i] < 0 ? glm::vec4(0, 0, 0, 1) : colour_of(b.clusters.cluster_of[i]); }));
-        add("singular_values", "probes.clusters", "a curve a cluster: over the largest, 1 to 1e-6, logarithmic",
+        add("singular_values", "probes.clusters", "a curve a cluster: singular value i over the first (si/s1, 1 to 1e-6, logarithmic) by its number i",
             singular_picture(b.clusters));
     }
     return layers;

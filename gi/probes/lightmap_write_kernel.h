@@ -107,8 +107,9 @@ struct LightmapKernel {
         return lightmap<F>(in, x, y, tap);
     }
     static float* out(const View& in) { return in.lightmap; }
-    // Means of ring 1, of the band and a row on either side.
-    static std::size_t scratch(const View& in, int rows) { return 3 * std::size_t(in.u.width) * std::size_t(rows + 2); }
+    static constexpr int band = 32;
+    // Three rows of receivers, three of ring 1, and a texel on either side.
+    static std::size_t scratch(const View& in, int) { return 6 * 4 * (std::size_t(in.u.width) + 2); }
 };
 
 }  // namespace plumb::probes

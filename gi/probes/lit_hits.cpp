@@ -9,6 +9,7 @@
 #include "core/host_math.h"
 #include "core/parallel.h"
 #include "gi/probes/receivers.h"
+#include "gi/probes/sky_probe.h"
 #include "gi/reference/light_kernel.h"
 #include "gi/reference/ray_query.h"
 #include "gi/trace_rays.h"
@@ -57,7 +58,7 @@ class Asker {
     }
 
     void ask(const glm::vec3& origin, const glm::vec3& direction, std::size_t at, LitHits& hits) {
-        const RayHit<float> hit = tracer_.nearest(origin, direction, true);
+        const RayHit<float> hit = is_sky(glm::vec4(origin, 0)) ? RayHit<float>{} : tracer_.nearest(origin, direction, true);
         hits.towards.texels[at] = glm::vec4(-direction, hit.t);
         if (!hit.found) {
             if (sky_.width > 0)

@@ -86,12 +86,15 @@ std::vector<Field> fields(LodParams& p) {
     const std::string degree = "of the harmonics in this level (IPR table 5.11); -1: the largest that its rays sample without aliasing";
     const std::string rays = "relight rays of a probe in this level: the first ones (figure 5.31: 512, 256, 128, 64); 0: all, then half of the "
                              "level's before, at least 64";
+    // `plumb sweep` draws a curve over the number of levels, and further ones of what each may leave out more.
+    using enum SweepRange::Role;
+    const auto swept = [](SweepRange::Role role, std::vector<double> values) { return SweepRange{role, std::move(values), "", ""}; };
     std::vector<Field> all = {
-        {"levels", &p.levels, "", "levels of detail (IPR 4.2); 1: none", 1, n, {}},
+        {"levels", &p.levels, "", "levels of detail (IPR 4.2); 1: none", 1, n, {}, true, swept(along, {1, 2, 3, 4})},
         {"distance_1", &p.distance_1, "m", distance, -1, 1e6, {}},
         {"distance_2", &p.distance_2, "m", distance, -1, 1e6, {}},
         {"distance_3", &p.distance_3, "m", distance, -1, 1e6, {}},
-        {"degree_0", &p.degree_0, "", degree, -1, 7, {}},
+        {"degree_0", &p.degree_0, "", degree, -1, 7, {}, true, swept(curves, {4})},
         {"degree_1", &p.degree_1, "", degree, -1, 7, {}},
         {"degree_2", &p.degree_2, "", degree, -1, 7, {}},
         {"degree_3", &p.degree_3, "", degree, -1, 7, {}},
@@ -100,10 +103,10 @@ std::vector<Field> fields(LodParams& p) {
         {"rays_2", &p.rays_2, "", rays, 0, 32768, {}},
         {"rays_3", &p.rays_3, "", rays, 0, 32768, {}},
         {"hit_level", as_int(p.hit_level), "", "level in which relight rays look up the lightmap (IPR 4.2.1): of the place where they end, or the "
-         "last, which is faster", -unbounded, unbounded, {"own", "coarsest"}},
+         "last, which is faster", -unbounded, unbounded, {"own", "coarsest"}, true, swept(curves, {1})},
         {"probe_level", as_int(p.probe_level), "", "from where a probe's level is measured (IPR figures 4.4 to 4.7): its centre, nearer by its "
          "radius, or as fine as the clusters that read it", -unbounded, unbounded, {"centre", "radius", "clusters"}},
-        {"zones", &p.zones, "", "distances count for more beside and behind the viewer (IPR figure 4.8)", -unbounded, unbounded, {}},
+        {"zones", &p.zones, "", "distances count for more beside and behind the viewer (IPR figure 4.8)", -unbounded, unbounded, {}, true, swept(curves, {1})},
         {"front_angle", &p.front_angle, "degrees", "from the view direction, within which distances count as they are", 1, 179, {}},
         {"side_angle", &p.side_angle, "degrees", "from the view direction, beyond which lies the zone behind", 1, 179, {}},
         {"side_scale", &p.side_scale, "", "of distances between both angles", 1, 1e6, {}},

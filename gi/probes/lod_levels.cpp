@@ -7,6 +7,7 @@
 #include "core/error.h"
 #include "gi/probes/bake.h"
 #include "gi/probes/lod.h"
+#include "gi/probes/sky_probe.h"
 #include "gi/probes/run_data.h"
 
 namespace plumb::probes {
@@ -115,6 +116,7 @@ Levels levels_at(const Lod& lod, const Bake& bake, const LodBoxes& boxes, const 
     } else {
         rule.margins = glm::vec4(lod.probe_level == ProbeLevel::radius ? 1 : 0);
         of.probe = levels_of(boxes.probe_low, boxes.probe_high, rule, options);
+        if (standing_probes(bake.placement.probes) < int(of.probe.size())) of.probe.back() = 0;  // the sky: clusters of all levels ask it
     }
     return of;
 }

@@ -6,6 +6,8 @@
 
 #include "core/error.h"
 #include "gi/probes/lit_hits.h"
+#include "gi/probes/sky_probe.h"
+#include "gi/probes/stand_in.h"
 
 namespace plumb::probes {
 namespace {
@@ -34,15 +36,15 @@ Relit lit_relight(const Bake& bake, const Scene& scene, const RunOptions& option
 ProbeRadiance probe_radiance(const Bake& bake, const Scene& scene, const RunOptions& options) {
     if (bake.params.degree < 2)
         throw InputError(fmt::format("probes.degree = {}: the coefficients of engines are of degree 2; expected 2 to 7", bake.params.degree));
-    RunTime light(bake, lit_relight(bake, scene, options), Transport::whole);
+    RunTime light(bake, lit_relight(bake, scene, options), Transport::whole, stand_ins(bake, Unasked::nearest, options));
     ProbeRadiance result;
     result.rounds = light.converge(most_rounds, at_rest);
     if (result.rounds == most_rounds)
         throw InputError(fmt::format("{}: light does not come to rest in {} rounds: its surfaces reflect all that they get, or more",
                                      scene.name, most_rounds));
-    const std::vector<glm::dvec3> lambda = light.lambda();
+    const std::vector<glm::dvec3> lambda = light.lambda_everywhere();
     const std::size_t coefficients = std::size_t(bake.coefficients());
-    for (std::size_t p = 0; p < bake.placement.probes.size(); ++p) {
+    for (std::size_t p = 0; p < std::size_t(standing_probes(bake.placement.probes)); ++p) {
         result.position.emplace_back(bake.placement.probes[p]);
         Radiance9& of_probe = result.radiance.emplace_back();
         for (std::size_t i = 0; i < of_probe.size(); ++i) of_probe[i] = lambda[p * coefficients + i];

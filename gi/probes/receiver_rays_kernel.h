@@ -21,6 +21,7 @@ enum class Escape : int {
     same_direction,  // the second: from probes whose ray in the same direction meets nothing, either
     visible_probes,  // the third: from probes that the receiver sees
     all_probes,      // the fourth: from all that support it
+    sky,             // from the sky, which is the probe of the last slot (sky_probe.h)
 };
 
 inline constexpr float escaped_length = 1e15f;  // m: stands for the length of a ray that met nothing
@@ -100,14 +101,16 @@ PLUMB_INLINE index_t<F> probes_that_see(const ReceiverRaysView& in, index_t<F> r
     const vec3<F> start = met.point + met.normal * F(in.offset);
     const mask_t<F> on_front = active & hit.found & met.front, free = active & !hit.found;
     I bits(0);
-    for (int slot = 0; slot < in.slots; ++slot) {
+    const int standing = in.escape == int(Escape::sky) ? in.slots - 1 : in.slots;
+    if (standing < in.slots) bits = select(free, I(1 << standing), I(0));
+    for (int slot = 0; slot < standing; ++slot) {
         const vec4<F> probe = N::fetch4(in.supporting, I(slot * in.width) + receiver);
         const mask_t<F> supports = probe.w > F(0.0f);
         const vec3<F> to_probe = raster::minus3(xyz<F>(probe), start);
         mask_t<F> sees = on_front & supports & (dot3(met.normal, to_probe) > F(0.0f));
         if (any(sees)) sees = tracer.visible(start, to_probe, F(0.0f), F(1.0f), sees);
         mask_t<F> escapes = free & supports;
-        if (in.escape == int(Escape::nothing) || !any(escapes)) {
+        if (in.escape == int(Escape::nothing) || in.escape == int(Escape::sky) || !any(escapes)) {
             escapes = escapes & (F(1.0f) < F(0.0f));
         } else if (in.escape == int(Escape::same_direction)) {
             escapes = tracer.visible(xyz<F>(probe), direction, F(0.0f), F(__builtin_inff()), escapes);
@@ -168,6 +171,7 @@ struct TestRaysView {
                                   // is out, m; 0 where none starts inside
     std::int32_t* insides;        // out: [receivers]: rays that start inside; -1: a ray met nothing, where `escapes` is null
     std::int32_t* escapes;        // out: [receivers]: rays that met nothing; null: a receiver with one lies in no solid
+    std::int32_t least;           // rays that must start inside for it to matter; fewer are not counted to the end. 0: all are
 };
 
 // How deep inside a ray starts, and where it is out.
@@ -196,8 +200,11 @@ PLUMB_INLINE WayOut<F> way_out(const TestRaysView& in, RayTracer<F>& tracer, con
     return out;
 }
 
-// Asks of receivers [first, last). Rays are followed beyond their first surface where an eighth of them meets a back there: most
-// receivers lie inside of nothing.
+// Rays of a receiver are followed beyond their first surface where so many of them meet a back there: most receivers lie inside of
+// nothing.
+inline int followed_from(int rays) { return (rays + 7) / 8; }
+
+// Asks of receivers [first, last).
 template <class F>
 std::uint64_t test_rays(const TestRaysView& in, const RayQuery& query, int first, int last) {
     using N = number<F>;
@@ -216,16 +223,19 @@ std::uint64_t test_rays(const TestRaysView& in, const RayQuery& query, int first
         // Once to see where backs are, and, where it is worth it, once more to the way out.
         for (const bool again : {false, true}) {
             if (again) {
-                followed = active & (in.escapes ? active : escapes == I(0)) & !(insides < I((in.rays + 7) / 8));
+                followed = active & (in.escapes ? active : escapes == I(0)) & !(insides < I(followed_from(in.rays)));
                 if (in.crossings == 1 || !any(followed)) break;
                 insides = select(followed, I(0), insides), escapes = select(followed, I(0), escapes);
                 depth = select(followed, F(0.0f), depth), shortest.w = select(followed, F(0.0f), shortest.w);
             }
+            mask_t<F> asked = again ? followed : active;
             for (int ray = 0; ray < in.rays; ++ray) {
                 const float* local = in.directions + 4 * std::ptrdiff_t(ray);
                 const vec3<F> direction =
                     reference::to_world<F>(frame, vec3<F>{F(local[0]), F(local[1]), F(local[2])});
-                const mask_t<F> asked = again ? followed : active;
+                // What is certain needs no more rays: one has met nothing, or there are too few left.
+                if (!in.escapes) asked = asked & (escapes == I(0)) & !(insides < I(in.least - in.rays + ray));
+                if (!any(asked)) break;
                 const RayHit<F> hit = tracer.nearest(origin, direction, asked);
                 const WayOut<F> out = way_out<F>(in, tracer, origin, direction, hit, followed);
                 const mask_t<F> inside = asked & (out.depth > F(0.0f));

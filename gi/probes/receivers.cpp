@@ -58,8 +58,9 @@ int shift_receivers(Receivers& receivers, const raster::SurfaceArgs& surfaces, c
     const int count = receivers.count();
     Buffer<glm::vec4> shortest(std::size_t(count), glm::vec4(0));
     std::vector<std::int32_t> insides(std::size_t(count), 0), escapes(std::size_t(count), 0);
+    const int least = params.in_the_air ? 0 : std::min(followed_from(params.rays), std::max(1, int(std::ceil(params.share * params.rays))));
     TestRaysView view{surfaces, offset, params.rays, params.crossings, &receivers.position[0].x, &receivers.normal[0].x, &directions[0].x,
-                      &shortest[0].x, insides.data(), params.in_the_air ? escapes.data() : nullptr};
+                      &shortest[0].x, insides.data(), params.in_the_air ? escapes.data() : nullptr, least};
     dispatch(options.isa, [&](auto isa) {
         parallel_bands(count, 256, options,
                        [&](int first, int last) { ReceiverRays<isa()>::test(view, query, first, last); });

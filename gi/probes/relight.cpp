@@ -2,6 +2,7 @@
 
 #include "core/parallel.h"
 #include "gi/probes/receiver_rays_kernel.h"
+#include "gi/probes/sky_probe.h"
 
 namespace plumb::probes {
 
@@ -11,6 +12,10 @@ namespace {
 void trace_probe(const Atlas& atlas, const raster::SurfaceArgs& surfaces, const RayQuery& query, const glm::vec3& probe,
                  const Buffer<glm::vec4>& directions, std::size_t first, RelightHits& hits) {
     RayTracer<float> tracer(query);
+    if (is_sky(glm::vec4(probe, 0))) {
+        for (std::size_t k = 0; k < directions.size(); ++k) hits.position[first + k] = glm::vec4(glm::vec3(directions[k]), 0);
+        return;
+    }
     for (std::size_t k = 0; k < directions.size(); ++k) {
         const glm::vec3 direction(directions[k]);
         const RayHit<float> hit = tracer.nearest(probe, direction, true);

@@ -2,10 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/content_hasher.h"
 #include "gi/probes/bake.h"
+#include "gi/probes/host_step.h"
+#include "gi/probes/memory.h"
 #include "gi/probes/run_params.h"
 #include "gi/probes/static_scene.h"
 
@@ -13,21 +16,13 @@ namespace plumb::probes {
 
 namespace {
 
-StageInfo step(const std::string& name, const std::string& source, std::vector<Port> inputs, std::vector<Port> outputs,
-               const std::vector<std::string>& params) {
-    RunParams defaults;
-    StageInfo s;
-    s.name = name, s.source = source;
-    s.inputs = std::move(inputs), s.outputs = std::move(outputs);
-    s.params = describe(fields(defaults), params);
-    return s;
-}
+constexpr auto step = host_step<RunParams>;
 
 const Port bake = {"bake", "arrays", "", "of plumb bake"};
 const Port lightmap = {"lightmap", "image rgba32f", "W/m2", "irradiance"};
 
-// Rays a second of one core, exact, of scenes of middle size.
-constexpr double rays_a_ms = 8000;
+// Of one core: exact rays, in scenes of middle size; decompositions, of each receiver.
+constexpr double rays_a_ms = 8000, clusters_ms = 0.035;
 
 }  // namespace
 
@@ -88,13 +83,19 @@ ExpectedBake expected_bake(const Scene& scene, const BakeParams& p) {
     const double side = double(p.lightmap_size);
     e.receivers = p.lightmap_size > 0 ? side * side / 2 : area * double(p.receivers_per_m2);
     e.rays = e.receivers * (double(p.receiver_rays) * (1 + p.placement.overlaps) + p.test_rays);
-    e.ms = e.rays / rays_a_ms;
+    e.ms = e.rays / rays_a_ms + e.receivers * clusters_ms;
+    e.area_m2 = area;
+    // A receiver's coefficients, its row of U twice, and its share of its cluster's matrix, twice: where many surfaces meet, clusters
+    // have hardly more receivers than singular values, and the columns of a probe more than a receiver has.
+    const double columns = (p.degree + 1) * (p.degree + 1), overlaps = p.placement.overlaps;
+    e.bytes = e.receivers * 4 * (overlaps * columns + 2 * (p.singular_values + (overlaps + 1) * columns));
     return e;
 }
 
 std::string text_of(const ExpectedBake& e) {
-    return fmt::format("without a bake one is made and kept: about {:.2g} receivers, at most {:.2g} million rays, some {:.2g} s of a core",
-                       e.receivers, e.rays * 1e-6, e.ms * 1e-3);
+    return fmt::format("without a bake one is made and kept: about {:.2g} receivers, at most {:.2g} million rays, some {:.2g} s of a core, "
+                       "some {} of memory",
+                       e.receivers, e.rays * 1e-6, e.ms * 1e-3, size_text(std::uint64_t(std::min(e.bytes, 1e18))));
 }
 
 }  // namespace plumb::probes

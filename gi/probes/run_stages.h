@@ -24,9 +24,9 @@ std::uint64_t bake_key(const Bake& bake);
 Bundle lent(const RunData& data, const ChartedTriangles& charted, const Buffer<float>& harmonics, const Buffer<float>& weights);
 
 // Before there is a bake: "a bake is made: about 60000 receivers, 30 million rays", by the area of the static surfaces; and
-// milliseconds on one core, an order of magnitude.
+// milliseconds on one core and memory, an order of magnitude.
 struct ExpectedBake {
-    double receivers = 0, rays = 0, ms = 0;
+    double receivers = 0, rays = 0, ms = 0, bytes = 0, area_m2 = 0;
 };
 ExpectedBake expected_bake(const Scene& scene, const BakeParams& params);
 std::string text_of(const ExpectedBake& expected);

@@ -8,6 +8,7 @@
 #include "core/error.h"
 #include "core/host_math.h"
 #include "gi/probes/directions.h"
+#include "gi/probes/sky_probe.h"
 
 namespace plumb::probes {
 
@@ -97,10 +98,12 @@ Spatial place_spatial(const glm::vec3& low, const glm::vec3& high, const Spatial
     shift.rays = params.test_rays, shift.share = params.back_share, shift.in_the_air = true;
     s.shifted = shift_receivers(places, surfaces, query, offset, shift, options);
     SupportsInputs in;
-    s.radius = std::max(radius, float(covering_radius(places.position, probes, overlaps)));
-    in.receivers = &places.position, in.probes = &probes, in.radius = s.radius, in.overlaps = overlaps;
-    const Supports once = run(in, options);
-    s.supports = {overlaps, repeated(once.probe), repeated(once.weight), spatial_directions * once.unsupported,
+    const Buffer<glm::vec4> standing(probes.begin(), probes.begin() + standing_probes(probes));
+    s.radius = std::max(radius, float(covering_radius(places.position, standing, overlaps)));
+    in.receivers = &places.position, in.probes = &standing, in.radius = s.radius, in.overlaps = overlaps;
+    Supports once = run(in, options);
+    add_sky(once, probes);
+    s.supports = {once.overlaps, repeated(once.probe), repeated(once.weight), spatial_directions * once.unsupported,
                   spatial_directions * once.incomplete};
     s.receivers.position = repeated(places.position), s.receivers.shift = repeated(places.shift);
     for (int d = 0; d < spatial_directions; ++d)

@@ -6,6 +6,7 @@
 #include "core/error.h"
 #include "core/parallel.h"
 #include "gi/probes/bake.h"
+#include "gi/probes/sky_probe.h"
 
 namespace plumb::probes {
 
@@ -67,12 +68,20 @@ std::vector<std::int32_t> stand_ins(const Buffer<glm::vec4>& directions, const s
     return of;
 }
 
-std::vector<std::int32_t> stand_ins(const Bake& bake, Unasked unasked, const RunOptions& options) {
-    const bool sky = bake.transport.escape != Escape::nothing;
+std::vector<std::uint8_t> asked_rays(const std::vector<std::int32_t>& material, int rays, int standing, Escape escape, Unasked unasked) {
     std::vector<std::uint8_t> asked;
-    asked.reserve(bake.relight.material.size());
-    for (const std::int32_t m : bake.relight.material) asked.push_back(unasked == Unasked::black || m >= 0 || (m == met_nothing && sky) ? 1 : 0);
-    return stand_ins(bake.relight_directions, asked, options);
+    asked.reserve(material.size());
+    const bool everywhere = escape != Escape::nothing && escape != Escape::sky;
+    for (std::size_t k = 0; k < material.size(); ++k) {
+        const bool sky = everywhere || k / std::size_t(rays) >= std::size_t(standing);
+        asked.push_back(unasked == Unasked::black || material[k] >= 0 || (material[k] == met_nothing && sky) ? 1 : 0);
+    }
+    return asked;
+}
+
+std::vector<std::int32_t> stand_ins(const Bake& bake, Unasked unasked, const RunOptions& options) {
+    return stand_ins(bake.relight_directions,
+                     asked_rays(bake.relight.material, bake.relight.rays, standing_probes(bake.placement.probes), bake.transport.escape, unasked), options);
 }
 
 }  // namespace plumb::probes

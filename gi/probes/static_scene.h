@@ -13,6 +13,10 @@ namespace plumb::probes {
 // mesh is dynamic.
 Geometry flatten_static(const Scene& scene);
 
+// scene_hash() of it (bake.h). What was asked last is kept by the meshes' own content: each frame of a walk asks whether a bake is of
+// its scene.
+std::uint64_t scene_hash(const Scene& scene);
+
 // Of each triangle of flatten(scene): its index in flatten_static(scene), which is that of a bake's atlas; -1 of dynamic meshes.
 std::vector<std::int32_t> static_triangles(const Scene& scene, const Geometry& geometry);
 

@@ -14,7 +14,8 @@ using F = PLUMB_ISA::Real;
 using N = number<F>;
 using I = index_t<F>;
 
-constexpr int most_packets = 4;  // at once: a load for three products and sums each
+constexpr int most_packets = 4;      // at once: a load for three products and sums each
+constexpr int numbers_ahead = 1024;  // of a matrix
 
 // Calls work.run<n>() for n of 1 to most_packets: so many sums stay in registers.
 template <class Work>
@@ -52,6 +53,8 @@ struct ProbeRows {
         const auto row = [&](int j, auto load) {
             const float *m = rows + std::ptrdiff_t(j) * rank + first, *l = lambda + 4 * std::ptrdiff_t(j);
             const F r(l[0]), g(l[1]), b(l[2]);
+            // A page further on: what a processor fetches by itself ends with its page.
+            for (int ahead = 0; ahead + 16 <= n * N::width; ahead += 16) __builtin_prefetch(m + numbers_ahead + ahead);
 #pragma GCC unroll 4
             for (int k = 0; k < n; ++k) add<n>(part, k, load(m, k * N::width), r, g, b);
         };
@@ -93,11 +96,7 @@ void basis_of_cluster(const BasisView& in, int cluster) {
 
 // ---- probes.irradiance ------------------------------------------------------------------------------------------------
 
-PLUMB_INLINE I load_index(const std::int32_t* p) {
-    I i;
-    std::memcpy(&i, p, sizeof i);
-    return i;
-}
+PLUMB_INLINE I load_index(const std::int32_t* p) { return N::bits(N::load(reinterpret_cast<const float*>(p))); }
 
 // The first `count` lanes side by side, as store4() has them: four at once are turned around in registers.
 PLUMB_INLINE void store_places(float* out, int first, int count, const vec4<F>& value) {
@@ -117,6 +116,8 @@ PLUMB_INLINE void store_places(float* out, int first, int count, const vec4<F>& 
     }
     N::store4(out, N::iota(first), value, N::iota(0) < I(count));
 }
+
+constexpr int places_ahead = 256;
 
 // Packets over `count` places of one cluster: its basis is the same for all, and U lies in the order of the places. Lanes beyond
 // read the next cluster's U, and are not stored.
@@ -151,12 +152,118 @@ struct PlacesOfCluster {
         const float* u = in.transport + first;
         for (int left = in.clusters[4 * std::ptrdiff_t(cluster) + 3]; left > 0; --left, b += 4, u += in.u.count) {
             const F red(b[0]), green(b[1]), blue(b[2]);
-            // Of each plane the places that come next: more planes than a processor follows by itself.
-            for (int ahead = 0; ahead + 16 <= n * N::width; ahead += 16) __builtin_prefetch(u + n * N::width + ahead);
+            // Of each plane the places that come next: more planes than a processor follows by itself, and later than the next
+            // packets are, for those memory would be too slow.
+            for (int ahead = 0; ahead + 16 <= n * N::width; ahead += 16) __builtin_prefetch(u + places_ahead + ahead);
 #pragma GCC unroll 4
             for (int k = 0; k < n; ++k) add<n>(sum, k, N::load(u + k * N::width), red, green, blue);
         }
     }
+};
+
+// ---- probes.lightmap --------------------------------------------------------------------------------------------------
+
+// The four numbers of a texel, in one register of every instruction set.
+using Texel = float __attribute__((vector_size(16)));
+using TexelBits = std::int32_t __attribute__((vector_size(16)));
+
+PLUMB_INLINE Texel load_texel(const float* p) {
+    Texel t;
+    std::memcpy(&t, p, sizeof t);
+    return t;
+}
+PLUMB_INLINE void store_texel(float* p, Texel t) { std::memcpy(p, &t, sizeof t); }
+PLUMB_INLINE Texel covered(Texel t) {
+    t[3] = 1;
+    return t;
+}
+
+// A bit each of 16 covers: whether it is `ring`.
+PLUMB_INLINE std::uint32_t bits_of_ring(const std::int32_t* cover, std::int32_t ring) {
+    const auto four = [&](int k) {
+        return _mm_cmpeq_epi32(_mm_loadu_si128(reinterpret_cast<const __m128i*>(cover + k)), _mm_set1_epi32(ring));
+    };
+    const __m128i low = _mm_packs_epi32(four(0), four(4)), high = _mm_packs_epi32(four(8), four(12));
+    return std::uint32_t(_mm_movemask_epi8(_mm_packs_epi16(low, high)));
+}
+
+// Calls each(x) for the columns [first, last) of a row that are `ring`.
+template <class Each>
+PLUMB_INLINE void each_of_ring(const std::int32_t* cover, int first, int last, std::int32_t ring, Each each) {
+    int x = first;
+    for (; x + 16 <= last; x += 16)
+        for (std::uint32_t bits = bits_of_ring(cover + x, ring); bits != 0; bits &= bits - 1) each(x + __builtin_ctz(bits));
+    for (; x < last; ++x)
+        if (cover[x] == ring) each(x);
+}
+
+// Rows of the lightmap from above to below, as texels that are there have them, w 1, and 0 elsewhere: what no sum sees, for one that
+// begins at 0 is never -0. Three rows of receivers and three of ring 1, each with a texel more on either side, so that nothing lies
+// beyond an edge.
+class LightmapRows {
+  public:
+    LightmapRows(const LightmapView& in, float* scratch) : in_(in), width_(in.u.width), scratch_(scratch) {}
+
+    // No branch: it would be guessed wrong at every edge of a chart. What comes two rows later is fetched from memory, a line of it
+    // holds four texels.
+    void gather_receivers(int y) const {
+        float* out = begin(receivers(y));
+        if (y < 0 || y >= in_.u.height) return;
+        const std::int32_t *cover = in_.cover + y * width_, *later = cover + (y + 2 < in_.u.height ? 2 * width_ : 0), places = in_.u.places;
+        const float* irradiance = in_.irradiance;
+        for (std::ptrdiff_t x = 0; x < width_; ++x) {
+            if ((x & 3) == 0) __builtin_prefetch(irradiance + 4 * std::ptrdiff_t(later[x] & -std::int32_t(in_range(later[x], places))));
+            const std::int32_t is = -std::int32_t(in_range(cover[x], places));
+            const Texel t = covered(load_texel(irradiance + 4 * std::ptrdiff_t(cover[x] & is)));
+            store_texel(out + 4 * x, (Texel)((TexelBits)t & TexelBits{is, is, is, is}));
+        }
+    }
+    // Receivers of the rows y - 1 to y + 1 are gathered.
+    void fill_ring_1(int y) const {
+        float* out = begin(ring_1(y));
+        if (y < 0 || y >= in_.u.height) return;
+        each_of_ring(in_.cover + y * width_, 0, in_.u.width, -2, [&](int x) {
+            store_texel(out + 4 * std::ptrdiff_t(x), mean_around(x, receivers(y - 1), receivers(y), receivers(y + 1)));
+        });
+    }
+    // Columns [first, last). Ring 1 of the rows y - 1 to y + 1 is filled.
+    void write(int y, int first, int last) const {
+        const float *r = receivers(y), *one = ring_1(y);
+        float* out = in_.lightmap + 4 * y * width_;
+        std::ptrdiff_t i = 4 * std::ptrdiff_t(first);
+        for (; i + N::width <= 4 * std::ptrdiff_t(last); i += N::width) {
+            const F value = N::from_bits(N::bits(N::load(r + i)) | N::bits(N::load(one + i)));
+            N::save(out + i, select(value == value, value, F(__builtin_nanf(""))));
+        }
+        for (; i < 4 * std::ptrdiff_t(last); i += 4) store_canonical(out + i, (Texel)((TexelBits)load_texel(r + i) | (TexelBits)load_texel(one + i)));
+        each_of_ring(in_.cover + y * width_, first, last, -3, [&](int x) {
+            store_canonical(out + 4 * std::ptrdiff_t(x), mean_around(x, ring_1(y - 1), ring_1(y), ring_1(y + 1)));
+        });
+    }
+
+  private:
+    float* receivers(int y) const { return scratch_ + 4 * (((y + 3) % 3) * (width_ + 2) + 1); }
+    float* ring_1(int y) const { return receivers(y) + 3 * 4 * (width_ + 2); }
+    float* begin(float* row) const {
+        std::memset(row - 4, 0, 4 * sizeof(float) * std::size_t(width_ + 2));
+        return row;
+    }
+    // The mean of the texels around one that are there, in the order of rows; w 1.
+    static PLUMB_INLINE Texel mean_around(std::ptrdiff_t x, const float* above, const float* own, const float* below) {
+        Texel sum{};
+        for (const float* row : {above, own, below})
+            for (int k = -1; k <= 1; ++k) sum = sum + load_texel(row + 4 * (x + k));
+        const float n = max(sum[3], 1.0f);
+        return covered(sum / Texel{n, n, n, n});
+    }
+    static PLUMB_INLINE void store_canonical(float* p, Texel t) {
+        constexpr float nan = __builtin_nanf("");
+        store_texel(p, t == t ? t : Texel{nan, nan, nan, nan});
+    }
+
+    const LightmapView& in_;
+    std::ptrdiff_t width_;
+    float* scratch_;
 };
 
 }  // namespace
@@ -193,38 +300,17 @@ void Rows<IrradianceKernel, Isa::PLUMB_ISA>::run(const IrradianceView& in, int f
     }
 }
 
-// Texel by texel: a value is copied whole, and lanes that gather would make all others wait. Means of ring 1 are kept for the band
-// and a row on either side, for ring 2 to ask.
 template <>
 void Rows<LightmapKernel, Isa::PLUMB_ISA>::run(const LightmapView& in, int first, int last, const Tiles& tiles, float* scratch) {
-    using One = number<float>;
-    const int width = in.u.width;
-    const auto kept = [&](int x, int y) { return scratch + 3 * (std::ptrdiff_t(y - first + 1) * width + x); };
-    for (int y = max(first - 1, 0); y < min(last + 1, in.u.height); ++y)
-        for (int x = 0; x < width; ++x) {
-            if (in.cover[y * width + x] != -2) continue;
-            const vec3<float> mean = mean_of_receivers<float>(in, x, y);
-            float* to = kept(x, y);
-            to[0] = mean.x, to[1] = mean.y, to[2] = mean.z;
-        }
-    for (int y = first; y < last; ++y) {
-        const std::uint8_t* row = tiles.row(y);
-        for (int x = 0; x < width; ++x) {
-            if (row && !row[x >> 4]) continue;
-            const int at = y * width + x, cover = in.cover[at];
-            const bool covered = in_range(cover, in.u.places) || cover == -2 || cover == -3;
-            vec3<float> value = irradiance_at<float>(in, cover);
-            if (cover == -2) value = {kept(x, y)[0], kept(x, y)[1], kept(x, y)[2]};
-            if (cover == -3) {
-                NeighbourMean<float> all;
-                for (int k = 0; k < 9; ++k) {
-                    const int nx = x + k % 3 - 1, ny = y + k / 3 - 1;
-                    if (cover_at<float>(in, nx, ny) == -2) all.add(true, {kept(nx, ny)[0], kept(nx, ny)[1], kept(nx, ny)[2]});
-                }
-                value = all.mean();
-            }
-            One::store4(in.lightmap, at, vec4<float>(value, covered ? 1.0f : 0.0f), true);
-        }
+    const LightmapRows rows(in, scratch);
+    for (int y = first - 2; y < last + 2; ++y) {
+        rows.gather_receivers(y);
+        if (y >= first) rows.fill_ring_1(y - 1);
+        if (y < first + 2) continue;
+        const std::uint8_t* row = tiles.row(y - 2);
+        if (!row) rows.write(y - 2, 0, in.u.width);
+        for (int x = 0; row && x < in.u.width; x += 16)
+            if (row[x >> 4]) rows.write(y - 2, x, min(x + 16, in.u.width));
     }
 }
 

@@ -113,23 +113,33 @@ TEST_CASE("bake: one receiver, one probe", "[probes][extreme]") {
     add_quad(quad, {0, 0, 0}, {0, 0, 1}, {1, 0, 0}, 0);
     Scene scene = scene_of(quad);
     scene.environment.radiance = glm::vec3(1);
-    BakeParams params = small();
-    params.receivers_per_m2 = 1, params.placement.count = 1, params.placement.least = 1;
-    BakeGraph graph(scene, params);
-    run_all(graph);
-    const Bake& b = graph.bake();
-    check_sound(b);
-    CHECK(b.receivers.count() == 1);
-    CHECK(b.placement.probes.size() == 1);
-    REQUIRE(b.clusters.clusters.size() == 1);
-    CHECK(b.clusters.clusters[0].rank == 1);
-    CHECK(b.transport.escape == Escape::same_direction);
-    // pi Y_0: all rays escape, and the probe's do as well.
-    CHECK(b.alpha[0] == Approx(std::sqrt(host::pi) / 2).epsilon(1e-4));
-    // Of rank 1 the decomposition is the row itself.
-    for (int j = 0; j < b.coefficients(); ++j)
-        CHECK(double(b.clusters.u[0]) * double(b.clusters.clusters[0].sigma_vt[std::size_t(j)]) ==
-              Approx(double(b.alpha[std::size_t(j)])).margin(1e-6));
+    for (const Escapes escapes : {Escapes::same_direction, Escapes::automatic}) {
+        const bool sky = escapes == Escapes::automatic;
+        BakeParams params = small();
+        params.receivers_per_m2 = 1, params.placement.count = 1, params.placement.least = 1, params.escapes = escapes;
+        BakeGraph graph(scene, params);
+        run_all(graph);
+        const Bake& b = graph.bake();
+        check_sound(b);
+        CHECK(b.receivers.count() == 1);
+        CHECK(b.placement.probes.size() == (sky ? 2 : 1));
+        CHECK(b.supports.overlaps == params.placement.overlaps + (sky ? 1 : 0));
+        REQUIRE(b.clusters.clusters.size() == 1);
+        CHECK(b.clusters.clusters[0].rank == 1);
+        CHECK(b.transport.escape == (sky ? Escape::sky : Escape::same_direction));
+        // pi Y_0: all rays escape, and the probe's do as well; or the sky, in the last slot, has them all.
+        const std::size_t last = std::size_t(b.supports.overlaps - 1) * std::size_t(b.coefficients());
+        CHECK(b.alpha[sky ? last : 0] == Approx(std::sqrt(host::pi) / 2).epsilon(1e-4));
+        CHECK(told_share(b, 0) == Approx(1).epsilon(1e-4));
+        // Of rank 1 the decomposition is the row itself: its two probes', of which the first tells nothing, or its one.
+        const std::size_t columns = b.clusters.clusters[0].sigma_vt.size();
+        REQUIRE(columns == std::size_t(b.coefficients()) * (sky ? 2 : 1));
+        for (std::size_t j = 0; j < columns; ++j) {
+            const std::size_t of_sky = j - std::min(j, std::size_t(b.coefficients()));
+            const double alpha = double(b.alpha[j < std::size_t(b.coefficients()) ? j : last + of_sky]);
+            CHECK(double(b.clusters.u[0]) * double(b.clusters.clusters[0].sigma_vt[j]) == Approx(alpha).margin(1e-6));
+        }
+    }
 }
 
 TEST_CASE("bake: coplanar receivers under an open sky have no more singular values than probes", "[probes][extreme][analytic]") {
@@ -142,7 +152,7 @@ TEST_CASE("bake: coplanar receivers under an open sky have no more singular valu
     for (const int probes : {1, 3}) {
         BakeParams params = small();
         params.receivers_per_m2 = 44, params.placement.count = probes, params.placement.least = 1;
-        params.by_size_only = true;
+        params.by_size_only = true, params.escapes = Escapes::same_direction;
         BakeGraph graph(scene, params);
         run_all(graph);
         const Bake& b = graph.bake();
@@ -298,33 +308,35 @@ TEST_CASE("bake: open meshes, sheets and what stands alone under a sky", "[probe
     for (const auto& [name, mesh] : std::vector<std::pair<const char*, Mesh>>{
              {"without ceiling", open(0)}, {"a hole in the ceiling", open(1)}, {"a sheet", sheet}, {"a sheet of two sides", both},
              {"a box", box}, {"a ball", ball}}) {
-        Scene scene = scene_of(mesh);
-        scene.environment.radiance = glm::vec3(1);
-        BakeParams params = small();
-        params.receivers_per_m2 = 16, params.placement.count = 12;
-        BakeGraph graph(scene, params);
-        run_all(graph);
-        const Bake& b = graph.bake();
-        check_sound(b);
-        CAPTURE(name, b.receivers.count(), b.counts().unseen, b.counts().back, b.counts().escaped);
-        CHECK(b.transport.escape == Escape::same_direction);
-        CHECK(b.supports.unsupported == 0);
-        CHECK(b.counts().escaped > 0);
-        CHECK(b.counts().back == 0);
-        // Each receiver has pi times the share of its rays that some probe sees, or that escape beside one that sees as far.
-        const auto e = whole_irradiance(b, lambda_of(b, [](std::size_t) { return 1.0; }));
-        double worst = 0, sum = 0;
-        for (int first = 0; first < b.receivers.count(); first += block_receivers) {
-            const TracedBlock traced = graph.traced(first, {});
-            for (int i = 0; i < traced.count; ++i) {
-                int seen = 0;
-                for (int k = 0; k < traced.rays; ++k) seen += traced.visible[std::size_t(k * traced.count + i)] != 0 ? 1 : 0;
-                const double share = double(seen) / traced.rays;
-                worst = std::max(worst, std::fabs(e[std::size_t(first + i)].x - host::pi * share)), sum += share;
+        for (const Escapes escapes : {Escapes::same_direction, Escapes::automatic}) {
+            Scene scene = scene_of(mesh);
+            scene.environment.radiance = glm::vec3(1);
+            BakeParams params = small();
+            params.receivers_per_m2 = 16, params.placement.count = 12, params.escapes = escapes;
+            BakeGraph graph(scene, params);
+            run_all(graph);
+            const Bake& b = graph.bake();
+            check_sound(b);
+            CAPTURE(name, b.receivers.count(), b.counts().unseen, b.counts().back, b.counts().escaped);
+            CHECK(b.transport.escape == (escapes == Escapes::automatic ? Escape::sky : Escape::same_direction));
+            CHECK(b.supports.unsupported == 0);
+            CHECK(b.counts().escaped > 0);
+            CHECK(b.counts().back == 0);
+            // Each receiver has pi times the share of its rays that some probe sees, or that escape beside one that sees as far.
+            const auto e = whole_irradiance(b, lambda_of(b, [](std::size_t) { return 1.0; }));
+            double worst = 0, sum = 0;
+            for (int first = 0; first < b.receivers.count(); first += block_receivers) {
+                const TracedBlock traced = graph.traced(first, {});
+                for (int i = 0; i < traced.count; ++i) {
+                    int seen = 0;
+                    for (int k = 0; k < traced.rays; ++k) seen += traced.visible[std::size_t(k * traced.count + i)] != 0 ? 1 : 0;
+                    const double share = double(seen) / traced.rays;
+                    worst = std::max(worst, std::fabs(e[std::size_t(first + i)].x - host::pi * share)), sum += share;
+                }
             }
+            CAPTURE(worst, sum / b.receivers.count());
+            CHECK(worst < 1e-4);
+            CHECK(sum / b.receivers.count() > (escapes == Escapes::automatic ? 0.9 : 0.8));
         }
-        CAPTURE(worst, sum / b.receivers.count());
-        CHECK(worst < 1e-4);
-        CHECK(sum / b.receivers.count() > 0.8);
     }
 }

@@ -89,6 +89,52 @@ TEST_CASE("update: the lightmap is what scatter() and extend_borders() make, to 
     CHECK(std::count(cover.texels.begin(), cover.texels.end(), cover_nothing) > 100);
 }
 
+// The loop over rows against one texel after the other: covers of anything, values that are none, squares that nobody wants.
+TEST_CASE("update: the lightmap's rows are the kernel's texels, whatever covers hold", "[probes][update][lightmap][bits]") {
+    const float nan = std::numeric_limits<float>::quiet_NaN(), odd[] = {-nan, -0.0f, std::numeric_limits<float>::infinity(), 1e-42f, -3e38f};
+    const std::int32_t least = std::numeric_limits<std::int32_t>::min(), most = std::numeric_limits<std::int32_t>::max();
+    for (const glm::ivec2 size : {glm::ivec2(1, 1), {2, 3}, {3, 1}, {15, 5}, {16, 40}, {17, 33}, {34, 70}, {131, 37}})
+        for (const float rings : {0.1f, 0.6f}) {
+            const int places = 40;
+            Image<std::int32_t> cover(size.x, size.y);
+            for (int y = 0; y < size.y; ++y)
+                for (int x = 0; x < size.x; ++x) {
+                    const float kind = noise(x, y, 0, 93), which = noise(x, y, 1, 93);
+                    const std::int32_t others[] = {-1, -4, places, most, least, 0, places - 1};
+                    cover(x, y) = kind < rings ? (which < 0.6f ? -2 : -3) : kind < 0.8f ? int(which * places) : others[int(which * 7)];
+                }
+            // w is not read; a tenth of all numbers are odd ones.
+            Buffer<glm::vec4> irradiance(places);
+            for (int i = 0; i < 4 * places; ++i)
+                irradiance[std::size_t(i / 4)][i % 4] = noise(i, 2, 0, 93) < 0.1f ? odd[i % 5] : 4 * noise(i, 3, 0, 93) - 1;
+            Image4 expected(size.x, size.y);
+            LightmapView view{{size.x, size.y, places, 0}, cover.data(), &irradiance[0].x, nullptr};
+            NoTap tap;
+            for (int y = 0; y < size.y; ++y)
+                for (int x = 0; x < size.x; ++x)
+                    number<float>::store4(&expected(x, y).x, 0, probes::lightmap<float>(view, x, y, tap), true);
+            const glm::vec4 kept(7, 8, 9, 10);
+            for (const Isa isa : supported_isas())
+                for (const bool some : {false, true}) {
+                    raster::Covered wanted(size, 1);
+                    for (std::size_t i = 0; some && i < wanted.any.size(); ++i) wanted.any[i] = i % 3 != 0;
+                    StageData data = data_of(LightmapInputs{&cover, irradiance.data(), places});
+                    if (some) lend_tiles(data, &wanted);
+                    RunOptions options;
+                    options.isa = isa, options.threads = 2;
+                    Image4 out(size.x, size.y, kept);
+                    Bundle outputs;
+                    lend(outputs, "lightmap", {size.y, size.x, 4}, &out.texels[0].x);
+                    stage<LightmapKernel>().bind(data)->run(options, {}, outputs);
+                    int differ = 0;
+                    for (int y = 0; y < size.y; ++y)
+                        for (int x = 0; x < size.x; ++x) differ += same_bits(out(x, y), wanted.row(y)[x / 16] ? expected(x, y) : kept) ? 0 : 1;
+                    CAPTURE(size.x, size.y, rings, isa_name(isa), some);
+                    CHECK(differ == 0);
+                }
+        }
+}
+
 TEST_CASE("update: each level shows every 2^k-th receiver, with rings of its own", "[probes][update][lightmap][lod]") {
     for (const int side : {37, 64}) {
         const int levels = 4;

@@ -1,12 +1,15 @@
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <csignal>
 
 #include "files.h"
+#include "io/part_file.h"
 
 using namespace plumb;
 using namespace plumb::io;
@@ -112,6 +115,59 @@ TEST_CASE("file: a signal in the middle of a write leaves the old file and no ot
     CHECK(WEXITSTATUS(status) == 130);
     CHECK(read_text(path) == "old");
     CHECK(folder.files() == 1);
+}
+
+TEST_CASE("file: what a killed writer has left is removed, what is being written is not", "[io][robustness]") {
+    namespace fs = std::filesystem;
+    const Folder folder;
+    const auto left = [&] {
+        std::vector<std::string> names;
+        for (const fs::directory_entry& e : fs::directory_iterator(folder / "")) names.push_back(e.path().string());
+        return names;
+    };
+    const pid_t child = fork();
+    if (child == 0) {
+        const rlimit small{1000, 1000};
+        setrlimit(RLIMIT_FSIZE, &small);
+        std::signal(SIGXFSZ, SIG_DFL);  // from within write(), without a handler: as if killed
+        write_text(folder / "a.txt", std::string(5000, 'x'));
+        _exit(0);
+    }
+    int status = 0;
+    waitpid(child, &status, 0);
+    REQUIRE(WIFSIGNALED(status));
+    REQUIRE(left().size() == 1);
+    const std::string killed = left()[0];
+    CHECK(killed.ends_with(".part"));
+    CHECK(fs::path(killed).filename().string().starts_with(".a.txt."));
+    CHECK(remove_abandoned(killed));
+    CHECK(left().empty());
+    CHECK_FALSE(remove_abandoned(killed));
+
+    // A lock says that its writer lives, however old it is; two names of one path are two.
+    const std::string written = part_name(folder / "a.txt");
+    CHECK(written != part_name(folder / "a.txt"));
+    const int writer = ::open(written.c_str(), O_WRONLY | O_CREAT, 0600);
+    REQUIRE(::flock(writer, LOCK_EX) == 0);
+    const auto age = [](const std::string& file) { fs::last_write_time(file, fs::file_time_type::clock::now() - std::chrono::hours(25)); };
+    age(written);
+    CHECK_FALSE(remove_abandoned(written));
+    CHECK(fs::exists(written));
+    ::close(writer);
+    CHECK(remove_abandoned(written));
+
+    // Of another machine nobody here knows whether it lives: a day.
+    const std::string other = folder.put(".a.txt.00000000-1-0.part", "half"), nameless = folder.put(".a.txt.1-0.part", "half");
+    for (const std::string& file : {other, nameless}) {
+        CHECK_FALSE(remove_abandoned(file));
+        age(file);
+        CHECK(remove_abandoned(file));
+    }
+    // Not what is no file.
+    fs::create_directory(folder / ".a.txt.2-0.part");
+    fs::create_symlink("nowhere", folder / ".a.txt.3-0.part");
+    CHECK_FALSE(remove_abandoned(folder / ".a.txt.2-0.part"));
+    CHECK_FALSE(remove_abandoned(folder / ".a.txt.3-0.part"));
 }
 
 TEST_CASE("file: names are taken apart", "[io]") {

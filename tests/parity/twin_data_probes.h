@@ -49,8 +49,19 @@ inline StageData supports_case(glm::ivec2 size, float radius, int overlaps, cons
     return named(d, id);
 }
 
+inline probes::LevelUniforms level_uniforms(glm::ivec2 size, int count, int levels, const glm::vec3& distances) {
+    return {size.x, size.y, count, levels, {0.25f, -0.5f, 0.75f, 0}, {0.48f, 0.6f, -0.64f, 0}, {0.5f, 0.8660254f, -0.25f, 0.96824584f},
+            {1, 1.5f, 3, 0}, {distances.x, distances.y, distances.z, 0}, {1.125f, 2, 4, 0}};
+}
+inline StageData level_data(const probes::LevelUniforms& u, const Buffer<glm::vec4>& low, const Buffer<glm::vec4>& high, const std::string& id) {
+    StageData d = begin_data<probes::LevelKernel>({u.width, u.height}, u);
+    lend(d.inputs, "low", {std::int64_t(low.size()), 4}, &low[0].x);
+    lend(d.inputs, "high", {std::int64_t(high.size()), 4}, &high[0].x);
+    return named(owned_data(d), id);
+}
+
 // Boxes and points around an eye, near and far, before it and behind; every seventh holds it. One more lies behind the list.
-inline StageData level_case(glm::ivec2 size, int levels, const std::string& id) {
+inline StageData level_case(glm::ivec2 size, int levels, const glm::vec3& distances, const std::string& id) {
     const int n = size.x * size.y - 5;
     Buffer<glm::vec4> low = scattered(n + 1, 86), high = low;
     for (int i = 0; i <= n; ++i) {
@@ -61,12 +72,64 @@ inline StageData level_case(glm::ivec2 size, int levels, const std::string& id) 
             for (int c = 0; c < 3; ++c) a[c] = -a[c] < 0 ? -a[c] : a[c], b[c] = -a[c] + 1;
         b.w = 0;
     }
-    const probes::LevelUniforms u{size.x, size.y, n, levels, {0.25f, -0.5f, 0.75f, 0}, {0.48f, 0.6f, -0.64f, 0}, {0.5f, 0.8660254f, -0.25f, 0.96824584f},
-                                  {1, 1.5f, 3, 0}, {2.5f, 5, 9, 0}, {1, 2, 4, 0}};
-    StageData d = begin_data<probes::LevelKernel>(size, u);
-    lend(d.inputs, "low", {n + 1, 4}, &low[0].x);
-    lend(d.inputs, "high", {n + 1, 4}, &high[0].x);
-    return named(owned_data(d), id);
+    return level_data(level_uniforms(size, n, levels, distances), low, high, id);
+}
+
+// Boxes whose level is another where they lie half a hundredth nearer or farther, are so much smaller or larger, or their margin is;
+// and points and grown boxes beyond a cone by half of what is left for rounding, or by nine tenths (level_kernel.h).
+inline StageData level_edges_case(glm::ivec2 size, const std::string& id) {
+    const int n = size.x * size.y;
+    const probes::LevelUniforms u = level_uniforms(size, n, 4, {2.5f, 5, 9});
+    const glm::vec3 eye(u.eye[0], u.eye[1], u.eye[2]), forward(u.forward[0], u.forward[1], u.forward[2]);
+    const auto level_of = [&](const glm::vec4& low, const glm::vec4& high) {
+        probes::LevelView view{u, &low.x, &high.x, nullptr};
+        view.u.count = 1;
+        NoTap tap;
+        return probes::level_of_box<float>(view, 0, 0, tap).level;
+    };
+    // About a point, all but the margin; the margin by a factor of its own.
+    const auto scaled = [](const glm::vec4& x, const glm::vec3& about, float factor, float margin) {
+        return glm::vec4(about + factor * (glm::vec3(x) - about), x.w * margin);
+    };
+    Buffer<glm::vec4> low, high;
+    for (int i = 0; int(low.size()) < n; ++i) {
+        const int kind = int(low.size()) % 8;
+        const glm::vec3 towards = normalize3<float>(glm::vec3(noise(i, 0, 2, 86), noise(i, 1, 2, 86), noise(i, 2, 2, 86)) - 0.5f);
+        glm::vec4 a, b;
+        if (kind < 2) {
+            // The angle of a cone and half of 1e-5, towards any side; distances of all levels.
+            const float* cone = u.zones + 2 * (i % 2);
+            const glm::vec3 across = normalize3<float>(towards - glm::dot(towards, forward) * forward);
+            const double c = cone[0], s = cone[1], more = 0.5e-5;
+            const glm::dvec3 v = (0.8 + 5.0 * double(noise(i, 3, 2, 86))) * ((c - s * more) * glm::dvec3(forward) + (s + c * more) * glm::dvec3(across));
+            a = b = glm::vec4(eye + glm::vec3(v), 0);
+            if (kind == 1) {
+                // Grown to where the cone's distance is its radius and a part of what is left.
+                const glm::dvec3 w = glm::dvec3(a) - glm::dvec3(eye);
+                const double turned = 0.02 + 0.3 * double(noise(i, 4, 2, 86));
+                const glm::dvec3 t = glm::length(w) * ((c - s * turned) * glm::dvec3(forward) + (s + c * turned) * glm::dvec3(across));
+                a = b = glm::vec4(eye + glm::vec3(t), 0);
+                const glm::dvec3 from = glm::dvec3(a) - glm::dvec3(eye);
+                const double along = glm::dot(from, glm::dvec3(forward)), aside = glm::length(from - along * glm::dvec3(forward));
+                const double beyond = aside * c - along * s;
+                const double part = i % 4 < 2 ? 0.5e-5 : 0.9e-5;
+                a.w = float((beyond - part * glm::length(from)) / (1 + part) / double(u.margins[2]));
+            }
+        } else {
+            a = b = glm::vec4(eye + (0.3f + 14 * noise(i, 3, 2, 86)) * towards, kind % 2 == 0 ? 0 : 0.5f * noise(i, 4, 2, 86));
+            if (kind >= 4)
+                for (int c = 0; c < 3; ++c) b[c] += (c == i % 3 ? 4.0f : 0.5f) * noise(i, 5 + c, 2, 86);
+            const float least = 0.995f, most = 1.005f;
+            const glm::vec3 middle = 0.5f * (glm::vec3(a) + glm::vec3(b));
+            const bool by_distance = level_of(scaled(a, eye, least, 1), scaled(b, eye, least, 1)) != level_of(scaled(a, eye, most, 1), scaled(b, eye, most, 1));
+            const bool by_size = level_of(scaled(a, middle, least, 1), scaled(b, middle, least, 1)) != level_of(scaled(a, middle, most, 1), scaled(b, middle, most, 1));
+            const bool by_margin = level_of(scaled(a, eye, 1, least), b) != level_of(scaled(a, eye, 1, most), b);
+            if (kind < 6 ? !by_distance : kind == 6 ? !by_size : !by_margin) continue;
+        }
+        b.w = 0;
+        low.push_back(a), high.push_back(b);
+    }
+    return level_data(u, low, high, id);
 }
 
 // What receivers' rays met: points, directions of those that met nothing, what no probe sees; a probe without weight.
@@ -152,7 +215,7 @@ inline StageData irradiance_case(glm::ivec2 size, const std::string& id) {
     return named(owned_data(d), id);
 }
 // Receivers in patches up to the edges, with both rings; texels of nothing, one of a place that is not there, and rings that nothing
-// lies beside.
+// lies beside. The first place is many texels'; all around lie rings, and behind the list receivers that none of them has beside it.
 inline StageData lightmap_case(glm::ivec2 size, const std::string& id) {
     const int side = std::max(size.x, size.y);
     const std::vector<glm::ivec2> texels = made_texels(side, 0.3f, 90);
@@ -164,12 +227,17 @@ inline StageData lightmap_case(glm::ivec2 size, const std::string& id) {
         for (int x = 0; x < size.x; ++x) {
             const float odd = noise(x, y, 0, 91);
             cover(x, y) = odd < 0.01f ? int(texels.size()) : odd < 0.03f ? -2 : odd < 0.05f ? -3 : odd < 0.06f ? -4 : all(x, y);
+            const bool edge = x == 0 || y == 0 || x == size.x - 1 || y == size.y - 1;
+            if (odd > 0.9f) cover(x, y) = 0;
+            if (edge && odd < 0.7f) cover(x, y) = odd < 0.35f ? -2 : -3;
         }
+    std::vector<std::int32_t> list(cover.texels.begin(), cover.texels.end());
+    for (int k = 0; k <= size.x; ++k) list.push_back(1);
     // A value more than there are places: what reads it, reads beyond.
     Buffer<glm::vec4> irradiance = made_lambda(int(texels.size()) + 1, 1, 92);
     irradiance.back() = glm::vec4(1e4f);
     StageData d = begin_data<probes::LightmapKernel>(size, probes::LightmapUniforms{size.x, size.y, int(texels.size()), 0});
-    lend(d.inputs, "cover", {std::int64_t(cover.size())}, cover.data());
+    lend(d.inputs, "cover", {std::int64_t(list.size())}, list.data());
     lend(d.inputs, "irradiance", {std::int64_t(irradiance.size()), 4}, &irradiance[0].x);
     return named(owned_data(d), id);
 }
@@ -221,8 +289,7 @@ inline StageData lightmap_uv_case(glm::ivec2 size, int levels, const std::string
     return named(owned_data(data_of(probes::LightmapUvInputs{&position, &found, &charted, rule})), id);
 }
 // All over a lightmap of three levels and beyond its edges; levels in between, below the first and above the last.
-inline StageData lookup_case(glm::ivec2 size, const std::string& id) {
-    const int side = 13;
+inline StageData lookup_case(glm::ivec2 size, int side, const std::string& id) {
     const Image4 lightmap = noise_image({side, probes::lightmap_rows(side, 3)}, 95, 0, 3);
     Image4 uv = noise_image(size, 96, -0.1f, 1.1f);
     const Image4 level = noise_image(size, 97, -0.5f, 3.5f);
@@ -322,8 +389,12 @@ inline std::vector<StageData> probe_cases(glm::ivec2 size) {
         density_case(size, 0.3f, "probes.density"),
         supports_case(size, 0.4f, 15, "probes.supports"),  // most receivers have fewer
         supports_case(size, 2, 16, "probes.supports.all"),  // every probe is in reach
-        level_case(size, 4, "probes.level"),
-        level_case(size, 2, "probes.level.two"),
+        level_case(size, 4, {2.5f, 5, 9}, "probes.level"),
+        level_case(size, 2, {2.5f, 5, 9}, "probes.level.two"),
+        level_case(size, 4, {0, 5, 9}, "probes.level.first_at_0"),  // below 0 it would be none
+        level_case(size, 4, {0, 0, 9}, "probes.level.second_at_0"),
+        level_case(size, 4, {0, 0, 0}, "probes.level.third_at_0"),
+        level_edges_case(size, "probes.level.edges"),
         share_case(size, false, "probes.share"),
         share_case(size, true, "probes.share.published"),
         coefficients_case(size, "probes.coefficients"),
@@ -332,7 +403,8 @@ inline std::vector<StageData> probe_cases(glm::ivec2 size) {
         lightmap_case(size, "probes.lightmap"),
         lightmap_uv_case(size, 4, "probes.lightmap_uv"),
         lightmap_uv_case(size, 2, "probes.lightmap_uv.two_levels"),
-        lookup_case(size, "probes.lookup"),
+        lookup_case(size, 13, "probes.lookup"),
+        lookup_case(size, 12, "probes.lookup.even"),  // levels of a side of 12 have 6 and 3
         volume_case(size, probes::VolumeForm::cube, false, "probes.volume.cube"),
         volume_case(size, probes::VolumeForm::linear, true, "probes.volume"),
         volume_case(size, probes::VolumeForm::angles, false, "probes.volume.angles"),

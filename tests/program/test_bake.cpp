@@ -126,6 +126,12 @@ TEST_CASE("bake: wrong usage is one line", "[program]") {
     CHECK_THAT(element.out, Contains("receivers 2048 to") && !Contains("receivers 0 to") && !Contains("receivers 1024 to"));
     CHECK_THAT(complains({"bake", scene, "-o", folder + "/x.bake", "--no-cache", "--join"}), Contains("--no-cache"));
     CHECK_THAT(complains(baked(scene, folder + "/x.bake", {"--set", "probes.degre=1"})), Contains("'degree'"));
+    // What a bake does not read is told, not ignored.
+    for (const char* set : {"rsm.samples=100", "lod.levels=4", "reference.samples=1", "render.method=probes", "frame.size=1", "none.x=1"})
+        CHECK_THAT(complains(baked(scene, folder + "/x.bake", {"--set", set})), Contains("--set ") && Contains("expected [probes]"));
+    for (const char* set : {"probes.loop=pipelined", "probes.file=a", "probes.window=hann"})
+        CHECK_THAT(complains(baked(scene, folder + "/x.bake", {"--set", set})), Contains("plumb bake does not read it"));
+    CHECK_THAT(complains(baked(scene, folder + "/x.bake", {"--set", "probes"})), Contains("expected table.key=value"));
     CHECK_THAT(complains(baked(scene, folder + "/x.bake", {"--set", "probes.lightmap_size=0", "--set", "probes.receivers_per_m2=1e11"})), Contains("16384"));
     CHECK_THAT(complains(baked(scene, folder + "/x.bake", {"--memory", "0.001"})), Contains("MB of memory; there are 1 MB"));
     CHECK_THAT(complains(baked(scene, folder + "/none/x.bake", {"--no-cache"})), Contains("no folder"));

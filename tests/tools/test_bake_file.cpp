@@ -147,8 +147,8 @@ TEST_CASE("bake file: what a reader of bakes asks of it is checked, under right 
                             }),
                             {"other.bake", name, "missing"});
     }
-    for (const auto& [name, index] : {std::pair("receiver_probe", 1), {"receiver_probe", -2}, {"cluster_receiver", 1},
-                                      {"cluster_probe", 1}, {"cluster_rank", 2}, {"cluster_rank", -1}, {"receiver_cluster", 1},
+    for (const auto& [name, index] : {std::pair("receiver_probe", 2), {"receiver_probe", -2}, {"cluster_receiver", 1},
+                                      {"cluster_probe", 2}, {"cluster_rank", 2}, {"cluster_rank", -1}, {"receiver_cluster", 1},
                                       {"cluster_first_receiver", 7}, {"cluster_first_probe", -1}, {"receiver_triangle", 2},
                                       {"receiver_triangle", -1}, {"relight_triangle", 2}, {"triangle_chart", 1}}) {
         CAPTURE(name, index);

@@ -273,7 +273,8 @@ TEST_CASE("sweep: curves follow from what fields() say", "[sweep]") {
           std::vector<std::string>{"direct", "rsm.disc", "rsm.disc, variant = published", "rsm.disc, radius = 0.15",
                                    "rsm.disc, radius = 0.6", "rsm.disc, rotations = 1", "rsm.all", "rsm.all_rays",
                                    "rsm.paths", "rsm.paths, visibility = none", "rsm.paths, visibility = algorithm_2",
-                                   "rsm.paths, slots = 9", "rsm.paths, turn = tile", "isr", "isr, spacing = 16", "isr, spacing = 32", "isr, bounces = 2", "probes", "reference"});
+                                   "rsm.paths, slots = 9", "rsm.paths, turn = tile", "isr", "isr, spacing = 16", "isr, spacing = 32", "isr, bounces = 2", "probes", "probes, degree_0 = 4", "probes, hit_level = coarsest",
+                                   "probes, zones = true", "reference"});
     const std::vector<SweptMethod> disc = swept_methods(settings, {"rsm.disc"}, {});
     REQUIRE(disc.size() == 5);
     const std::vector<SweptSettings> points = points_of(disc[0]);
@@ -287,6 +288,14 @@ TEST_CASE("sweep: curves follow from what fields() say", "[sweep]") {
     until.reference.until_error = 0.1f;
     const SweptMethod reference = swept_methods(until, {"reference"}, {}).at(0);
     CHECK(apply(until, reference.method, points_of(reference)[0].changed).reference.until_error == 0);
+    // Of probes what is left out of far away: lod.cpp.
+    const std::vector<SweptMethod> probes = swept_methods(settings, {"probes"}, {});
+    REQUIRE(probes.size() == 4);
+    const std::vector<SweptSettings> levels = points_of(probes[3]);
+    REQUIRE(levels.size() == 4);
+    CHECK(levels[3].text == "lod.levels = 4");
+    const frame::Settings coarse = apply(settings, probes[3].method, levels[3].changed);
+    CHECK((coarse.lod.levels == 4 && coarse.lod.zones));
     // The scene's own value has no second curve.
     frame::Settings wide = settings;
     wide.rsm.radius = 0.6f;
@@ -307,6 +316,13 @@ TEST_CASE("sweep: --vary takes the place of the ranges of the curves that it con
     // What all methods share varies on every curve; which gathers there are can be said, too.
     CHECK(names(swept_methods(settings, {}, {"rsm.gather=all", "shadow.kernel=1,4"})) ==
           std::vector<std::string>{"direct", "rsm.all", "isr", "probes", "reference"});
+    // What one method alone reads varies on no other's curves, whatever its table is called.
+    const std::vector<SweptMethod> far = swept_methods(settings, {}, {"lod.levels=1,4", "probes.count=8,16"});
+    for (const SweptMethod& curve : far) {
+        CAPTURE(curve.name);
+        for (const Variation& v : curve.varied) CHECK((v.table == "lod" || v.table == "probes") == (curve.name == "probes"));
+        if (curve.name == "probes") CHECK(points_of(curve).size() == 4);
+    }
 
     auto refused = [&](std::vector<std::string> methods, std::vector<std::string> vary) {
         return message([&] { swept_methods(settings, methods, vary); });

@@ -1,8 +1,9 @@
-// One update of irradiance probes from their coefficients to the lightmap, stage by stage and all three in turn, and beside them a
-// copy of as many bytes: how fast the machine's memory is. By instruction set, on one and on two threads.
+// One update of irradiance probes from their hits to the lightmap, stage by stage, the last three in turn and all five, and beside them
+// a copy of as many bytes as the last three move: how fast the machine's memory is. By instruction set, on one and on two threads.
 //
 //     tools/bench probes --benchmark_filter=update
 //
+// `tools/bench twins --update` measures the same beside twins, and a copy in turns with it.
 // Bytes by the second: each input read once, each output written once; of the copy what it reads and what it writes.
 #include <benchmark/benchmark.h>
 
@@ -42,14 +43,16 @@ struct Bound {
     }
 };
 
-enum Part { part_basis, part_irradiance, part_lightmap, part_all };
-constexpr const char* part_names[] = {"basis", "irradiance", "lightmap", "update"};
+enum Part { part_radiance, part_lambda, part_basis, part_irradiance, part_lightmap, part_three, part_all };
+constexpr const char* part_names[] = {"radiance", "lambda", "basis", "irradiance", "lightmap", "last_three", "update"};
 
 std::vector<std::unique_ptr<Bound>> parts_of(const UpdateWork& w, Part part) {
     std::vector<std::unique_ptr<Bound>> all;
     const auto add = [&](Part of, const StageBinding& binding, StageData data) {
-        if (part == of || part == part_all) all.emplace_back(new Bound{binding, std::move(data)});
+        if (part == of || part == part_all || (part == part_three && of >= part_basis)) all.emplace_back(new Bound{binding, std::move(data)});
     };
+    add(part_radiance, stage<probes::RadianceKernel>(), w.radiance());
+    add(part_lambda, stage<probes::LambdaKernel>(), w.lambda());
     add(part_basis, stage<probes::BasisKernel>(), w.basis());
     add(part_irradiance, stage<probes::IrradianceKernel>(), w.irradiance());
     add(part_lightmap, stage<probes::LightmapKernel>(), w.lightmap());
@@ -74,10 +77,10 @@ void run_part(benchmark::State& state, const UpdateSize& size, Part part, Isa is
     report(state, bytes);
 }
 
-// As many bytes as an update moves: half of them read, half of them written.
+// As many bytes as the last three stages move: half of them read, half of them written.
 void run_copy(benchmark::State& state, const UpdateSize& size, int threads) {
     double bytes = 0;
-    for (const auto& p : parts_of(work_of(size), part_all)) bytes += p->bytes();
+    for (const auto& p : parts_of(work_of(size), part_three)) bytes += p->bytes();
     constexpr int piece = 1 << 16;
     const int pieces = int(bytes / 2 / piece);
     const Buffer<unsigned char> from(std::size_t(pieces) * piece, 1);
@@ -101,7 +104,7 @@ void run_copy(benchmark::State& state, const UpdateSize& size, int threads) {
                 return "probes.update/" + std::to_string(size.receivers) + "/" + what + "/threads:" + std::to_string(threads);
             };
             add(named("copy"), [size, threads](benchmark::State& state) { run_copy(state, size, threads); });
-            for (const Part part : {part_basis, part_irradiance, part_lightmap, part_all})
+            for (const Part part : {part_radiance, part_lambda, part_basis, part_irradiance, part_lightmap, part_three, part_all})
                 for (const Isa isa : supported_isas())
                     add(named(std::string(part_names[part]) + "/" + isa_name(isa)),
                         [size, part, isa, threads](benchmark::State& state) { run_part(state, size, part, isa, threads); });

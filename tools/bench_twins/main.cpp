@@ -5,7 +5,9 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cstring>
 #include <exception>
+#include <functional>
 #include <iostream>
 #include <memory>
 
@@ -113,24 +115,76 @@ void measure(const vulkan::Device& device, const std::string& file, const Option
                    theirs_cpu / ours_cpu);
 }
 
+// A dispatch, bound, with memory for its output.
+struct Bound {
+    const StageBinding& binding;
+    StageData data;
+    std::unique_ptr<BoundStage> stage = binding.bind(data);
+    Bundle outputs = make_outputs(binding, data);
+
+    explicit Bound(StageData of) : binding(parity::find_binding(of.stage, "bench twins")), data(std::move(of)) {}
+    void run(const Options& options) { stage->run(options.run, {}, outputs); }
+    // Each input read once, each output written once.
+    double bytes() const {
+        double sum = 0;
+        for (const Bundle* bundle : {&data.inputs, &outputs})
+            for (const Array& a : bundle->arrays) sum += double(a.bytes.size());
+        return sum;
+    }
+};
+
 // The update of irradiance probes, whose dispatches no frame of a scene file has in these sizes.
 void measure_update(const vulkan::Device& device, const UpdateSize& size, const Options& options) {
     const UpdateWork work(size);
-    for (const StageData& data : {work.basis(), work.irradiance(), work.lightmap()}) {
-        const StageBinding& binding = parity::find_binding(data.stage, "bench twins");
-        vulkan::PreparedTwin twin(device, binding, data, {});
-        const std::unique_ptr<BoundStage> bound = binding.bind(data);
-        Bundle ours = make_outputs(binding, data);
-        const auto run_ours = [&] { return clock_ms([&] { bound->run(options.run, {}, ours); }); };
+    for (const StageData& data : work.all()) {
+        Bound ours(data);
+        vulkan::PreparedTwin twin(device, ours.binding, data, {});
+        const auto run_ours = [&] { return clock_ms([&] { ours.run(options); }); };
         const std::vector<Times> times = interleave(options.runs, {run_ours, [&] { return twin.submit(); }});
         const Bundle theirs = twin.read().outputs;
-        const std::size_t n = differing(std::as_const(ours.arrays[0].bytes).data(), theirs.arrays[0]);
+        const std::size_t n = differing(std::as_const(ours.outputs.arrays[0].bytes).data(), theirs.arrays[0]);
         fmt::print("| {} receivers | {} | {} x {} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {} |\n", size.receivers,
                    data.label, data.size.x, data.size.y, times[0].median(), times[1].median(),
                    times[1].median() / times[0].median(), times[0].cpu_median(), times[1].cpu_median(),
                    times[1].cpu_median() / times[0].cpu_median(), n > 0 ? fmt::format("{} words differ", n) : "the same bits");
         std::cout.flush();
     }
+}
+
+// The same without a device, in turns with a copy that moves as much as the three stages which memory bounds: half of it is read,
+// half is written.
+void measure_against_copy(const UpdateSize& size, const Options& options) {
+    constexpr int piece = 1 << 16, first_of_three = 2, runs_a_run = 15;
+    const UpdateWork work(size);
+    std::vector<std::unique_ptr<Bound>> stages;
+    for (StageData& data : work.all()) stages.push_back(std::make_unique<Bound>(std::move(data)));
+    double bytes_of_three = 0, bytes = 0;
+    for (std::size_t i = 0; i < stages.size(); ++i) (i < first_of_three ? bytes : bytes_of_three) += stages[i]->bytes();
+    bytes += bytes_of_three;
+    const int pieces = int(bytes_of_three / 2 / piece);
+    const Buffer<unsigned char> from(std::size_t(pieces) * piece, 1);
+    Buffer<unsigned char> to(from.size(), 2);
+    const auto run_from = [&](std::size_t first) {
+        return [&, first] { return clock_ms([&] { for (std::size_t i = first; i < stages.size(); ++i) stages[i]->run(options); }); };
+    };
+    std::vector<std::function<double()>> sides = {[&] {
+        return clock_ms([&] {
+            parallel_bands(pieces, 4, options.run, [&](int first, int last) {
+                std::memcpy(&to[std::size_t(first) * piece], &from[std::size_t(first) * piece], std::size_t(last - first) * piece);
+            });
+        });
+    }, run_from(0), run_from(first_of_three)};
+    for (const auto& one : stages) sides.push_back([&options, &one] { return clock_ms([&] { one->run(options); }); });
+    const std::vector<Times> times = interleave(options.runs * runs_a_run, sides);
+    const double of_copy = 2.0 * double(from.size()) / times[0].median();
+    const auto row = [&](const std::string& what, const Times& time, double moved) {
+        fmt::print("| {}, {} | {} | {:.3f} | {:.3f} | {:.1f} | {:.1f} | {:.0f} % |\n", size.receivers, size.probes, what, time.median(),
+                   time.least(), moved * 1e-6, moved / time.median() * 1e-6, 100 * moved / time.median() / of_copy);
+    };
+    row("copy", times[0], 2.0 * double(from.size()));
+    for (std::size_t i = 0; i < stages.size(); ++i) row(stages[i]->data.stage, times[3 + i], stages[i]->bytes());
+    row("the last three", times[2], bytes_of_three), row("all five", times[1], bytes);
+    std::cout.flush();
 }
 
 }  // namespace
@@ -148,7 +202,7 @@ int main(int argc, char** argv) {
     app.add_option("--set", options.sets, "table.key=value, as of `plumb render`; may be repeated");
     app.add_option("--method", options.method, "as of `plumb render` (as the scene says)");
     app.add_flag("--half-maps", options.half_maps, "lights' maps in RGBA16F on both sides, and not in fp32");
-    app.add_flag("--update", options.update, "the update of irradiance probes, of two sizes, and no scene");
+    app.add_flag("--update", options.update, "the update of irradiance probes, of two sizes, and no scene; and in turns with a copy");
     app.add_option("--samples", options.samples, "of rsm.disc (as the scene says)")->check(CLI::Range(1, 65536));
     app.add_option("--rsm-size", options.rsm_size, "texels a side of every map (as the scene says)")
         ->check(CLI::Range(1, 16384));
@@ -164,9 +218,11 @@ int main(int argc, char** argv) {
         fmt::print("{}; {} threads of ours\n\n", device.name(), thread_count(options.run.threads));
         fmt::print("| scene | stage | pixels | ours, ms | twin, ms | twin / ours | ours, CPU ms | twin, CPU ms "
                    "| twin / ours | results |\n|---|---|---|---|---|---|---|---|---|---|\n");
-        if (options.update)
+        if (options.update) {
             for (const bench::UpdateSize& size : bench::update_sizes) bench::measure_update(device, size, options);
-        else
+            fmt::print("\n| receivers, probes | stage | ms | least | moves, MB | GB/s | of the copy's |\n|---|---|---|---|---|---|---|\n");
+            for (const bench::UpdateSize& size : bench::update_sizes) bench::measure_against_copy(size, options);
+        } else
             for (const std::string& scene : options.scenes) bench::measure(device, scene, options);
         return 0;
     } catch (const InputError& error) {

@@ -10,6 +10,7 @@
 #include "core/host_math.h"
 #include "gi/probes/hit_surfaces.h"
 #include "gi/probes/lit_hits.h"
+#include "gi/probes/sky_probe.h"
 #include "tools/experiments/ipr.h"
 #include "tools/experiments/ipr_truth.h"
 
@@ -134,7 +135,7 @@ IprRow IprBench::row(const IprVariant& v) {
     IprRow r;
     r.name = v.name, r.settings = v.settings, r.thesis = v.thesis;
     const probes::Bake& b = bake(v.bake);
-    r.receivers = b.receivers.count(), r.probes = int(b.placement.probes.size()), r.clusters = b.flat.count();
+    r.receivers = b.receivers.count(), r.probes = probes::standing_probes(b.placement.probes), r.clusters = b.flat.count();
     r.lightmap = b.atlas.size.x, r.bake_seconds = bake_seconds_;
     Scene scene = scene_;
     scene.frame_size = request_.size;

@@ -7,6 +7,7 @@
 #include "core/error.h"
 #include "core/host_math.h"
 #include "core/sequences.h"
+#include "gi/probes/sky_probe.h"
 #include "tools/experiments/probe_ladder_rung.h"
 
 namespace plumb::cli {
@@ -42,7 +43,7 @@ class Climber {
 
     Ladder run() {
         const probes::Bake& b = base().bake;
-        out_.receivers = b.receivers.count(), out_.probes = int(b.placement.probes.size()), out_.checked = checked().count();
+        out_.receivers = b.receivers.count(), out_.probes = probes::standing_probes(b.placement.probes), out_.checked = checked().count();
         out_.before_sky = checked().before_sky;
         add(measure_.rung_of(base(), "default", "", 0, ""));
         out_.rungs.front().is_default = true;

@@ -8,11 +8,13 @@
 #include "core/sequences.h"
 #include "core/sh.h"
 #include "gi/probes/receiver_rays_kernel.h"
+#include "gi/probes/sky_probe.h"
 #include "gi/probes/stand_in.h"
 #include "gi/reference/light_kernel.h"
 #include "gi/reference/lights.h"
 #include "gi/reference/ray_query.h"
 #include "tools/experiments/probe_ladder.h"
+#include "tools/experiments/some_receivers.h"
 
 namespace plumb::cli {
 
@@ -27,7 +29,7 @@ class Fetcher {
         : surfaces_(world.args()), tracer_(*world.query), radiance_(radiance) {}
 
     double operator()(const glm::vec3& origin, const glm::vec3& direction) {
-        const RayHit<float> hit = tracer_.nearest(origin, direction, true);
+        const RayHit<float> hit = probes::is_sky(glm::vec4(origin, 0)) ? RayHit<float>{} : tracer_.nearest(origin, direction, true);
         RayEnd& end = last = {};
         end.direction = direction;
         if (hit.found) {
@@ -123,18 +125,6 @@ Radiance direct_light(const LadderWorld& world) {
 }
 
 namespace {
-
-probes::Receivers some_of(const probes::Receivers& all, const std::vector<int>& index) {
-    probes::Receivers r;
-    r.size = all.size;
-    for (const int i : index) {
-        const std::size_t at = std::size_t(i);
-        r.position.push_back(all.position[at]), r.normal.push_back(all.normal[at]), r.shift.push_back(all.shift[at]);
-        r.texel.push_back(all.texel[at]), r.material.push_back(all.material[at]), r.triangle.push_back(all.triangle[at]);
-        r.border.push_back(all.border[at]);
-    }
-    return r;
-}
 
 // Leaves out receivers that see too much of the sky.
 void leave_out(const std::vector<bool>& out, CheckedReceivers& c) {
@@ -235,7 +225,9 @@ ProbeLight probe_light(const LadderWorld& world, const Radiance& radiance, const
         light.harmonics.insert(light.harmonics.end(), y.begin(), y.end());
     }
     light.radiance.resize(probes.size() * directions.size());
-    std::vector<std::uint8_t> asked(light.radiance.size());
+    std::vector<std::uint8_t> asked(light.radiance.size()), skies;
+    for (const glm::vec4& p : probes) skies.push_back(probes::is_sky(p) ? 1 : 0);
+    const bool everywhere = escape != probes::Escape::nothing && escape != probes::Escape::sky;
     // Rays of a band of one probe: there may be a single one.
     constexpr int rays = 256;
     const int bands = (light.rays() + rays - 1) / rays;
@@ -247,7 +239,7 @@ ProbeLight probe_light(const LadderWorld& world, const Radiance& radiance, const
             for (int k = begin; k < end; ++k) {
                 const std::size_t at = p * directions.size() + std::size_t(k);
                 light.radiance[at] = float(fetch(glm::vec3(probes[p]), glm::vec3(directions[std::size_t(k)])));
-                asked[at] = fetch.last.front || (!fetch.last.found && escape != probes::Escape::nothing) ? 1 : 0;
+                asked[at] = fetch.last.front || (!fetch.last.found && (skies[p] || everywhere)) ? 1 : 0;
             }
         }
     });

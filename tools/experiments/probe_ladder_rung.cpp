@@ -6,6 +6,7 @@
 
 #include "core/content_hash.h"
 #include "core/sh.h"
+#include "gi/probes/sky_probe.h"
 #include "tools/shared/bake_file.h"
 
 namespace plumb::cli {
@@ -116,7 +117,7 @@ std::vector<float> LadderMeasure::shown(const probes::Bake& b) {
 
 void LadderMeasure::add_costs(const LadderBaked& baked, LadderRung& r) const {
     const probes::Bake& b = baked.bake;
-    r.probes = int(b.placement.probes.size()), r.receivers = b.receivers.count(), r.clusters = int(b.clusters.clusters.size());
+    r.probes = probes::standing_probes(b.placement.probes), r.receivers = b.receivers.count(), r.clusters = int(b.clusters.clusters.size());
     r.seconds = baked.seconds, r.rays = b.counts().traced;
     for (const Array& a : bake_file(b, scene_.name, false).arrays.arrays) r.bytes += a.bytes.size();
     const double coefficients = b.coefficients();
@@ -158,9 +159,11 @@ LadderErrors uncut_errors(const CheckedReceivers& checked, const LadderTransport
 LadderRung LadderMeasure::uncut_rung(const Buffer<glm::vec4>& probes, const probes::PlacementParams& placement,
                                      const std::string& line) {
     const double radius = probes::probe_radius(probes, base_.bake.receivers.position, placement, options_).radius_m;
+    Buffer<glm::vec4> all = probes;
+    if (base_.bake.transport.escape == probes::Escape::sky) all.push_back(probes::sky_probe);
     const LadderTransport t =
-        transport_in_double(world_, checked_, probes, radius, placement.overlaps, base_.bake.transport, options_);
-    const ProbeLight light = probe_light(world_, radiance_, probes, directions_, base_.bake.transport.escape, options_);
+        transport_in_double(world_, checked_, all, radius, placement.overlaps, base_.bake.transport, options_);
+    const ProbeLight light = probe_light(world_, radiance_, all, directions_, base_.bake.transport.escape, options_);
     const std::vector<double> degree = uncut(t, lambda_in_double(light, weights(light.rays()), options_), params_.degree);
     LadderRung r;
     r.axis = "placement", r.line = line, r.value = double(probes.size());

@@ -7,6 +7,7 @@
 #include "core/host_math.h"
 #include "core/parallel.h"
 #include "core/sh.h"
+#include "gi/probes/sky_probe.h"
 #include "tools/experiments/probe_ladder.h"
 
 namespace plumb::cli {
@@ -54,9 +55,10 @@ LadderTransport transport_in_double(const LadderWorld& world, const CheckedRecei
     in.receivers = &checked.receivers.position, in.probes = &probes;
     in.radius = float(radius_m), in.overlaps = overlaps;
     t.supports = probes::run(in, options);
+    probes::add_sky(t.supports, probes);
     const std::size_t n = std::size_t(checked.count());
     t.rays.assign(n, 0), t.unseen.assign(n, 0);
-    t.alpha.assign(n * std::size_t(overlaps) * all_harmonics, 0);
+    t.alpha.assign(n * std::size_t(t.supports.overlaps) * all_harmonics, 0);
 
     probes::TransportScene scene;
     scene.surfaces = world.args(), scene.query = world.query.get(), scene.offset = world.offset, scene.probes = &probes;

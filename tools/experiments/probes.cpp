@@ -17,6 +17,7 @@
 #include "core/parallel.h"
 #include "gi/frame/settings.h"
 #include "gi/probes/bake.h"
+#include "gi/probes/sky_probe.h"
 #include "io/file.h"
 #include "tools/experiments/bake_sizes.h"
 #include "tools/experiments/bare_rate.h"
@@ -96,7 +97,7 @@ Run run_once(const Scene& scene, const probes::BakeParams& params, const RunOpti
     run.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     run.ray_seconds = graph.seconds_of_rays(), run.cluster_seconds = runs.back().ms / 1000;
     const probes::Bake& b = graph.bake();
-    row.receivers = b.receivers.count(), row.probes = int(b.placement.probes.size());
+    row.receivers = b.receivers.count(), row.probes = probes::standing_probes(b.placement.probes);
     row.rays = b.counts().traced, row.clusters = b.clusters.clusters.size();
     row.peak_bytes = std::max(row.peak_bytes, peak_bytes());
     row.truncation.clear();

@@ -158,6 +158,9 @@ std::string vrsm_text(const Vrsm& result, const std::vector<VrsmNumber>& numbers
 std::string value_text(const std::optional<double>& value, const std::string& unit);
 
 // vrsm_beyond_page.cpp.
+// Throws std::logic_error where there is none.
+const VrsmNumber& find_number(const std::vector<VrsmNumber>& numbers, const std::string& table, const std::string& scene,
+                              const std::string& row, const std::string& quantity);
 void add_beyond(page::Page& page, const Vrsm& result, const std::vector<VrsmNumber>& numbers);
 
 // vrsm_page.cpp. `command`: the command line that measured it.

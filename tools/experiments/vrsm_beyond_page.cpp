@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <stdexcept>
 
 #include "tools/experiments/vrsm.h"
 #include "tools/page/markup.h"
@@ -71,11 +72,7 @@ class BeyondPage {
   private:
     const VrsmNumber& find(const std::string& table, const std::string& scene, const std::string& row,
                            const std::string& quantity) const {
-        const auto n = std::find_if(numbers_.begin(), numbers_.end(), [&](const VrsmNumber& v) {
-            return v.table == table && v.scene == scene && v.row == row && v.quantity == quantity;
-        });
-        if (n == numbers_.end()) throw std::logic_error("experiment vrsm: no number " + table + " " + quantity);
-        return *n;
+        return find_number(numbers_, table, scene, row, quantity);
     }
 
     static Cell name(const VrsmBeyond& b) {
@@ -129,6 +126,15 @@ class BeyondPage {
 };
 
 }  // namespace
+
+const VrsmNumber& find_number(const std::vector<VrsmNumber>& numbers, const std::string& table, const std::string& scene,
+                              const std::string& row, const std::string& quantity) {
+    const auto n = std::find_if(numbers.begin(), numbers.end(), [&](const VrsmNumber& v) {
+        return v.table == table && v.scene == scene && v.row == row && v.quantity == quantity;
+    });
+    if (n == numbers.end()) throw std::logic_error("experiment vrsm: no number " + table + " " + quantity);
+    return *n;
+}
 
 void add_beyond(page::Page& page, const Vrsm& result, const std::vector<VrsmNumber>& numbers) {
     if (!result.request.beyond) return;

@@ -35,11 +35,7 @@ class VrsmPage {
   private:
     const VrsmNumber& find(const std::string& table, const std::string& scene, const std::string& row,
                            const std::string& quantity) const {
-        const auto n = std::find_if(numbers_.begin(), numbers_.end(), [&](const VrsmNumber& v) {
-            return v.table == table && v.scene == scene && v.row == row && v.quantity == quantity;
-        });
-        if (n == numbers_.end()) throw std::logic_error("experiment vrsm: no number " + table + " " + quantity);
-        return *n;
+        return find_number(numbers_, table, scene, row, quantity);
     }
 
     // The number as it is in CSV and JSON is what its column is sorted by.

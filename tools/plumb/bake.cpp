@@ -14,6 +14,7 @@
 #include "gi/frame/settings.h"
 #include "gi/probes/debug_layers.h"
 #include "gi/probes/memory.h"
+#include "gi/probes/sky_probe.h"
 #include "gi/probes/static_scene.h"
 #include "io/file.h"
 #include "io/image_file.h"
@@ -146,7 +147,7 @@ Json report_json(const probes::BakeGraph& graph, const std::vector<graph::NodeRu
                  {"receivers", b.receivers.count()},
                  {"moved", b.shifted},
                  {"receivers_without_probe", b.supports.unsupported},
-                 {"probes", b.placement.probes.size()},
+                 {"probes", probes::standing_probes(b.placement.probes)},
                  {"probe_radius_m", b.radius.radius_m},
                  {"lightmap", {b.atlas.size.x, b.atlas.size.y}},
                  {"clusters", b.clusters.clusters.size()},
@@ -166,7 +167,7 @@ int verify(const BakeOptions& given) {
         throw InputError("bake: --verify reads a file and bakes nothing: not with other options");
     const Scene scene = load(given.scene);
     const io::DescribedFile file = io::read_described(given.verified, bake_kind);
-    io::require_scene(file, probes::scene_hash(scene, probes::flatten_static(scene)), scene.name);
+    io::require_scene(file, probes::scene_hash(scene), scene.name);
     check_bake(file);
     check_sky(file, scene);
     std::vector<std::vector<std::string>> rows;
@@ -244,6 +245,7 @@ int bake(const BakeOptions& given) {
     const RunOptions options = given.common.run_options();
     const probes::Part part = part_of(given.part);
     check_options(given);
+    require_baked(given.scene.sets, {"probes"}, "plumb bake");
     const MemoryPeak memory_taken;
     const Scene scene = load(given.scene);
     const frame::Settings settings = settings_of(scene, given.scene);
@@ -261,7 +263,7 @@ int bake(const BakeOptions& given) {
         graph.when_sized([&](std::uint64_t bytes) {
             const probes::Bake& b = graph.bake();
             fmt::print("{} receivers, {} probes, at most {:.1f} million rays; at most {} of memory\n", b.receivers.count(),
-                       b.placement.probes.size(),
+                       probes::standing_probes(b.placement.probes),
                        double(b.receivers.count()) * b.transport.rays * (1 + b.supports.overlaps) / 1e6, probes::size_text(bytes));
             std::fflush(stdout);
         });
@@ -271,7 +273,7 @@ int bake(const BakeOptions& given) {
     {
         BakeProgress progress(graph);
         with.progress = progress.callback();
-        runs = graph::run(graph.nodes(), with);
+        runs = run_bake(graph, scene, with);
     }
     if (!given.part.empty() && !store->notes().empty()) throw InputError("--part " + given.part + ": " + store->notes().front());
     std::vector<std::string> written;

@@ -138,8 +138,17 @@ bool of_maps(const std::string& stage) {
                        [&](const StageBinding& b) { return b.info.name == stage && b.domain == "texel"; });
 }
 
+// Whether its items are pixels of the frame; how many others there are the frame knows.
+bool of_pixels(const std::string& stage, const Scene& scene, const frame::Settings& settings) {
+    if (stage.empty()) return true;
+    const frame::FrameGraph graph(scene, settings, Geometry{});
+    const auto named = [&](const frame::PlannedNode& node) { return node.plan.name == stage; };
+    const auto node = std::find_if(graph.nodes().begin(), graph.nodes().end(), named);
+    return node == graph.nodes().end() || node->of_pixels;
+}
+
 // What cannot be explained is refused before the frame is rendered.
-void require_explainable(const ExplainOptions& given, glm::ivec2 pixel, const Scene& scene) {
+void require_explainable(const ExplainOptions& given, glm::ivec2 pixel, const Scene& scene, const frame::Settings& settings) {
     std::vector<std::string> names;
     for (const StageInfo& s : frame::all_stages()) names.push_back(s.name);
     if (!given.stage.empty() && std::find(names.begin(), names.end(), given.stage) == names.end())
@@ -149,7 +158,7 @@ void require_explainable(const ExplainOptions& given, glm::ivec2 pixel, const Sc
         throw InputError(fmt::format("--stage {}: the stage is not part of a frame: no method runs it", given.stage));
     if (given.stage == "reference")
         throw InputError("--stage reference: it is a mean over paths; it has no values to list");
-    if (!of_maps(given.stage) && (pixel.x >= scene.frame_size.x || pixel.y >= scene.frame_size.y))
+    if (!of_maps(given.stage) && of_pixels(given.stage, scene, settings) && (pixel.x >= scene.frame_size.x || pixel.y >= scene.frame_size.y))
         throw InputError(fmt::format("--pixel {}: outside of the picture, which is {} x {}", given.pixel,
                                      scene.frame_size.x, scene.frame_size.y));
 }
@@ -219,10 +228,10 @@ int explain(const ExplainOptions& given) {
     const glm::ivec2 pixel = parse_pixel(given.pixel);
     const Scene scene = load(given.scene);
     frame::Settings settings = settings_of(scene, given.scene);
-    add_bake(scene, settings, {options, given.scene.no_cache ? "" : cache_folder(), !given.common.json});
     const int light = given.light.empty() ? -1 : find_light(scene, given.light);
+    require_explainable(given, pixel, scene, settings);
+    add_bake(scene, settings, {options, given.scene.no_cache ? "" : cache_folder(), !given.common.json});
     const frame::Plan plan = up_to(frame::plan(scene, settings), scene, settings, given.stage);
-    require_explainable(given, pixel, scene);
     std::unique_ptr<DeviceExplainer> device;
     if (!given.device.empty()) device = std::make_unique<DeviceExplainer>(given.device, given.spirv);
     const frame::Frame frame = [&] {

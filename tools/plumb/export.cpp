@@ -122,7 +122,6 @@ frame::Plan needed_by(frame::Plan plan, const Scene& scene, const frame::Setting
 std::vector<frame::PlannedStage> chosen(const frame::Plan& plan, const ExportOptions& given, int light) {
     std::vector<std::string> bound;
     for (const StageBinding& binding : parity::bindings()) bound.push_back(binding.info.name);
-    if (given.stage != "all") parity::find_binding(given.stage, "--stage " + given.stage);
     std::vector<frame::PlannedStage> stages;
     std::string why_not = "the scene's method does not run it";
     for (const frame::PlannedStage& s : plan.stages) {
@@ -163,8 +162,10 @@ int run_export(const ExportOptions& given) {
     const std::uint64_t id = export_id(scene, settings, maker);
     if (given.stage != "all") settings = frame::settings_running(settings, given.stage);
     settings.truth = false;
-    add_bake(scene, settings, {options, given.scene.no_cache ? "" : cache_folder(), !given.common.json});
     const int light = given.light.empty() ? -1 : find_light(scene, given.light);
+    if (given.stage != "all") parity::find_binding(given.stage, "--stage " + given.stage);
+    frame::plan(scene, settings);  // what cannot be rendered is told before a bake is made for it
+    add_bake(scene, settings, {options, given.scene.no_cache ? "" : cache_folder(), !given.common.json});
     const frame::Plan plan = frame::plan(scene, settings);
     const std::vector<frame::PlannedStage> stages = chosen(plan, given, light);
     const std::optional<io::Manifest> earlier = earlier_export(given.folder);

@@ -16,6 +16,7 @@
 #include "io/scene_file.h"
 #include "tools/plumb/cli.h"
 #include "tools/shared/outputs.h"
+#include "tools/shared/probe_bake.h"
 #include "tools/shared/progress.h"
 #include "tools/shared/reports.h"
 #include "tools/shared/scene_command.h"
@@ -160,6 +161,7 @@ int trace(const LightmapOptions& given) {
 
 LightmapScene load_lightmap_scene(const LightmapOptions& given) {
     LightmapScene s;
+    require_baked(given.scene.sets, {"probes", "reference"}, "plumb lightmap");
     const reference::Mode mode = part_of(given.part);
     s.scene = io::load_scene(given.scene.file, frame::method_tables(), s.second);
     SceneOptions options = given.scene;

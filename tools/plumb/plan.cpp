@@ -4,6 +4,7 @@
 
 #include "gi/frame/refusals.h"
 #include "tools/plumb/cli.h"
+#include "tools/shared/probe_bake.h"
 #include "tools/shared/reports.h"
 #include "tools/shared/scene_command.h"
 
@@ -12,9 +13,10 @@ namespace plumb::cli {
 namespace {
 
 int plan(const SceneOptions& given, const Common& common) {
-    common.run_options();
+    const RunOptions options = common.run_options();
     const Scene scene = load(given);
-    const frame::Settings settings = settings_of(scene, given);
+    frame::Settings settings = settings_of(scene, given);
+    if (!settings.probe_run.file.empty()) add_bake(scene, settings, {options, "", false});  // reads it
     const frame::Plan plan = frame::plan(scene, settings);
     const std::vector<std::string> warnings = frame::warnings(scene, settings);
     if (common.json) {

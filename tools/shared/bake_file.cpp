@@ -75,7 +75,7 @@ io::Fact fact_of(const Field& field) {
     return value_text(field);
 }
 
-constexpr const char* escape_names[] = {"nothing", "same_direction", "visible_probes", "all_probes"};
+constexpr const char* escape_names[] = {"nothing", "same_direction", "visible_probes", "all_probes", "sky"};
 
 void add_facts(Writer& w, const probes::Bake& b, const std::string& scene) {
     w.fact("scene_name", io::stem_of(scene));
@@ -130,7 +130,7 @@ void add_receivers(Writer& w, const probes::Bake& b) {
 
 void add_probes(Writer& w, const probes::Bake& b) {
     const probes::RelightHits& h = b.relight;
-    w.list("probe_position", b.placement.probes, "probe", "m", "world; w 0");
+    w.list("probe_position", b.placement.probes, "probe", "m", "world; w 0; the sky is the last, 1e18 m away, where escape is sky");
     w.list("relight_direction", b.relight_directions, "ray", "", "unit, of each probe's rays; w 0");
     // Of all rays, and of the first half, quarter, eighth.
     Buffer<float> weights;

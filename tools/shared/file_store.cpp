@@ -7,11 +7,13 @@
 #include <cstdlib>
 #include <filesystem>
 #include <new>
+#include <utility>
 
 #include "core/content_hash.h"
 #include "core/error.h"
 #include "io/bundle_file.h"
 #include "io/file.h"
+#include "io/part_file.h"
 
 namespace plumb::cli {
 
@@ -69,6 +71,7 @@ std::string FileStore::path_of(graph::Key key) { return folder_ + "/" + hash_tex
 std::optional<Bundle> FileStore::find(graph::Key key, std::uint64_t most) {
     std::string path;
     try {
+        remove_abandoned();
         path = path_of(key);
         std::error_code error;
         if (!fs::exists(path, error)) return std::nullopt;
@@ -99,15 +102,38 @@ void FileStore::keep(graph::Key key, const Bundle& bundle, const std::string& wh
         Bundle file = bundle;
         file.arrays.push_back(key_array(own_key(key)));
         io::make_folder(folder_);
-        io::write_bundle(path_of(key), file);
-        used_.insert(path_of(key));
-        remove_oldest();
+        remove_abandoned();
+        const std::string path = path_of(key);
+        io::write_bundle(path, file);
+        used_.insert(path);
+        make_room(fs::file_size(path));
     } catch (const std::exception& e) {
         notes_.push_back(cause_of(e) + fmt::format("; {} is not kept", what));
     }
 }
 
-void FileStore::remove_oldest() const {
+bool FileStore::is_part(const fs::path& path) const {
+    const std::string name = path.filename().string();
+    return name.front() == '.' && name.ends_with(".part") && name.find("." + kind_ + ".") != std::string::npos;
+}
+
+void FileStore::remove_abandoned() {
+    if (std::exchange(cleaned_, true)) return;
+    std::error_code error;
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder_, error))
+        if (is_part(entry.path())) io::remove_abandoned(entry.path().string());
+}
+
+// To look through a folder of thousands of files takes as long as many a file that is kept there.
+void FileStore::make_room(std::uint64_t written) {
+    constexpr int most_unseen = 256;  // other programs write there as well
+    if (written <= room_ && ++unseen_ < most_unseen)
+        room_ -= written;
+    else
+        room_ = remove_oldest(), unseen_ = 0;
+}
+
+std::uint64_t FileStore::remove_oldest() const {
     struct File {
         fs::file_time_type used;
         fs::path path;
@@ -115,18 +141,14 @@ void FileStore::remove_oldest() const {
         bool pinned;
     };
     std::vector<File> files;
-    const fs::file_time_type yesterday = fs::file_time_type::clock::now() - std::chrono::hours(24);
     for (const fs::directory_entry& entry : fs::directory_iterator(folder_)) {
-        const std::string name = entry.path().filename().string();
         // Another run may have removed it since.
         std::error_code no_time, no_size;
         const File file{entry.last_write_time(no_time), entry.path(), entry.file_size(no_size),
                         pins_ && used_.contains(entry.path().string())};
+        if (is_part(file.path)) io::remove_abandoned(file.path.string());
         if (no_time || no_size) continue;
         if (entry.path().extension() == "." + kind_) files.push_back(file);
-        // What a run that was killed has left while it wrote.
-        const bool part = name.find("." + kind_ + ".") != std::string::npos && name.front() == '.';
-        if (part && file.used < yesterday) fs::remove(file.path, no_time);
     }
     std::sort(files.begin(), files.end(), [](const File& a, const File& b) {
         return a.pinned != b.pinned ? a.pinned : a.used > b.used;
@@ -137,6 +159,7 @@ void FileStore::remove_oldest() const {
         bytes += file.bytes;
         if (bytes > limits_.max_bytes && !file.pinned) fs::remove(file.path, error);
     }
+    return limits_.max_bytes - std::min(bytes, limits_.max_bytes);
 }
 
 }  // namespace plumb::cli

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <set>
 #include <string>
 #include <vector>
@@ -45,11 +46,19 @@ class FileStore : public graph::Store {
 
   private:
     graph::Key own_key(graph::Key key);
-    void remove_oldest() const;
+    // Removes what is beyond the limit, once what is known to be free is used up.
+    void make_room(std::uint64_t written);
+    // Bytes that are left.
+    std::uint64_t remove_oldest() const;
+    bool is_part(const std::filesystem::path& path) const;
+    // What runs that were killed while they wrote have left: once, before the folder is first used.
+    void remove_abandoned();
 
     std::string folder_, kind_;
     Limits limits_;
-    bool pins_ = false;
+    bool pins_ = false, cleaned_ = false;
+    std::uint64_t room_ = 0;
+    int unseen_ = 0;  // files kept since the folder was looked through
     std::set<std::string> used_;
     std::vector<std::string> notes_;
 };

@@ -6,7 +6,7 @@
 namespace plumb::cli {
 
 // Throws InputError that names the file where its folder takes no new file of a name as long as io::write_file() has for it. Asks
-// nothing of devices and links. Removes what runs that were killed while they wrote this file have left, a day later.
+// nothing of devices and links. Removes what runs that were killed while they wrote this file have left (io/part_file.h).
 void require_place(const std::string& file);
 
 }  // namespace plumb::cli

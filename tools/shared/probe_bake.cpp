@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 
@@ -12,6 +13,7 @@
 #include "tools/shared/bake_file.h"
 #include "tools/shared/bake_progress.h"
 #include "tools/shared/file_store.h"
+#include "tools/shared/options.h"
 
 namespace plumb::cli {
 
@@ -123,8 +125,7 @@ std::uint64_t memory_there() {
 
 std::shared_ptr<const probes::Bake> read_bake(const std::string& path, const Scene& scene) {
     const io::DescribedFile file = io::read_described(path, bake_kind);
-    const Geometry geometry = probes::flatten_static(scene);
-    const std::uint64_t hash = probes::scene_hash(scene, geometry);
+    const std::uint64_t hash = probes::scene_hash(scene);
     io::require_scene(file, hash, scene.name);
     check_bake(file);
     check_sky(file, scene);
@@ -142,6 +143,28 @@ std::shared_ptr<const probes::Bake> read_bake(const std::string& path, const Sce
     return bake;
 }
 
+void require_baked(const std::vector<std::string>& sets, const std::vector<std::string>& tables, const std::string& command) {
+    probes::RunParams run;
+    const std::vector<Field> later = probes::fields(run);
+    for (const std::string& text : sets) {
+        const Assignment a = parse_assignment(text);
+        if (!std::count(tables.begin(), tables.end(), a.table))
+            throw InputError(fmt::format("{}: {} does not read the table [{}]: expected [{}]", a.place, command, io::printable(a.table),
+                                         fmt::join(tables, "] or [")));
+        const auto of_frames = std::find_if(later.begin(), later.end(), [&](const Field& f) { return f.name == a.key; });
+        if (a.table == "probes" && of_frames != later.end())
+            throw InputError(fmt::format("{}: {} does not read it: it is of frames that read a bake (plumb render)", a.place, command));
+    }
+}
+
+std::vector<graph::NodeRun> run_bake(const probes::BakeGraph& graph, const Scene& scene, const graph::RunWith& with) {
+    try {
+        return graph::run(graph.nodes(), with);
+    } catch (const InputError& error) {
+        throw InputError(fmt::format("{}: {}", io::shown(scene.name), error.what()));
+    }
+}
+
 std::shared_ptr<const probes::Bake> make_bake(const Scene& scene, const probes::BakeParams& params, const BakeWith& with) {
     probes::BakeGraph graph(scene, params, {}, memory_there());
     std::unique_ptr<FileStore> store;
@@ -154,7 +177,7 @@ std::shared_ptr<const probes::Bake> make_bake(const Scene& scene, const probes::
     {
         std::unique_ptr<BakeProgress> progress;
         if (with.progress) progress = std::make_unique<BakeProgress>(graph), run.progress = progress->callback();
-        graph::run(graph.nodes(), run);
+        run_bake(graph, scene, run);
     }
     auto bake = std::make_shared<probes::Bake>(graph.release());
     if (!with.with_alpha) bake->alpha = {};

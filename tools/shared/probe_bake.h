@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "core/isa.h"
 #include "gi/frame/settings.h"
@@ -22,6 +23,13 @@ struct BakeWith {
     bool with_alpha = false;
 };
 std::shared_ptr<const probes::Bake> make_bake(const Scene& scene, const probes::BakeParams& params, const BakeWith& with);
+
+// Throws InputError for the first --set that a command which bakes would not read: of another table, or of the run time's part of
+// [probes]. command: "plumb bake".
+void require_baked(const std::vector<std::string>& sets, const std::vector<std::string>& tables, const std::string& command);
+
+// Runs the nodes of a bake; what they refuse names the scene.
+std::vector<graph::NodeRun> run_bake(const probes::BakeGraph& graph, const Scene& scene, const graph::RunWith& with);
 
 // Sets settings.bake for the method probes where it is missing; of other methods nothing happens.
 void add_bake(const Scene& scene, frame::Settings& settings, const BakeWith& with);

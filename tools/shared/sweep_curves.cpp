@@ -63,10 +63,33 @@ Asked parse_vary(frame::Settings settings, const std::string& text) {
     return asked;
 }
 
+// A parameter of a method, by its table.
+struct Own : Field {
+    std::string table;
+};
+
+// Tables whose parameters no other method reads: the one of the method's own name, and what else it has.
+std::vector<std::string> tables_of(frame::Method method) {
+    const std::string name = frame::method_name(method);
+    const std::vector<std::string> tables = frame::method_tables();
+    std::vector<std::string> own;
+    if (std::find(tables.begin(), tables.end(), name) != tables.end()) own.push_back(name);
+    if (method == frame::Method::probes) own.push_back("lod");
+    return own;
+}
+
+bool has(const std::vector<std::string>& words, const std::string& word) { return std::find(words.begin(), words.end(), word) != words.end(); }
+
+bool is_of_a_method(const std::string& table) {
+    const std::vector<frame::MethodInfo>& all = frame::methods();
+    return std::any_of(all.begin(), all.end(), [&](const frame::MethodInfo& m) { return has(tables_of(m.method), table); });
+}
+
 // Parameters that others name as their condition and that have a curve for each of their values: rsm.gather.
-bool selects(const std::vector<Field>& fields, const Field& field) {
-    return !field.choices.empty() && std::any_of(fields.begin(), fields.end(),
-                                                 [&](const Field& f) { return f.sweep.when == field.name; });
+bool selects(const std::vector<Own>& fields, const Own& field) {
+    return !field.choices.empty() && std::any_of(fields.begin(), fields.end(), [&](const Own& f) {
+        return f.table == field.table && f.sweep.when == field.name;
+    });
 }
 
 const Asked* find_asked(const std::vector<Asked>& asked, const std::string& table, const std::string& key) {
@@ -79,23 +102,22 @@ const Asked* find_asked(const std::vector<Asked>& asked, const std::string& tabl
 class Curves {
   public:
     Curves(const frame::Settings& settings, frame::Method method, const std::vector<Asked>& asked)
-        : settings_(settings), method_(method), name_(frame::method_name(method)), asked_(asked) {
-        const std::vector<std::string> tables = frame::method_tables();
-        if (std::find(tables.begin(), tables.end(), name_) != tables.end())
-            fields_ = frame::table_fields(settings_, name_, name_);
+        : settings_(settings), method_(method), tables_(tables_of(method)), asked_(asked) {
+        for (const std::string& table : tables_)
+            for (const Field& field : frame::table_fields(settings_, table, table)) fields_.push_back({field, table});
     }
 
     std::vector<SweptMethod> all() {
-        std::vector<SweptMethod> curves = {{name_, method_, {}, {}}};
-        for (const Field& f : fields_) {
+        std::vector<SweptMethod> curves = {{frame::method_name(method_), method_, {}, {}}};
+        for (const Own& f : fields_) {
             if (!selects(fields_, f)) continue;
-            const Asked* asked = find_asked(asked_, name_, f.name);
+            const Asked* asked = find_asked(asked_, f.table, f.name);
             std::vector<SweptMethod> chosen;
             for (const SweptMethod& curve : curves)
                 for (const FieldValue& value : asked ? asked->variation.values : values(f)) {
                     chosen.push_back(curve);
                     chosen.back().name += "." + text_of(value);
-                    chosen.back().fixed.push_back({name_, f.name, value, ""});
+                    chosen.back().fixed.push_back({f.table, f.name, value, ""});
                 }
             curves = chosen;
         }
@@ -112,14 +134,15 @@ class Curves {
     }
 
     // Whether the parameter changes anything on that curve. Sets what it takes.
-    bool concerns(const Field& f, SweptMethod& curve) const {
+    bool concerns(const Own& f, SweptMethod& curve) const {
         if (f.sweep.when.empty()) return true;
-        const auto condition = std::find_if(fields_.begin(), fields_.end(),
-                                            [&](const Field& other) { return other.name == f.sweep.when; });
+        const auto condition = std::find_if(fields_.begin(), fields_.end(), [&](const Own& other) {
+            return other.table == f.table && other.name == f.sweep.when;
+        });
         for (const Setting& s : curve.fixed)
-            if (s.key == f.sweep.when) return text_of(s.value) == f.sweep.is;
+            if (s.table == f.table && s.key == f.sweep.when) return text_of(s.value) == f.sweep.is;
         const FieldValue wanted = parse_value(f.sweep.is);
-        if (text_of(value_of(*condition)) != f.sweep.is) curve.fixed.push_back({name_, f.sweep.when, wanted, ""});
+        if (text_of(value_of(*condition)) != f.sweep.is) curve.fixed.push_back({f.table, f.sweep.when, wanted, ""});
         return true;
     }
 
@@ -127,11 +150,12 @@ class Curves {
         // What was asked for takes the place of all ranges of the curves that it concerns.
         bool any = false;
         for (const Asked& a : asked_) {
-            const bool own = a.variation.table == name_;
-            if (!own && is_method_table(a.variation.table)) continue;
+            const bool own = has(tables_, a.variation.table);
+            if (!own && is_of_a_method(a.variation.table)) continue;
             if (own) {
-                const auto f = std::find_if(fields_.begin(), fields_.end(),
-                                            [&](const Field& field) { return field.name == a.variation.key; });
+                const auto f = std::find_if(fields_.begin(), fields_.end(), [&](const Own& field) {
+                    return field.table == a.variation.table && field.name == a.variation.key;
+                });
                 if (selects(fields_, *f) || !concerns(*f, curve)) continue;
             }
             curve.varied.push_back(a.variation);
@@ -141,27 +165,23 @@ class Curves {
             result.push_back(curve);
             return;
         }
-        for (const Field& f : fields_) {
+        for (const Own& f : fields_) {
             if (f.sweep.role != Role::along || f.sweep.values.empty() || !concerns(f, curve)) continue;
-            curve.varied.push_back({name_, f.name, values(f)});
+            curve.varied.push_back({f.table, f.name, values(f)});
         }
         result.push_back(curve);
-        for (const Field& f : fields_) {
+        for (const Own& f : fields_) {
             SweptMethod other = curve;
             if (f.sweep.role != Role::curves || selects(fields_, f) || !concerns(f, other)) continue;
             for (const FieldValue& value : values(f)) {
                 if (same(f, value)) continue;  // the scene's own: it has its curve
                 result.push_back(other);
                 result.back().name += fmt::format(", {} = {}", f.name, text_of(value));
-                result.back().fixed.push_back({name_, f.name, value, ""});
+                result.back().fixed.push_back({f.table, f.name, value, ""});
             }
         }
     }
 
-    static bool is_method_table(const std::string& table) {
-        const std::vector<frame::MethodInfo>& all = frame::methods();
-        return std::any_of(all.begin(), all.end(), [&](const frame::MethodInfo& m) { return m.name == table; });
-    }
 
     static bool same(const Field& f, const FieldValue& value) {
         const auto number = std::get_if<double>(&value);
@@ -172,9 +192,9 @@ class Curves {
 
     frame::Settings settings_;
     frame::Method method_;
-    std::string name_;
+    std::vector<std::string> tables_;
     const std::vector<Asked>& asked_;
-    std::vector<Field> fields_;
+    std::vector<Own> fields_;
 };
 
 }  // namespace

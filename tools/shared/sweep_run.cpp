@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <fstream>
+#include <map>
 #include <memory>
 #include <stdexcept>
 
@@ -112,8 +113,10 @@ void warm_up(const Subject& subject, Job& job, const RunOptions& options, const 
 // Points that cannot be rendered are left out, unless none of a scene's can.
 std::vector<Job> jobs_of(const SweepRequest& request, const std::vector<Subject>& subjects, const RunOptions& options, Sweep& sweep) {
     std::vector<Job> jobs;
+    const BakeWith with{options, request.no_cache ? "" : cache_folder()};
     for (std::size_t s = 0; s < subjects.size(); ++s) {
         const std::size_t before = jobs.size();
+        std::map<std::string, std::shared_ptr<const probes::Bake>> bakes;  // by the parameters that they have
         std::string refused;
         for (const SweptMethod& curve : swept_methods(subjects[s].settings, request.methods, request.vary))
             for (const SweptSettings& point : points_of(curve)) {
@@ -124,7 +127,12 @@ std::vector<Job> jobs_of(const SweepRequest& request, const std::vector<Subject>
                 job.point.settings = point.text, job.point.changed = point.changed;
                 job.settings = apply(subjects[s].settings, curve.method, point.changed);
                 try {
-                    add_bake(subjects[s].scene, job.settings, {options, request.no_cache ? "" : cache_folder()});
+                    if (curve.method == frame::Method::probes) {
+                        std::shared_ptr<const probes::Bake>& bake = bakes[json_text(settings_json(job.settings).at("probes"))];
+                        job.settings.bake = bake;
+                        add_bake(subjects[s].scene, job.settings, with);
+                        bake = job.settings.bake;
+                    }
                     job.plan = frame::plan(subjects[s].scene, job.settings);
                 } catch (const InputError& error) {
                     if (refused.empty()) refused = error.what();
