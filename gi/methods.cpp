@@ -10,6 +10,7 @@
 #include "gi/probes/bake_steps.h"
 #include "gi/probes/coefficients.h"
 #include "gi/probes/density.h"
+#include "gi/probes/indirect_shadow.h"
 #include "gi/probes/lambda.h"
 #include "gi/probes/radiance.h"
 #include "gi/probes/level.h"
@@ -17,6 +18,8 @@
 #include "gi/probes/lookup.h"
 #include "gi/probes/relief.h"
 #include "gi/probes/run_stages.h"
+#include "gi/probes/shadow_rays.h"
+#include "gi/probes/shadow_spheres.h"
 #include "gi/probes/share.h"
 #include "gi/probes/supports.h"
 #include "gi/probes/update.h"
@@ -76,6 +79,9 @@ const std::vector<ListedStage>& stages() {
         listed(stage<probes::VolumeKernel>()),
         listed(stage<probes::LightmapUvKernel>()),
         listed(stage<probes::LookupKernel>()),
+        unbound(probes::info_shadow_spheres()),
+        listed(stage<probes::IndirectShadowKernel>()),
+        unbound(probes::info_shadow_rays()),
         listed(stage<compose::ComposeKernel>()),
         unbound(reference::info()),
         listed(stage<compose::TonemapKernel>()),

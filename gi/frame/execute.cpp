@@ -33,6 +33,7 @@ void forget(Context& c, const Plan& plan) {
     Frame& f = c.frame;
     std::erase_if(f.traced, [&](const Traced& t) { return !makes(plan, t.layer); });
     if (!makes(plan, "truth")) f.truth_display = {};
+    if (c.settings.probe_run.indirect_shadow == probes::IndirectShadow::off) f.probes.fitted.clear(), f.probes.shadow_spheres = {}, f.probes.unshaded = {};
     const isr::IsrParams& isr = c.settings.isr;
     if (!gathers_isr(c.settings)) f.isr = {};
     if (!lights_probes(c.settings)) f.probes = {};

@@ -16,6 +16,7 @@
 #include "gi/probes/lightmap_uv.h"
 #include "gi/probes/run_data.h"
 #include "gi/probes/run_loop.h"
+#include "gi/probes/shadow_spheres.h"
 #include "gi/probes/volume.h"
 #include "raster/gbuffer.h"
 #include "raster/rsm.h"
@@ -90,6 +91,10 @@ struct ProbeBuffers {
     Buffer<glm::vec4> grid;                      // [place][direction], W/m2
     probes::VolumeLight volume;                  // of pixels without a place on the lightmap
     Image4 looked_up;                            // what the lightmap brings, before the two are joined
+    // Of indirect shadows; empty where they are off.
+    std::vector<Buffer<glm::vec4>> fitted;       // of each group of dynamic meshes, in its own space
+    probes::ShadowSpheres shadow_spheres;
+    Image4 unshaded;                             // indirect light without them, W/m2
     probes::Convergence converged;           // of the rounds; loop = converged
     // loop = pipelined: what the frame reads of the one before, and what it leaves for the next; empty: there is none. Both are
     // there after a frame, so that what its stages read can be looked at.

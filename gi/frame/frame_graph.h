@@ -5,6 +5,7 @@
 //     nodes_direct.cpp   shadows and direct light      nodes_isr.cpp       image-space radiosity
 //     nodes_rsm.cpp      gathers and their sum         nodes_compose.cpp   the picture, and what is path traced
 //     nodes_probes.cpp   irradiance probes (nodes_probes.h)
+//     nodes_shade.cpp    indirect shadows of what moves
 #pragma once
 
 #include <memory>
@@ -174,6 +175,9 @@ void add_filters_after(Context& c, Nodes& nodes);
 void add_isr(Context& c, Nodes& nodes);
 void add_probe_hits(Context& c, int view, Nodes& nodes);
 void add_probes(Context& c, Nodes& nodes);
+void add_indirect_shadow(Context& c, bool spatial, Nodes& nodes);  // spatial: there is a grid of spatial receivers
+// Where the indirect light of probes lies that shadows of what moves are still to be taken from.
+Image4& indirect_to_shade(Context& c);
 void add_compose(Context& c, Nodes& nodes);
 void add_tonemap(Context& c, Nodes& nodes);
 void add_traced(Context& c, const std::string& layer, const std::string& why, Nodes& nodes);

@@ -5,6 +5,7 @@
 #include "gi/frame/nodes_probes.h"
 #include "gi/probes/atlas_room.h"
 #include "gi/probes/hit_surfaces.h"
+#include "gi/probes/shadow_rays.h"
 
 namespace plumb::frame {
 
@@ -62,6 +63,8 @@ void add_surfaces(Context& c, int view, Nodes& nodes) {
         r.source("bake", c.bake_key);
         r.source("surfaces", c.keys.surfaces), r.source("emission", c.keys.emission);
         r.value(c.scene.environment.radiance, c.settings.probe_run.unasked), r.image(c.scene.environment.map);
+        r.value(c.settings.probe_run.relight_dynamic);
+        if (c.settings.probe_run.relight_dynamic) r.source("geometry", c.keys.geometry);
     };
     node.outputs = [&c, &p, view] {
         Bundle b;
@@ -72,6 +75,8 @@ void add_surfaces(Context& c, int view, Nodes& nodes) {
     };
     node.run = [&c, &p, view](const RunOptions& options, graph::NodeRun& run) {
         probes::HitSurfaces made = probes::hit_surfaces(c.scene, bake_of(c), options, c.settings.probe_run.unasked);
+        if (c.settings.probe_run.relight_dynamic)
+            run.reason = fmt::format("light is gathered there; {} rays end on what moves", probes::meet_dynamic(*probes::dynamic_world(c.scene), bake_of(c), options, made));
         raster::GBuffer& g = c.gbuffer(view);
         g.position = std::move(made.position), g.normal = std::move(made.normal);
         g.covered = covered_by(g.normal);

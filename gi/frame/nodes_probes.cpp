@@ -138,7 +138,7 @@ void add_indirect(Context& c, Nodes& nodes) {
                   [&p]() -> Image4& { return p.uv; });
     add_of_pixels(c, nodes, "indirect light", "irradiance",
                   [&c, &p] { return probes::LookupInputs{&p.uv, pipelined(c) ? &p.last.lightmap : &p.lightmap, p.data.levels}; },
-                  [&c, &p, volume]() -> Image4& { return volume ? p.looked_up : c.frame.indirect; });
+                  [&c, &p, volume]() -> Image4& { return volume ? p.looked_up : indirect_to_shade(c); });
     if (volume) add_volume_of_pixels(c, nodes);
 }
 
@@ -164,6 +164,7 @@ void add_probes(Context& c, Nodes& nodes) {
     add_update(c, nodes);
     if (has_volume(c)) add_volume(c, nodes);
     add_indirect(c, nodes);
+    add_indirect_shadow(c, has_volume(c), nodes);
     if (pipelined(c)) add_latch(c, nodes);
 }
 

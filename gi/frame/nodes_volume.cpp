@@ -105,13 +105,14 @@ void add_volume_of_pixels(Context& c, Nodes& nodes) {
     PlannedNode join = begin_node(c, "indirect", "", "", 0, {});
     join.listed = false;
     join.reads = [&p](graph::Reads& r) { r.image(p.looked_up), r.image(p.volume.irradiance); };
-    join.outputs = [&c] { return lent("irradiance", c.frame.indirect); };
+    join.outputs = [&c] { return lent("irradiance", indirect_to_shade(c)); };
     join.run = [&c, &p](const RunOptions&, graph::NodeRun&) {
-        c.frame.indirect = p.looked_up;
-        for (std::size_t i = 0; i < c.frame.indirect.size(); ++i)
-            if (p.volume.irradiance.texels[i].w > 0) c.frame.indirect.texels[i] = glm::vec4(glm::vec3(p.volume.irradiance.texels[i]), 0);
+        Image4& joined = indirect_to_shade(c);
+        joined = p.looked_up;
+        for (std::size_t i = 0; i < joined.size(); ++i)
+            if (p.volume.irradiance.texels[i].w > 0) joined.texels[i] = glm::vec4(glm::vec3(p.volume.irradiance.texels[i]), 0);
     };
-    join.leave_out = [&c] { c.frame.indirect = Image4(c.size.x, c.size.y); };
+    join.leave_out = [&c] { indirect_to_shade(c) = Image4(c.size.x, c.size.y); };
     nodes.push_back(std::move(join));
 }
 

@@ -103,6 +103,11 @@ bool no_radiance(const PlanFacts& known, const Work& work) {
     return !in_a_pipeline(known) && !known.emits && !probes::sends_light(known.scene.environment) && no_light(known, work);
 }
 
+// Without spheres and meshes nothing is hidden: indirect light stays as it is.
+bool nothing_moves(const PlanFacts& known, const Work&) {
+    return std::none_of(known.scene.meshes.begin(), known.scene.meshes.end(), [](const Mesh& m) { return m.dynamic && !m.triangles.empty(); });
+}
+
 // plan() asks it of the maps that no gather of its own reads.
 bool light_unread(const PlanFacts& known, const Work& work) {
     return known.settings.method != Method::rsm || nothing_reflects(known, work) || reflectors_missed(known, work);
@@ -177,7 +182,8 @@ bool Rule::speaks_of(const Work& work) const {
 const std::vector<Rule>& rules() {
     static const std::vector<std::string> of_light = {"rsm", "shadow", "gather"};
     static const std::vector<std::string> of_view = {"camera",      "rsm",            "shadow", "gather",  "direct",
-                                                     "truth.direct", "truth.indirect", "isr",    "isr access", "probes"};
+                                                     "truth.direct", "truth.indirect", "isr",    "isr access", "probes",
+                                                     "probes shadow"};
     static const std::vector<std::string> of_screen = {"rsm",    "shadow", "gather",   "filter",
                                                        "direct", "isr",    "isr access", "isr lit"};
     static const std::vector<Rule> all = {
@@ -187,7 +193,8 @@ const std::vector<Rule>& rules() {
         {"light-misses", of_light, "", "the light misses everything that is drawn", light_misses},
         {"paths-instead", {"rsm", "shadow", "direct", "compose"}, "", "paths are traced instead", paths_instead},
         {"camera-blind", of_view, "", "the camera sees nothing of the scene", camera_blind},
-        {"no-radiance", {"probes"}, "", "nothing sends light", no_radiance},
+        {"no-radiance", {"probes", "probes shadow"}, "", "nothing sends light", no_radiance},
+        {"nothing-moves", {"probes shadow"}, "", "no mesh is dynamic", nothing_moves},
         {"no-light", {"direct", "truth.direct", "truth.indirect"}, "", "no light shines on the scene", no_light},
         {"nothing-reflects", {"gather", "truth.indirect", "isr", "isr access"}, "", "nothing reflects", nothing_reflects},
         {"reflectors-missed", {"gather"}, "", "nothing that the light may meet reflects", reflectors_missed},

@@ -31,6 +31,8 @@ std::vector<Change> changes() {
     all.push_back([](Settings& s) { s.method = Method::rsm, s.shadow.mode = direct::ShadowMode::esm; });
     all.push_back([](Settings& s) { s.method = Method::probes; });
     all.push_back([](Settings& s) { s.method = Method::probes, s.lod.levels = std::max(s.lod.levels, 2); });
+    for (const probes::IndirectShadow shadow : {probes::IndirectShadow::spheres, probes::IndirectShadow::rays})
+        all.push_back([=](Settings& s) { s.method = Method::probes, s.probe_run.indirect_shadow = shadow; });
     return all;
 }
 

@@ -17,6 +17,11 @@ std::vector<Field> fields(RunParams& p) {
          unbounded, {"nearest", "black"}, false},
         {"volume", as_int(p.volume), "", "irradiance of dynamic objects by six of spatial receivers: cube, linear, or angles as printed (IPR 4.1.2)", -unbounded, unbounded,
          {"cube", "linear", "angles"}, false},
+        {"indirect_shadow", as_int(p.indirect_shadow), "", "what dynamic meshes hide of indirect light: nothing; by spheres, of light from everywhere alike or as spatial receivers have it, and with what the meshes send; by rays",
+         -unbounded, unbounded, {"off", "uniform", "spheres", "reflecting", "rays"}, false},
+        {"shadow_spheres", &p.shadow_spheres, "", "spheres of each dynamic mesh at most (indirect_shadow)", 1, 1024, {}, false},
+        {"shadow_rays", &p.shadow_rays, "", "rays of a pixel against dynamic meshes (indirect_shadow = rays)", 1, 4096, {}, false},
+        {"relight_dynamic", &p.relight_dynamic, "", "probes' rays end on dynamic meshes, too: what these hide of all bounces, and what they send", -unbounded, unbounded, {}, false},
         {"window", as_int(p.window), "", "over the degrees of harmonics, against ringing: none, Hann's, Lanczos' (Sloan 2008)", -unbounded, unbounded,
          {"none", "hann", "lanczos"}, false},
     };

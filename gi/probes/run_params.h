@@ -24,6 +24,14 @@ enum class Start : int { converged, black };
 enum class Unasked : int { nearest, black };
 // How six irradiances of spatial receivers make that of a normal (volume_kernel.h).
 enum class VolumeForm : int { cube, linear, angles };
+// What dynamic meshes hide of indirect light (indirect_shadow_kernel.h).
+enum class IndirectShadow : int {
+    off,
+    uniform,     // spheres; light comes from everywhere alike
+    spheres,     // spheres, and the light that spatial receivers know of
+    reflecting,  // the same, and what the objects send of it
+    rays,        // rays against the meshes themselves, and the light that spatial receivers know of
+};
 
 struct RunParams {
     std::string file;                        // a bake; empty: one is made, and kept
@@ -35,6 +43,10 @@ struct RunParams {
     Start start = Start::converged;
     Unasked unasked = Unasked::nearest;
     VolumeForm volume = VolumeForm::linear;
+    IndirectShadow indirect_shadow = IndirectShadow::off;
+    int shadow_spheres = 16;                 // at most, of each dynamic mesh
+    int shadow_rays = 64;                    // of a pixel
+    bool relight_dynamic = false;            // relight rays end on dynamic meshes, too (shadow_rays.h)
     Window window = Window::none;            // over the degrees of the bake's harmonics
 };
 std::vector<Field> fields(RunParams& params);

@@ -1,6 +1,7 @@
 #include "core/kernel_stage.h"
 #include "gi/probes/coefficients.h"
 #include "gi/probes/density.h"
+#include "gi/probes/indirect_shadow.h"
 #include "gi/probes/lambda.h"
 #include "gi/probes/radiance.h"
 #include "gi/probes/level.h"
@@ -23,6 +24,7 @@
 #include "twins/gi.probes.lightmap_write.comp.h"
 #include "twins/gi.probes.share.comp.h"
 #include "twins/gi.probes.supports.comp.h"
+#include "twins/gi.probes.indirect_shadow.comp.h"
 #include "twins/gi.probes.relief.comp.h"
 #include "twins/gi.probes.volume.comp.h"
 
@@ -56,6 +58,8 @@ template <>
 const StageBinding& stage<LightmapKernel>() { return made<LightmapKernel, twins::gi_probes_lightmap_write_comp>(); }
 template <>
 const StageBinding& stage<VolumeKernel>() { return made<VolumeKernel, twins::gi_probes_volume_comp>(); }
+template <>
+const StageBinding& stage<IndirectShadowKernel>() { return made<IndirectShadowKernel, twins::gi_probes_indirect_shadow_comp>(); }
 template <>
 const StageBinding& stage<ReliefKernel>() { return made<ReliefKernel, twins::gi_probes_relief_comp>(); }
 

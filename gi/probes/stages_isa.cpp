@@ -1,6 +1,7 @@
 #include "core/shade_rows.h"
 #include "gi/probes/coefficients_kernel.h"
 #include "gi/probes/density_kernel.h"
+#include "gi/probes/indirect_shadow_kernel.h"
 #include "gi/probes/radiance_kernel.h"
 #include "gi/probes/level_kernel.h"
 #include "gi/probes/lightmap_uv_kernel.h"
@@ -125,6 +126,7 @@ template struct Rows<RadianceKernel, Isa::PLUMB_ISA>;
 template struct Rows<LevelKernel, Isa::PLUMB_ISA>;
 template struct Rows<VolumeKernel, Isa::PLUMB_ISA>;
 template struct Rows<ReliefKernel, Isa::PLUMB_ISA>;
+template struct Rows<IndirectShadowKernel, Isa::PLUMB_ISA>;
 
 template <>
 void Rows<CoefficientsKernel, Isa::PLUMB_ISA>::run(const CoefficientsView& in, int first, int last, const Tiles& tiles,

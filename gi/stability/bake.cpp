@@ -9,6 +9,7 @@
 #include "gi/probes/bake.h"
 #include "gi/probes/coefficients.h"
 #include "gi/probes/density.h"
+#include "gi/probes/indirect_shadow.h"
 #include "gi/probes/level.h"
 #include "gi/probes/relief.h"
 #include "gi/probes/share.h"
@@ -56,6 +57,28 @@ StageData level_data(const probes::Bake& bake) {
     return owned_by<probes::LevelKernel>(probes::data_of(probes::LevelInputs{&low, &high, rule}));
 }
 
+// Spheres about as large as the scene's parts: in the air, cut by surfaces, around their corners; every third of no radius.
+void add_shadows(const Image4& position, const Image4& normal, const glm::vec3& low, const glm::vec3& high, std::vector<StageData>& all) {
+    const int n = position.width;
+    const Image4 lit(n, 1, glm::vec4(2, 1, 3, 1));
+    const Image<glm::ivec2> id(n, 1, glm::ivec2(0));
+    const glm::vec3 size = high - low;
+    const float unit = std::max({size.x, size.y, size.z});
+    probes::ShadowSpheres spheres;
+    for (int i = 0; i < 9; ++i) {
+        const glm::vec3 at = i % 2 == 0 ? low + size * glm::vec3(0.1f * float(i + 1), 0.5f, 0.9f - 0.1f * float(i)) : glm::vec3(position((7 * i) % n, 0));
+        spheres.rows.push_back(glm::vec4(at, i % 3 == 2 ? 0 : 0.05f * float(i + 1) * unit));
+        for (int c = 0; c < 3; ++c) spheres.rows.push_back({0.1f, 0.05f * float(c), -0.1f, 0.25f});
+        for (int c = 0; c < 3; ++c) spheres.rows.push_back({-0.01f, 0, 0.01f, 0.03f});
+        spheres.owner.push_back({1, 1});
+    }
+    probes::IndirectShadowInputs in;
+    in.position = &position, in.normal = &normal, in.irradiance = &lit, in.id = &id, in.spheres = &spheres;
+    all.push_back(owned_by<probes::IndirectShadowKernel>(probes::data_of(in)));
+    in.directional = false;
+    all.push_back(owned_by<probes::IndirectShadowKernel>(probes::data_of(in), " (uniform)"));
+}
+
 // Points of a scene's surfaces in a grid of spatial receivers over it, lit by what varies from place to place and side to side.
 void add_volumes(const Scene& scene, std::vector<StageData>& all) {
     const Geometry geometry = flatten(scene);
@@ -84,6 +107,7 @@ void add_volumes(const Scene& scene, std::vector<StageData>& all) {
         in.form = form;
         all.push_back(owned_by<probes::VolumeKernel>(probes::data_of(in), name));
     }
+    add_shadows(position, normal, low, high, all);
     // Lit along the normal, seen from the corner of the scene, with a lobe of 20.
     const Image4 lit(n, 1, glm::vec4(2, 1, 3, 1)), less(n, 1, glm::vec4(1, 1, 2, 1)), lobe(n, 1, glm::vec4(0.25f, 0.5f, 0.125f, 20));
     probes::ReliefInputs relief;

@@ -88,6 +88,7 @@ const TappedTwin tapped_twins[] = {
     {"gi/probes/supports_kernel.h", {"gi/probes/supports.comp"}},
     {"gi/probes/lightmap_uv_kernel.h", {"gi/probes/lightmap_uv.comp"}},
     {"gi/probes/lookup_kernel.h", {"gi/probes/lookup.comp"}},
+    {"gi/probes/indirect_shadow_kernel.h", {"gi/probes/indirect_shadow.comp"}},
     {"gi/probes/relief_kernel.h", {"gi/probes/relief.comp"}},
     {"gi/probes/volume_kernel.h", {"gi/probes/volume.glsl", "gi/probes/volume.comp"}},
     {"gi/compose/compose_kernel.h", {"gi/compose/compose.comp"}},

@@ -10,6 +10,7 @@
 #include "gi/probes/lookup.h"
 #include "gi/probes/coefficients.h"
 #include "gi/probes/density.h"
+#include "gi/probes/indirect_shadow.h"
 #include "gi/probes/level.h"
 #include "gi/probes/relief.h"
 #include "gi/probes/share.h"
@@ -317,6 +318,34 @@ inline StageData relief_case(glm::ivec2 size, bool maps, bool highlights, const 
     return named(owned_data(probes::data_of(in)), id);
 }
 
+// Spheres above, below and across the horizon of most points, some around them; a few of an object's own, one of no radius. The last lies
+// behind the list.
+inline StageData indirect_shadow_case(glm::ivec2 size, bool directional, const std::string& id) {
+    const int count = 7;
+    const Points p = room(size, 61);
+    const Image4 irradiance = noise_image(size, 62, 0, 3);
+    Image<glm::ivec2> found(size.x, size.y);
+    for (int i = 0; i < size.x * size.y; ++i) found.texels[std::size_t(i)] = {i % 5 - 1, i};
+    const Buffer<glm::vec4> at = scattered(count + 1, 63), light = scattered(6 * (count + 1), 64);
+    probes::ShadowSpheres spheres;
+    for (int i = 0; i <= count; ++i) {
+        const glm::vec3 of(p.position.texels[std::size_t((97 * i + 31) % (size.x * size.y))]);
+        const float radius = i == 3 ? 0 : 0.2f + 0.7f * noise(i, 3, 0, 63);
+        spheres.rows.push_back(glm::vec4(i % 2 == 0 ? of + 0.3f * glm::vec3(at[std::size_t(i)]) : 3.0f * glm::vec3(at[std::size_t(i)]) - 1.5f, radius));
+        for (int k = 0; k < 6; ++k) {
+            const glm::vec4& l = light[std::size_t(6 * i + k)];
+            spheres.rows.push_back((k < 3 ? 1.0f : 0.3f) * glm::vec4(1.2f * glm::vec3(l) - 0.6f, 0.5f * noise(i, k, 4, 64)));
+        }
+        spheres.owner.push_back({i % 3, i % 3 + i % 2});
+    }
+    probes::IndirectShadowInputs in;
+    in.position = &p.position, in.normal = &p.normal, in.irradiance = &irradiance, in.id = &found, in.spheres = &spheres, in.directional = directional;
+    StageData d = owned_data(probes::data_of(in));
+    const double known = count;
+    set_uniform(parity::find_binding(d.stage, "test"), d, "spheres", {&known, 1}, "test");
+    return named(d, id);
+}
+
 // ---- DDGI ------------------------------------------------------------------------------------------------------------
 
 // Tiles of half a row; the last tile has no probe, and the atlas ends within tiles.
@@ -381,6 +410,8 @@ inline std::vector<StageData> probe_cases(glm::ivec2 size) {
         volume_case(size, probes::VolumeForm::angles, false, "probes.volume.angles"),
         relief_case(size, true, true, "probes.relief"),
         relief_case(size, false, false, "probes.relief.flat"),
+        indirect_shadow_case(size, true, "probes.indirect_shadow"),
+        indirect_shadow_case(size, false, "probes.indirect_shadow.uniform"),
         ddgi_blend_case(size, 4, false, 0.25f, "ddgi.blend"),
         ddgi_blend_case(size, 6, true, 0, "ddgi.blend.moments"),
         ddgi_border_case(size, 5, "ddgi.border"),

@@ -85,7 +85,7 @@ TEST_CASE("stability: no stage leaves its budget in any case, whatever the numbe
                                            "probes.radiance: rays that half reflect",
                                            "probes.lambda: a probe of a level that there is not",
                                            "probes.basis: a probe that is not there", "probes.irradiance: a probe that is not there",
-                                           "probes.relief: offset 1e7",
+                                           "probes.relief: offset 1e7", "probes.indirect_shadow: offset 1e7",
                                            "probes.density: radius of 1e-20", "probes.share: denormal weights",
                                            "probes.share: weights that are no numbers", "probes.share: hits infinitely far",
                                            "probes.coefficients: hits 2^61 m from a probe",

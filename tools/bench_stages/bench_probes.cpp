@@ -21,6 +21,7 @@
 #include "gi/probes/density.h"
 #include "gi/probes/lambda.h"
 #include "gi/probes/radiance.h"
+#include "gi/probes/indirect_shadow.h"
 #include "gi/probes/level.h"
 #include "gi/probes/relief.h"
 #include "gi/probes/share.h"
@@ -195,6 +196,25 @@ Work relief() {
     return {probes::data_of(in), double(side) * side * 140};
 }
 
+// Points of a floor under 16 spheres in the air and across its horizon; some 120 a sphere.
+Work indirect_shadow() {
+    const int side = 512, count = 16;
+    static Image4 position(side, side, glm::vec4(0));
+    static const Image4 up(side, side, glm::vec4(0, 1, 0, 1)), lit(side, side, glm::vec4(2, 1, 3, 1));
+    static const Image<glm::ivec2> id(side, side, glm::ivec2(0));
+    static probes::ShadowSpheres spheres;
+    for (int y = 0; y < side && spheres.owner.empty(); ++y)
+        for (int x = 0; x < side; ++x) position(x, y) = glm::vec4(float(x) / 128, 0, float(y) / 128, 0);
+    for (int i = 0; i < count && int(spheres.owner.size()) < count; ++i) {
+        spheres.rows.push_back({1.7f + 0.2f * float(i % 4), 0.1f + 0.45f * float(i / 4), 2, 0.25f});
+        for (int k = 0; k < 6; ++k) spheres.rows.push_back({0.1f, 0.2f, -0.1f, k < 3 ? 0.5f : 0.1f});
+        spheres.owner.push_back({1, 1});
+    }
+    probes::IndirectShadowInputs in;
+    in.position = &position, in.normal = &up, in.irradiance = &lit, in.id = &id, in.spheres = &spheres;
+    return {probes::data_of(in), double(side) * side * count * 120};
+}
+
 double bytes_of(const StageBinding& binding, const StageData& data) {
     double bytes = 0;
     for (const Array& a : data.inputs.arrays) bytes += double(std::as_const(a.bytes).size());
@@ -232,6 +252,7 @@ void run_stage(benchmark::State& state, const StageBinding& binding, Work (*make
                                    {"radiance", stage<probes::RadianceKernel>, radiance},
                                    {"lambda", stage<probes::LambdaKernel>, lambda},
                                    {"volume", stage<probes::VolumeKernel>, volume},
+                                   {"indirect_shadow", stage<probes::IndirectShadowKernel>, indirect_shadow},
                                    {"relief", stage<probes::ReliefKernel>, relief}};
     for (const Stage& s : stages)
         for (const Isa isa : supported_isas())

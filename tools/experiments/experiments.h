@@ -13,5 +13,6 @@ void add_probes(CLI::App& experiment, Action& action);
 void add_probe_ladder(CLI::App& experiment, Action& action);
 void add_ddgi(CLI::App& experiment, Action& action);
 void add_ipr(CLI::App& experiment, Action& action);
+void add_indirect_shadow(CLI::App& experiment, Action& action);
 
 }  // namespace plumb::cli
