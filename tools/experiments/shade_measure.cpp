@@ -99,10 +99,8 @@ class Measure {
     Plane own_without(const Scene& scene) const { return compare::luminances(frame_of(scene, IndirectShadow::off, 0, 0).indirect); }
 
     Truth truth_of(const Scene& scene) const {
-        IprRequest of_ipr;
-        of_ipr.samples = 64 * request_.samples;
         Image4 mean, error;
-        trace_pixels(scene, points_, of_ipr, settings_.probes.rays, options_, mean, error);
+        trace_points(scene, {&points_.position, &points_.normal}, std::max(request_.samples, 32), settings_.probes.rays, options_, mean, error);
         return {compare::luminances(mean), compare::luminance_errors(error)};
     }
     static Plane difference(const Plane& a, const Plane& b) {
