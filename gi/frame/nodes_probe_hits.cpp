@@ -25,7 +25,7 @@ void add_data(Context& c, Nodes& nodes) {
         for (const Mesh& mesh : c.scene.meshes) r.value(mesh.dynamic, mesh.triangles.size(), mesh.share);
         probes::LodParams lod = c.settings.lod;
         r.fields(probes::fields(lod));
-        r.value(c.settings.probe_run.window, c.settings.probe_run.unasked);
+        r.value(c.settings.probe_run.window, c.settings.probe_run.unasked, has_volume(c));
     };
     node.outputs = [&p] { return probes::lent(p.data, p.charted, p.harmonics, p.weights); };
     node.run = [&c, &p](const RunOptions&, graph::NodeRun& run) {

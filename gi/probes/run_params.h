@@ -24,6 +24,13 @@ enum class Start : int { converged, black };
 enum class Unasked : int { nearest, black };
 // How six irradiances of spatial receivers make that of a normal (volume_kernel.h).
 enum class VolumeForm : int { cube, linear, angles };
+// What of normal maps and of highlights is shown (IPR 5.2.1.3, figure 5.20).
+enum class ReliefOf : int {
+    off,       // surfaces as if they had neither
+    normals,   // normal maps
+    specular,  // highlights
+    all,
+};
 
 struct RunParams {
     std::string file;                        // a bake; empty: one is made, and kept
@@ -36,7 +43,12 @@ struct RunParams {
     Unasked unasked = Unasked::nearest;
     VolumeForm volume = VolumeForm::linear;
     Window window = Window::none;            // over the degrees of the bake's harmonics
+    ReliefOf relief = ReliefOf::all;
+    bool layers = false;                     // the layers of figure 5.20 beside the picture
+    std::string static_lamps;                // names, "a, b": lamps that reach what moves by spatial receivers alone (IPR 5.2.1.5)
 };
+inline bool maps_normals(const RunParams& p) { return p.relief == ReliefOf::normals || p.relief == ReliefOf::all; }
+inline bool has_highlights(const RunParams& p) { return p.relief == ReliefOf::specular || p.relief == ReliefOf::all; }
 std::vector<Field> fields(RunParams& params);
 
 }  // namespace plumb::probes

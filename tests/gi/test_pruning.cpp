@@ -105,8 +105,10 @@ std::string difference(const Scene& scene, const frame::Frame& a, const frame::F
     return "";
 }
 
-// Whether it speaks of nothing but the method probes, whose frames read a bake: test_probes_frame.cpp.
-bool of_a_bake(const frame::Rule& rule) { return rule.stages == std::vector<std::string>{"probes"}; }
+// Whether it speaks of nothing but the method probes, whose frames read a bake: test_probes_frame.cpp, test_probes_relief_frame.cpp.
+bool of_a_bake(const frame::Rule& rule) {
+    return rule.stages == std::vector<std::string>{"probes"} || rule.stages == std::vector<std::string>{"relief"};
+}
 
 // The rules that left anything out of a frame.
 std::set<std::string> fired(const frame::Frame& f) {
