@@ -26,14 +26,6 @@ bool changed(std::optional<std::uint64_t>& before, const SceneKeys* keys, std::u
 
 }  // namespace
 
-namespace {
-
-void drop_normal_maps(raster::Surfaces& surfaces) {
-    for (std::size_t m = 0; m < surfaces.masked.size(); ++m) surfaces.materials[16 * m + 10] = 0;
-}
-
-}  // namespace
-
 KeptStages::KeptStages(OtherKey other) : memory_(std::make_unique<KeptMemory>()), other_key_(std::move(other)) {}
 KeptStages::~KeptStages() = default;
 
@@ -54,13 +46,13 @@ void World::update(const Scene& scene, const Settings& settings, const SceneKeys
     }
     const bool repainted = changed(surfaces_key, keys, hash_of(k.surfaces, k.emission, geometry.tangents.empty()));
     if (repainted) surfaces = raster::prepare(scene, geometry, keys ? &surfaces : nullptr);
-    if (repainted && drops_normal_maps(settings)) drop_normal_maps(surfaces);
+    if (repainted && drops_normal_maps(settings)) probes::drop_normal_maps(surfaces);
     // Which materials are drawn the geometry says.
     if (moved && !repainted) surfaces.brightest = raster::brightest_of(scene, geometry);
     if (!relief_use(scene, settings).draws_plain())
         plain = {};
     else if (moved || repainted || plain.materials.empty())
-        drop_normal_maps(plain = surfaces);
+        probes::drop_normal_maps(plain = surfaces);
     if (static_lamps(scene, settings).empty())
         fixed = {}, fixed_key.reset();
     else if (changed(fixed_key, keys, k.fixed)) {

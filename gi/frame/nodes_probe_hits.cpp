@@ -67,7 +67,8 @@ void add_surfaces(Context& c, int view, Nodes& nodes) {
         return b;
     };
     node.run = [&c, &p, view](const RunOptions& options, graph::NodeRun& run) {
-        probes::HitSurfaces made = probes::hit_surfaces(c.scene, bake_of(c), options, c.settings.probe_run.unasked);
+        probes::HitSurfaces made = probes::hit_surfaces(c.scene, bake_of(c), options, c.settings.probe_run.unasked,
+                                                                !drops_normal_maps(c.settings));
         raster::GBuffer& g = c.gbuffer(view);
         g.position = std::move(made.position), g.normal = std::move(made.normal);
         g.covered = covered_by(g.normal);

@@ -247,11 +247,12 @@ void add_relief(Context& c, Nodes& nodes) {
     if (use.draws_plain()) add_plain(c, nodes);
     if (use.fixed) add_fixed(c, nodes);
     // Static pixels have the lightmap's, others the grid's.
-    std::vector<const Image4*> inputs = {&p.looked_up};
+    std::vector<const Image4*> inputs = {&p.looked_up, &c.frame.gbuffer.normal};
     if (use.dynamic) inputs.push_back(&p.volume.irradiance);
-    add_join(c, nodes, "indirect", inputs, {&p.joined}, [&p, dynamic = use.dynamic](std::size_t i) {
+    add_join(c, nodes, "indirect", inputs, {&p.joined}, [&c, &p, dynamic = use.dynamic](std::size_t i) {
         const bool moves = dynamic && p.volume.irradiance.texels[i].w > 0;
-        p.joined.texels[i] = moves ? glm::vec4(glm::vec3(p.volume.irradiance.texels[i]), 0) : p.looked_up.texels[i];
+        const float w = c.frame.gbuffer.normal.texels[i].w > 0 ? 1.0f : 0.0f;  // as probes.relief writes it
+        p.joined.texels[i] = glm::vec4(glm::vec3(moves ? p.volume.irradiance.texels[i] : p.looked_up.texels[i]), w);
     });
     add_asked(c, nodes);
     add_specular(c, nodes);

@@ -105,21 +105,32 @@ TEST_CASE("relief: a constant normal map is a tilted plane to the grid of the ai
     Scene mapped = with_quad(lit_room(), quad({0, 0, 0}, flat_normal, x, 1));
     mapped.textures = {constant_map(texel[0], texel[1], texel[2])};
     mapped.materials[1].normal_texture = 0;
-    const Scene tilted = with_quad(lit_room(), quad({0, 0, 0}, n, along, 2)), flat = with_quad(lit_room(), quad({0, 0, 0}, flat_normal, x, 2));
+    const Scene tilted = with_quad(lit_room(), quad({0, 0, 0}, n, along, 2));
     for (const probes::VolumeForm form : {probes::VolumeForm::linear, probes::VolumeForm::cube}) {
-        const auto at_middle = [&](const Scene& scene) {
-            frame::Settings settings = settings_for(scene);
-            settings.probe_run.volume = form;
-            const frame::Frame f = frame_of(scene, settings);
-            REQUIRE(f.gbuffer.id(middle.x, middle.y).x == 1);
-            CHECK(glm::length(glm::vec3(f.gbuffer.position(middle.x, middle.y))) < 1e-5f);
-            return glm::vec3(f.indirect(middle.x, middle.y));
-        };
-        const glm::vec3 e = at_middle(mapped), wanted = at_middle(tilted), without = at_middle(flat);
+        frame::Settings settings = settings_for(mapped);
+        settings.probe_run.volume = form;
+        frame::add_bake(mapped, settings);
+        const frame::Frame f = frame_of(mapped, settings), plane = frame_of(tilted, settings);
+        REQUIRE(f.gbuffer.id(middle.x, middle.y).x == 1);
+        REQUIRE(plane.gbuffer.id(middle.x, middle.y).x == 1);
+        // The planes shadow the room differently: the tilted one is asked of the grid of the mapped one.
+        probes::VolumeInputs in;
+        in.grid = settings.bake->spatial.grid, in.form = form, in.irradiance = &f.probes.grid;
+        const Image4 no_lightmap(35, 35, glm::vec4(-1));
+        in.position = &plane.gbuffer.position, in.normal = &plane.gbuffer.normal, in.lightmap_uv = &no_lightmap;
+        probes::VolumeLight wanted;
+        probes::run(in, {}, wanted);
+        const glm::vec4 e = f.indirect(middle.x, middle.y), of_plane = wanted.irradiance(middle.x, middle.y);
+        Image4 up(35, 35, glm::vec4(glm::vec3(flat_normal), 1));
+        in.normal = &up;
+        probes::run(in, {}, wanted);
         for (int c = 0; c < 3; ++c) {
-            CHECK(e[c] == Approx(wanted[c]).epsilon(1e-4));
-            CHECK(std::fabs(e[c] - without[c]) > 0.02f * wanted[c]);
+            CHECK(e[c] == Approx(of_plane[c]).epsilon(1e-4));  // the place is the same to 3e-5 m
+            CHECK(std::fabs(e[c] - wanted.irradiance(middle.x, middle.y)[c]) > 0.005f * e[c]);
         }
+        // So are its light vector and what arrives along it, and its direct light.
+        CHECK(glm::length(glm::vec3(f.gbuffer.normal(middle.x, middle.y) - plane.gbuffer.normal(middle.x, middle.y))) < 1e-5f);
+        CHECK(f.direct(middle.x, middle.y).x == Approx(plane.direct(middle.x, middle.y).x).epsilon(1e-4));
     }
 }
 
@@ -134,9 +145,10 @@ TEST_CASE("relief: a flat normal map changes no bit, a bent one what static surf
     const frame::Frame a = frame_of(plain), b = frame_of(flat);
     CHECK(run_of(a, "probes.relief").rule == "no-relief");
     CHECK(run_of(b, "probes.relief").needed);
-    CHECK(a.indirect.texels == b.indirect.texels);
-    CHECK(a.radiance.texels == b.radiance.texels);
-    CHECK(a.direct.texels == b.direct.texels);
+    const auto same = [](const Image4& one, const Image4& other) { return one.texels == other.texels; };
+    CHECK(same(a.indirect, b.indirect));
+    CHECK(same(a.radiance, b.radiance));
+    CHECK(same(a.direct, b.direct));
 
     // Bent: each static pixel has E r, r as the stages that it reads say.
     Scene bent = flat;
@@ -160,13 +172,14 @@ TEST_CASE("relief: a flat normal map changes no bit, a bent one what static surf
     off.probe_run.relief = probes::ReliefOf::off;
     const frame::Frame none = frame_of(bent, off);
     CHECK(run_of(none, "probes.relief").rule == "relief-off");
-    CHECK(none.radiance.texels == a.radiance.texels);
+    CHECK(same(none.radiance, a.radiance));
     // Of a bake without spatial receivers nothing is known, and nothing changes but direct light.
     frame::Settings no_air = settings_for(bent);
     no_air.probes.spatial_receivers = 0;
     const frame::Frame blind = frame_of(bent, no_air);
     CHECK(run_of(blind, "probes.relief").rule == "relief-unknown");
-    CHECK(blind.indirect.texels == a.indirect.texels);
+    CHECK(apart(blind.probes.looked_up, none.probes.looked_up, [](std::size_t) { return true; }) > 0);  // direct light of hits is bent
+    CHECK(same(blind.indirect, blind.probes.joined));
 }
 
 TEST_CASE("relief: the highlight of a lamp is the path tracer's", "[probes][relief][frame][IPR 5.2.1.3][analytic]") {
@@ -192,7 +205,7 @@ TEST_CASE("relief: the highlight of a lamp is the path tracer's", "[probes][reli
         }
         most = std::max(most, double(f.radiance.texels[i].x)), sum += double(f.radiance.texels[i].x);
     }
-    CHECK(most > 1);
+    CHECK(most > 0.2);
     // The path tracer, which averages over each pixel.
     frame::Settings traced = settings;
     traced.method = frame::Method::reference, traced.reference.samples = 64, traced.reference.mode = reference::Mode::direct;
@@ -215,7 +228,7 @@ TEST_CASE("relief: what the layers of figure 5.20 are made of", "[probes][relief
     for (const auto& layer : without.probes.relief.layers) CHECK(layer.radiance.empty());
     settings.probe_run.layers = true;
     const frame::Frame f = frame_of(scene, settings);
-    CHECK(f.radiance.texels == without.radiance.texels);  // the picture is the same
+    CHECK((f.radiance.texels == without.radiance.texels));  // the picture is the same
     frame::Settings off = settings;
     off.probe_run.relief = probes::ReliefOf::off;
     const frame::Frame plain = frame_of(scene, off);
@@ -361,8 +374,8 @@ TEST_CASE("relief: the same bits for every instruction set, kept or made anew, p
     const auto check_kept = [&] {
         const frame::Frame& f = frame::execute(scene, settings, frame::plan(scene, settings), {}, kept);
         const frame::Frame fresh = frame_of(scene, settings);
-        CHECK(f.radiance.texels == fresh.radiance.texels);
-        for (std::size_t k = 0; k < 3; ++k) CHECK(f.probes.relief.layers[k].radiance.texels == fresh.probes.relief.layers[k].radiance.texels);
+        CHECK((f.radiance.texels == fresh.radiance.texels));
+        for (std::size_t k = 0; k < 3; ++k) CHECK((f.probes.relief.layers[k].radiance.texels == fresh.probes.relief.layers[k].radiance.texels));
     };
     check_kept();
     scene.meshes[1].transform[3].y += 0.4;
