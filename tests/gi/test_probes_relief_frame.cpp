@@ -110,7 +110,7 @@ TEST_CASE("relief: a constant normal map is a tilted plane to the grid of the ai
         frame::Settings settings = settings_for(mapped);
         settings.probe_run.volume = form;
         frame::add_bake(mapped, settings);
-        const frame::Frame f = frame_of(mapped, settings), plane = frame_of(tilted, settings);
+        const frame::Frame f = frame_of(mapped, settings), plane = frame_of(tilted);
         REQUIRE(f.gbuffer.id(middle.x, middle.y).x == 1);
         REQUIRE(plane.gbuffer.id(middle.x, middle.y).x == 1);
         // The planes shadow the room differently: the tilted one is asked of the grid of the mapped one.
