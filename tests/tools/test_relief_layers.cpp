@@ -35,7 +35,8 @@ glm::dvec3 at(const Image4& image, std::size_t i) { return glm::dvec3(image.texe
 
 TEST_CASE("relief: the layers of figure 5.20 against the path tracer", "[relief][truth][IPR 5.2.1.3]") {
     Scene scene = io::load_scene(PLUMB_SOURCE_DIR "/data/scenes/cornell/cornell_container.toml", frame::method_tables());
-    scene.frame_size = {96, 96}, scene.method = "probes";
+    scene.frame_size = {128, 128}, scene.method = "probes";
+    for (Texture& t : scene.textures) t.mips = false;  // a pixel is its middle, as the path tracer's
     frame::Settings settings = frame::settings_of(scene);
     settings.probes.lightmap_size = 128, settings.probes.receiver_rays = 512, settings.probe_run.layers = true;
     frame::add_bake(scene, settings);
@@ -50,7 +51,7 @@ TEST_CASE("relief: the layers of figure 5.20 against the path tracer", "[relief]
     };
     const Image4 plain = irradiance(r.plain.normal), mapped = irradiance(f.gbuffer.normal);
     const Image4 color = reference::trace(params, *paths, scene.camera, scene.frame_size, 4, {}).mean;
-    const auto emits = [&](std::size_t i) { return f.gbuffer.emission.texels[i] != glm::vec4(0); };
+    const auto diffuse = [&](std::size_t i) { return f.gbuffer.normal.texels[i].w > 0 && f.gbuffer.emission.texels[i] == glm::vec4(0); };
     const auto moves = [&](std::size_t i) {
         const int object = f.gbuffer.id.texels[i].x;
         return object >= 0 && scene.meshes[std::size_t(object)].dynamic;
@@ -63,7 +64,7 @@ TEST_CASE("relief: the layers of figure 5.20 against the path tracer", "[relief]
         Off moving, still;
     };
     const auto row = [&](const char* name, auto a, auto b) {
-        return Row{name, off(color.size(), a, b, moves), off(color.size(), a, b, [&](std::size_t i) { return !moves(i) && !emits(i); })};
+        return Row{name, off(color.size(), a, b, moves), off(color.size(), a, b, [&](std::size_t i) { return !moves(i) && diffuse(i); })};
     };
     const auto over_pi = [](const Image4& e) { return [&e](std::size_t i) { return at(e, i) / host::pi; }; };
     const Row rows[] = {
@@ -85,8 +86,9 @@ TEST_CASE("relief: the layers of figure 5.20 against the path tracer", "[relief]
         CHECK(std::isfinite(one.moving.rms));
         CHECK(std::isfinite(one.still.rms));
     }
-    // Each layer is nearer to its truth than the one before it is.
-    CHECK(rows[1].moving.rms < rows[2].moving.rms);
-    CHECK(rows[3].moving.rms < rows[4].moving.rms);
-    CHECK(rows[5].moving.rms < rows[6].moving.rms);
+    // Normal maps take the container to its truth. Highlights bring what is missing in the mean, but by one direction a point: of a room
+    // that shines from everywhere they show too little, in the wrong places.
+    CHECK(rows[1].moving.rms < 0.7 * rows[2].moving.rms);
+    CHECK(std::fabs(rows[3].moving.bias) < std::fabs(rows[4].moving.bias));
+    CHECK(std::fabs(rows[5].moving.bias) < std::fabs(rows[6].moving.bias));
 }
