@@ -37,6 +37,9 @@ void forget(Context& c, const Plan& plan) {
     const isr::IsrParams& isr = c.settings.isr;
     if (!gathers_isr(c.settings)) f.isr = {};
     if (!lights_probes(c.settings)) f.probes = {};
+    if (c.static_lamps.empty()) f.probes.static_light.clear();
+    if (!c.relief.layers)
+        for (ReliefBuffers::Layer& layer : f.probes.relief.layers) layer.radiance = layer.display = {};
     if (c.settings.probe_run.loop != probes::Loop::pipelined) f.probes.last = f.probes.next = {};
     if (isr.bounces < 2) f.isr.reflectance = {};
     if (isr.guard > 0) f.isr.radiosity = {};  // the wider view's takes its place
@@ -60,7 +63,7 @@ void execute_in(KeptMemory& memory, const Scene& scene, const Settings& settings
                 const RunOptions& options, const Progress& progress, reference::Store* store, const KeptStages* kept) {
     FrameGraph graph(scene, settings, plan, memory);
     Context& c = graph.context();
-    if (kept) c.keys = scene_keys(scene), c.bake_key = memory.bake_key.of(settings.bake);
+    if (kept) c.keys = scene_keys(scene, settings), c.bake_key = memory.bake_key.of(settings.bake);
     memory.world.update(scene, settings, kept ? &c.keys : nullptr);
     c.tracer = std::make_unique<Tracer>(scene, settings, memory.world.geometry, store, &memory.world.paths);
     c.keeps = kept != nullptr, c.isa = options.isa;

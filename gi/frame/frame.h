@@ -3,6 +3,7 @@
 //     Scene + Settings --plan--> Plan --execute--> Frame
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,7 @@
 #include "gi/graph/graph.h"
 #include "gi/probes/lightmap_uv.h"
 #include "gi/probes/run_data.h"
+#include "gi/probes/relief.h"
 #include "gi/probes/run_loop.h"
 #include "gi/probes/shadow_spheres.h"
 #include "gi/probes/volume.h"
@@ -69,6 +71,26 @@ struct IsrBuffers {
     Image4 blurred_across, blurred;
 };
 
+// Of normal maps and highlights (gi/frame/nodes_relief.cpp); empty where nothing asks for them.
+struct ReliefBuffers {
+    Buffer<float> visibility;                    // [lights][height][width]: 0 where what moves has no direct light of a static lamp
+    raster::GBuffer plain;                       // drawn without normal maps
+    Image4 fixed_normal, fixed_plain;            // of static surfaces; w 0 of others
+    probes::VolumeLight fixed, fixed_unmapped;   // of them, along either
+    probes::VolumeLight asked;                   // of all surfaces, along the normals of the frame
+    Image4 specular;                             // k_s, exponent
+    probes::ReliefLight made;
+    Image4 sent;                                 // emission and highlights, W/m2
+    // Figure 5.20, with a reflectance of 1.
+    probes::VolumeLight unmapped;                // of what moves
+    Image4 white, plain_direct, plain_indirect;
+    struct Layer {
+        std::string name;
+        Image4 radiance, display;                // W/(m2 sr); under the picture's tone curve
+    };
+    std::array<Layer, 3> layers = {Layer{"diffuse", {}, {}}, Layer{"normals", {}, {}}, Layer{"specular", {}, {}}};
+};
+
 // What method probes makes (gi/probes); empty where its stages do not run. What relight rays meet are pixels of a view of its own,
 // Frame::views[1]: columns rays, rows probes.
 struct ProbeBuffers {
@@ -88,13 +110,16 @@ struct ProbeBuffers {
     std::vector<std::int32_t> spatial_levels;    // of its clusters: 0
     std::vector<std::int32_t> spatial_active;    // [places]: 0 near what moves, else -1
     Image4 spatial_basis, spatial_irradiance;
-    Buffer<glm::vec4> grid;                      // [place][direction], W/m2
+    Buffer<glm::vec4> bounced, grid;             // [place][direction], W/m2: without static lamps, and with them
+    Buffer<glm::vec4> static_light;              // the same of static lamps alone; empty without any
     probes::VolumeLight volume;                  // of pixels without a place on the lightmap
     Image4 looked_up;                            // what the lightmap brings, before the two are joined
     // Of indirect shadows; empty where they are off.
     std::vector<Buffer<glm::vec4>> fitted;       // of each group of dynamic meshes, in its own space
     probes::ShadowSpheres shadow_spheres;
     Image4 unshaded;                             // indirect light without them, W/m2
+    Image4 joined;                               // after that
+    ReliefBuffers relief;
     probes::Convergence converged;           // of the rounds; loop = converged
     // loop = pipelined: what the frame reads of the one before, and what it leaves for the next; empty: there is none. Both are
     // there after a frame, so that what its stages read can be looked at.

@@ -11,7 +11,7 @@
 namespace plumb::frame {
 
 Context::Context(const Scene& s, const Settings& t, Frame& f)
-    : scene(s), settings(t), frame(f), size(s.frame_size), views(isr_views(s, t)) {
+    : scene(s), settings(t), frame(f), size(s.frame_size), views(isr_views(s, t)), relief(relief_use(s, t)), static_lamps(frame::static_lamps(s, t)) {
     for (const Light& light : s.lights) lights.push_back(shining(light));
 }
 
@@ -117,10 +117,12 @@ void FrameGraph::add_nodes() {
     }
     add_sum(c, nodes_);
     add_filters_after(c, nodes_);
+    add_static_visibility(c, nodes_);
     for (int v = 0; v < views; ++v) add_direct(c, v, nodes_);
     add_isr(c, nodes_);
     add_probes(c, nodes_);
     add_compose(c, nodes_);
+    add_relief_layers(c, nodes_);
     if (c.settings.method == Method::reference) add_traced(c, "color", "the picture", nodes_);
     add_tonemap(c, nodes_);
     if (!c.settings.truth) return;

@@ -6,6 +6,7 @@
 //     nodes_rsm.cpp      gathers and their sum         nodes_compose.cpp   the picture, and what is path traced
 //     nodes_probes.cpp   irradiance probes (nodes_probes.h)
 //     nodes_shade.cpp    indirect shadows of what moves
+//     nodes_relief.cpp   their normal maps, highlights, static lamps
 #pragma once
 
 #include <memory>
@@ -16,6 +17,7 @@
 #include "gi/frame/isr.h"
 #include "gi/frame/keys.h"
 #include "gi/frame/kept_memory.h"
+#include "gi/frame/relief_use.h"
 #include "gi/graph/graph.h"
 #include "gi/lend.h"
 #include "raster/light_view.h"
@@ -48,12 +50,19 @@ struct Context {
     glm::ivec2 size{0};
     std::vector<Light> lights;      // shining()
     std::vector<IsrView> views;     // isr_views()
+    ReliefUse relief;               // relief_use()
+    std::vector<bool> static_lamps; // static_lamps()
     int isr_gathers = 0, isr_bounces = 0, isr_unseen = 0;  // images of Frame::isr
 
     // The scene as stages read it; made here where nobody has given it.
     World& world();
 
     raster::GBuffer& gbuffer(int view) { return view == 0 ? frame.gbuffer : frame.views[std::size_t(view)].gbuffer; }
+    // What direct light of the frame reads.
+    Buffer<float>& lit(int view) {
+        return view == 0 && !static_lamps.empty() ? frame.probes.relief.visibility : visibility(view);
+    }
+    bool is_static(int light) const { return !static_lamps.empty() && static_lamps[std::size_t(light)]; }
     Image4& direct(int view) { return view == 0 ? frame.direct : frame.views[std::size_t(view)].direct; }
     Buffer<float>& visibility(int view) { return view == 0 ? frame.visibility : frame.views[std::size_t(view)].visibility; }
     float* visibility(int light, int view) {
@@ -178,6 +187,11 @@ void add_probes(Context& c, Nodes& nodes);
 void add_indirect_shadow(Context& c, bool spatial, Nodes& nodes);  // spatial: there is a grid of spatial receivers
 // Where the indirect light of probes lies that shadows of what moves are still to be taken from.
 Image4& indirect_to_shade(Context& c);
+// Of the method probes (nodes_relief.cpp). Before direct light: what static lamps do not send to what moves.
+void add_static_visibility(Context& c, Nodes& nodes);
+void add_static_light(Context& c, Nodes& nodes);
+void add_relief(Context& c, Nodes& nodes);
+void add_relief_layers(Context& c, Nodes& nodes);
 void add_compose(Context& c, Nodes& nodes);
 void add_tonemap(Context& c, Nodes& nodes);
 void add_traced(Context& c, const std::string& layer, const std::string& why, Nodes& nodes);

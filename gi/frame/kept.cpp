@@ -2,7 +2,9 @@
 
 #include "core/content_hasher.h"
 #include "gi/frame/kept_memory.h"
+#include "gi/frame/relief_use.h"
 #include "gi/probes/run_stages.h"
+#include "gi/probes/static_scene.h"
 
 namespace plumb::frame {
 
@@ -44,8 +46,20 @@ void World::update(const Scene& scene, const Settings& settings, const SceneKeys
     }
     const bool repainted = changed(surfaces_key, keys, hash_of(k.surfaces, k.emission, geometry.tangents.empty()));
     if (repainted) surfaces = raster::prepare(scene, geometry, keys ? &surfaces : nullptr);
+    if (repainted && drops_normal_maps(settings)) probes::drop_normal_maps(surfaces);
     // Which materials are drawn the geometry says.
     if (moved && !repainted) surfaces.brightest = raster::brightest_of(scene, geometry);
+    if (!relief_use(scene, settings).draws_plain())
+        plain = {};
+    else if (moved || repainted || plain.materials.empty())
+        probes::drop_normal_maps(plain = surfaces);
+    if (static_lamps(scene, settings).empty())
+        fixed = {}, fixed_key.reset();
+    else if (changed(fixed_key, keys, k.fixed)) {
+        fixed = probes::flatten_static(scene);
+        if (fixed.tangents.empty() && !geometry.tangents.empty()) fixed.tangents.assign(fixed.vertices.size(), glm::vec4(0));
+        bounds(fixed, fixed_low, fixed_high);
+    }
     if (moved || repainted || kind != settings.rsm.rays) rays.reset();
     if (changed(paths_key, keys, k.paths) || paths_kind != settings.reference.rays) paths = {};
     kind = settings.rsm.rays, paths_kind = settings.reference.rays;

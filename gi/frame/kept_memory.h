@@ -17,9 +17,12 @@ struct World {
     Geometry geometry;
     glm::vec3 low{0}, high{0};       // bounds
     raster::Surfaces surfaces;
+    raster::Surfaces plain;          // the same without normal maps; empty where nobody asks
+    Geometry fixed;                  // of what stands still, for maps of static lamps; empty where there is none
+    glm::vec3 fixed_low{0}, fixed_high{0};
     std::unique_ptr<RayQuery> rays;  // built for the first stage that traces
     PathScenes paths;
-    std::optional<std::uint64_t> geometry_key, surfaces_key, paths_key;
+    std::optional<std::uint64_t> geometry_key, surfaces_key, paths_key, fixed_key;
     Rays kind = Rays::exact, paths_kind = Rays::exact;  // of `rays` and `paths`
 
     // keys: null where nothing is to be reused. After an exception nothing is.

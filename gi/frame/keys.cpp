@@ -3,17 +3,19 @@
 #include "gi/frame/keys.h"
 
 #include "core/content_hasher.h"
+#include "gi/frame/relief_use.h"
 
 namespace plumb::frame {
 
 namespace {
 
-std::uint64_t of_geometry(const Scene& scene) {
+std::uint64_t of_geometry(const Scene& scene, bool fixed = false) {
     ContentHasher h;
     h.add(scene.meshes.size());
     for (const Material& material : scene.materials) h.add(material.normal_texture >= 0);  // tangents are read for them
     for (const Mesh& mesh : scene.meshes) {
         const auto& [name, vertices, tangents, triangles, material, transform, dynamic, share] = mesh;
+        if (fixed && dynamic) continue;
         h.add_all(vertices), h.add_all(tangents), h.add_all(triangles), h.add_all(material);
         h.add(transform, share);
     }
@@ -76,6 +78,17 @@ SceneKeys scene_keys(const Scene& scene) {
         add_light(light, paths);
     }
     keys.paths = paths.hash;
+    return keys;
+}
+
+SceneKeys scene_keys(const Scene& scene, const Settings& settings) {
+    SceneKeys keys = scene_keys(scene);
+    if (drops_normal_maps(settings)) {
+        ContentHasher h;
+        h.add(keys.surfaces, true);
+        keys.surfaces = h.hash;
+    }
+    if (!static_lamps(scene, settings).empty()) keys.fixed = of_geometry(scene, true);
     return keys;
 }
 

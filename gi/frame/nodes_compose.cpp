@@ -17,7 +17,8 @@ constexpr double ms_paths = 1000;
 template <class Inputs>
 Inputs composed(Context& c) {
     const raster::GBuffer& g = c.frame.gbuffer;
-    return {&g.normal, &g.albedo, &g.emission, &c.frame.direct, &c.frame.indirect, c.scene.environment.radiance};
+    const Image4* emission = c.relief.highlights ? &c.frame.probes.relief.sent : &g.emission;
+    return {&g.normal, &g.albedo, emission, &c.frame.direct, &c.frame.indirect, c.scene.environment.radiance};
 }
 
 Traced* find_layer(Context& c, const std::string& layer) {

@@ -149,7 +149,7 @@ void add_direct(Context& c, int view, Nodes& nodes) {
     node.covered = [=, &c] { return c.gbuffer(view).covered; };
     auto inputs = [=, &c] {
         const raster::GBuffer& g = c.gbuffer(view);
-        return direct::DirectInputs{&g.position, &g.normal, &c.lights, &c.visibility(view), nullptr,
+        return direct::DirectInputs{&g.position, &g.normal, &c.lights, &c.lit(view), nullptr,
                                     compose::reads_density(c.settings.compose)};
     };
     compute(c, node, c.settings.direct, inputs, [=, &c]() -> Image4& { return c.direct(view); });

@@ -30,7 +30,7 @@ void add_data(Context& c, Nodes& nodes) {
         for (const Mesh& mesh : c.scene.meshes) r.value(mesh.dynamic, mesh.triangles.size(), mesh.share);
         probes::LodParams lod = c.settings.lod;
         r.fields(probes::fields(lod));
-        r.value(c.settings.probe_run.window, c.settings.probe_run.unasked);
+        r.value(c.settings.probe_run.window, c.settings.probe_run.unasked, has_volume(c));
     };
     node.outputs = [&p] { return probes::lent(p.data, p.charted, p.harmonics, p.weights); };
     node.run = [&c, &p](const RunOptions&, graph::NodeRun& run) {
@@ -74,7 +74,8 @@ void add_surfaces(Context& c, int view, Nodes& nodes) {
         return b;
     };
     node.run = [&c, &p, view](const RunOptions& options, graph::NodeRun& run) {
-        probes::HitSurfaces made = probes::hit_surfaces(c.scene, bake_of(c), options, c.settings.probe_run.unasked);
+        probes::HitSurfaces made = probes::hit_surfaces(c.scene, bake_of(c), options, c.settings.probe_run.unasked,
+                                                                !drops_normal_maps(c.settings));
         if (c.settings.probe_run.relight_dynamic)
             run.reason = fmt::format("light is gathered there; {} rays end on what moves", probes::meet_dynamic(*probes::dynamic_world(c.scene), bake_of(c), options, made));
         raster::GBuffer& g = c.gbuffer(view);

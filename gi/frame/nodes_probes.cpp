@@ -14,10 +14,7 @@ const probes::Bake& bake_of(const Context& c) {
 
 bool pipelined(const Context& c) { return c.settings.probe_run.loop == probes::Loop::pipelined; }
 
-bool has_volume(const Context& c) {
-    const auto moves = [](const Mesh& m) { return m.dynamic && !m.triangles.empty(); };
-    return std::any_of(c.scene.meshes.begin(), c.scene.meshes.end(), moves) && (!c.settings.bake || !c.settings.bake->spatial.empty());
-}
+bool has_volume(const Context& c) { return c.relief.dynamic || c.relief.fixed; }
 
 PlannedNode begin_host(Context& c, const StageInfo& info, const std::string& why, glm::ivec2 size) {
     PlannedNode node = begin_node(c, info.name, "probes", why, 0, {});
@@ -128,7 +125,6 @@ void add_update(Context& c, Nodes& nodes) {
 
 void add_indirect(Context& c, Nodes& nodes) {
     ProbeBuffers& p = c.frame.probes;
-    const bool volume = has_volume(c);
     add_of_pixels(c, nodes, "where pixels lie on the lightmap", "uv",
                   [&c, &p] {
                       const View v = make_view(c.scene.camera, double(c.size.x) / c.size.y, c.scene.convention, c.size);
@@ -138,8 +134,7 @@ void add_indirect(Context& c, Nodes& nodes) {
                   [&p]() -> Image4& { return p.uv; });
     add_of_pixels(c, nodes, "indirect light", "irradiance",
                   [&c, &p] { return probes::LookupInputs{&p.uv, pipelined(c) ? &p.last.lightmap : &p.lightmap, p.data.levels}; },
-                  [&c, &p, volume]() -> Image4& { return volume ? p.looked_up : indirect_to_shade(c); });
-    if (volume) add_volume_of_pixels(c, nodes);
+                  [&p]() -> Image4& { return p.looked_up; });
 }
 
 // What the next frame of a pipeline finds.
@@ -164,6 +159,7 @@ void add_probes(Context& c, Nodes& nodes) {
     add_update(c, nodes);
     if (has_volume(c)) add_volume(c, nodes);
     add_indirect(c, nodes);
+    add_relief(c, nodes);
     add_indirect_shadow(c, has_volume(c), nodes);
     if (pipelined(c)) add_latch(c, nodes);
 }

@@ -1,7 +1,7 @@
 // What the files that add nodes of the method probes share. Private to gi/frame.
 //
-//     nodes_probe_hits.cpp   the bake, and what relight rays meet       nodes_volume.cpp   spatial receivers, and what moves
-//     nodes_probes.cpp       bounces, the lightmap, its lookups
+//     nodes_probe_hits.cpp   the bake, and what relight rays meet       nodes_volume.cpp   spatial receivers
+//     nodes_probes.cpp       bounces, the lightmap, its lookups         nodes_relief.cpp   normal maps, highlights, what moves
 #pragma once
 
 #include "gi/frame/frame_graph.h"
@@ -15,7 +15,7 @@ namespace plumb::frame {
 // Throws InputError where there is none.
 const probes::Bake& bake_of(const Context& c);
 bool pipelined(const Context& c);
-// Whether something moves that spatial receivers light.
+// Whether spatial receivers light something, or tell where its light comes from.
 bool has_volume(const Context& c);
 // Where each stage of an update reads and writes: in a pipeline it reads what the frame before has left.
 probes::UpdateBuffers buffers_of(Context& c);
@@ -23,9 +23,8 @@ probes::UpdateBuffers buffers_of(Context& c);
 // A step of the host's: it draws no pixels and is asked for by no name.
 PlannedNode begin_host(Context& c, const StageInfo& info, const std::string& why, glm::ivec2 size);
 
-// The update of spatial receivers near dynamic meshes, and what pixels of these read.
+// The update of spatial receivers near dynamic meshes; what pixels read of them is in nodes_relief.cpp.
 void add_volume(Context& c, Nodes& nodes);
-void add_volume_of_pixels(Context& c, Nodes& nodes);
 
 // The node of a stage of the lightmap's update. size(bake): of its domain. inputs(): its typed inputs.
 template <class SizeOf, class InputsOf, class To>

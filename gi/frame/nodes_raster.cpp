@@ -23,8 +23,8 @@ void add_camera(const Camera& camera, graph::Reads& r) {
 }
 
 // What the rasterizer reads of geometry and surfaces, and how it stores what it draws.
-void add_drawn(Context& c, graph::Reads& r) {
-    r.source("geometry", c.keys.geometry), r.source("surfaces", c.keys.surfaces);
+void add_drawn(Context& c, graph::Reads& r, bool fixed = false) {
+    r.source(fixed ? "what stands still" : "geometry", fixed ? c.keys.fixed : c.keys.geometry), r.source("surfaces", c.keys.surfaces);
     r.text(c.settings.layout.name);
     raster::Layout layout = c.settings.layout;
     r.fields(raster::fields(layout));
@@ -67,6 +67,16 @@ std::size_t bytes_of_map(const raster::Rsm& r) {
 void add_clip_positions(const Geometry& g, const View& view, const std::string& prefix, Bundle& b) {
     const Buffer<glm::vec4> clip = raster::clip_positions(g, view, 0);
     add(b, prefix + "clip_positions", {std::int64_t(clip.size()), 4}, clip.empty() ? nullptr : &clip.data()->x);
+}
+
+// What a light's maps are drawn of, and its bounds: of a static lamp what stands still.
+struct MapScene {
+    const Geometry& geometry;
+    glm::vec3 low, high;
+};
+MapScene map_scene(Context& c, int light) {
+    const World& w = c.world();
+    return c.is_static(light) ? MapScene{w.fixed, w.fixed_low, w.fixed_high} : MapScene{w.geometry, w.low, w.high};
 }
 
 Camera camera_of(Context& c, int view) { return c.views[std::size_t(view)].camera; }
@@ -186,9 +196,9 @@ void add_maps(Context& c, int l, Nodes& nodes) {
                     {"normal", "normal", "normal", 0, 3, true, true},       {"flux", "flux", "flux", 0, 3, true, true}};
     node.inputs = [=, &c] {
         Bundle b;
-        lend_surfaces(c.world().geometry, c.world().surfaces, b);
+        lend_surfaces(map_scene(c, l).geometry, c.world().surfaces, b);
         each_map(c.maps(l), [&](const raster::Rsm& map, int, const std::string& face) {
-            add_clip_positions(c.world().geometry, map.view, face.empty() ? "" : face + ".", b);
+            add_clip_positions(map_scene(c, l).geometry, map.view, face.empty() ? "" : face + ".", b);
         });
         return b;
     };
@@ -201,11 +211,14 @@ void add_maps(Context& c, int l, Nodes& nodes) {
                               [=](Plan& p) { p.maps[at].faces &= ~(1u << m); }});
 
     auto planned = [=, &c] { return c.plan ? c.plan->maps[at] : PlannedMaps{}; };
-    auto views = [=, &c] { return raster::light_views(c.lights[at], c.world().low, c.world().high); };
+    auto views = [=, &c] {
+        const MapScene seen = map_scene(c, l);
+        return raster::light_views(c.lights[at], seen.low, seen.high);
+    };
     node.reads = [=, &c](graph::Reads& r) {
         const auto [wants, faces] = planned();
         r.value(wants.light, faces);
-        add_drawn(c, r);
+        add_drawn(c, r, c.is_static(l));
         const auto& [name, type, position, direction, cone_inner_deg, cone_outer_deg, intensity, on, rsm_size, radius] =
             c.lights[at];
         r.value(type, position, direction, cone_inner_deg, cone_outer_deg, intensity, on, rsm_size, radius);
@@ -233,7 +246,7 @@ void add_maps(Context& c, int l, Nodes& nodes) {
             RunOptions part = options;
             if (part.progress)
                 part.progress = [&, m](double done) { options.progress((double(m) + done) / double(seen.size())); };
-            raster::draw_rsm(c.world().geometry, c.world().surfaces, c.lights[at], seen[m], c.settings.layout, part, drawn[m],
+            raster::draw_rsm(map_scene(c, l).geometry, c.world().surfaces, c.lights[at], seen[m], c.settings.layout, part, drawn[m],
                              c.memory ? &c.memory->workspace : nullptr, wants);
         }
         for (const raster::Rsm& map : drawn) run.bytes += bytes_of_map(map);
@@ -242,12 +255,12 @@ void add_maps(Context& c, int l, Nodes& nodes) {
     // Maps that nothing was drawn into, of faces that may see something.
     node.fill = [=, &c] {
         std::vector<raster::Rsm>& drawn = c.maps(l);
-        const World& w = c.world();
+        const MapScene of = map_scene(c, l);
         const std::vector<View> seen = views();
         drawn.resize(seen.size());
         for (std::size_t m = 0; m < seen.size(); ++m) {
             if (drawn[m].size > 0) continue;
-            if (seen.size() == 1 || raster::may_see(seen[m], w.low, w.high))
+            if (seen.size() == 1 || raster::may_see(seen[m], of.low, of.high))
                 drawn[m] = raster::unseen_rsm(c.lights[at], seen[m]);
             else
                 drawn[m].view = seen[m];
@@ -257,7 +270,7 @@ void add_maps(Context& c, int l, Nodes& nodes) {
         std::vector<StageData> all;
         const World& w = c.world();
         each_map(c.maps(l), [&](const raster::Rsm& map, int, const std::string& face) {
-            all.push_back(raster::rsm_data(w.geometry, w.surfaces, c.lights[at], map.view));
+            all.push_back(raster::rsm_data(map_scene(c, l).geometry, w.surfaces, c.lights[at], map.view));
             all.back().id = face;
         });
         return all;
@@ -269,7 +282,7 @@ void add_maps(Context& c, int l, Nodes& nodes) {
         std::vector<TapValue> values;
         if (maps > 1) values.push_back({"face", -1, {double(face)}, "of the point light: +x -x +y -y +z -z"});
         const std::vector<TapValue> taps =
-            raster::explain_rsm(w.geometry, w.surfaces, c.lights[at], views()[std::size_t(face)],
+            raster::explain_rsm(map_scene(c, l).geometry, w.surfaces, c.lights[at], views()[std::size_t(face)],
                                 {texel.x - face * int(side), texel.y}, c.settings.layout);
         values.insert(values.end(), taps.begin(), taps.end());
         return values;

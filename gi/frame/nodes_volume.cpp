@@ -1,4 +1,4 @@
-// What moves: spatial receivers near it, and what its pixels read of them.
+// Spatial receivers: near what moves, or all of them.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -22,6 +22,7 @@ void add_active(Context& c, Nodes& nodes) {
         r.source("bake", c.bake_key);
         r.source("geometry", c.keys.geometry);
         r.list(p.data.matrix);
+        r.value(c.relief.fixed);
     };
     node.outputs = [&p] {
         Bundle b;
@@ -30,7 +31,8 @@ void add_active(Context& c, Nodes& nodes) {
     };
     node.run = [&c, &p](const RunOptions&, graph::NodeRun& run) {
         const probes::Bake& b = bake_of(c);
-        const auto active = probes::active_places(b.spatial.grid, probes::dynamic_boxes(c.scene));
+        auto active = probes::active_places(b.spatial.grid, probes::dynamic_boxes(c.scene));
+        if (c.relief.fixed) std::fill(active.begin(), active.end(), std::uint8_t(1));
         p.spatial_active = probes::active_levels(b.spatial.grid, active, p.spatial.receiver);
         run.reason = fmt::format("{} of {} places are computed", std::count(active.begin(), active.end(), 1), active.size());
     };
@@ -59,61 +61,25 @@ void add_volume(Context& c, Nodes& nodes) {
     add_stage(c, nodes, "what receivers in the air get", "irradiance", 4096, [](const Bake& b) { return probes::irradiance_size(b.spatial.receivers.count()); },
               [&p] { return spatial_inputs(p); }, [&p]() -> Image4& { return p.spatial_irradiance; });
     named("spatial");
+    add_static_light(c, nodes);
     PlannedNode gather = begin_node(c, "grid", "", "", 0, {});
     gather.listed = false;
-    gather.reads = [&p](graph::Reads& r) { r.image(p.spatial_irradiance), r.list(p.data.matrix); };
+    gather.reads = [&p](graph::Reads& r) { r.image(p.spatial_irradiance), r.list(p.data.matrix), r.list(p.static_light); };
     gather.outputs = [&p] {
         Bundle b;
-        lend(b, "grid", {std::int64_t(p.grid.size()), 4}, p.grid.empty() ? nullptr : &p.grid[0].x);
+        const auto grid = [&b](const char* name, const Buffer<glm::vec4>& g) {
+            lend(b, name, {std::int64_t(g.size()), 4}, g.empty() ? nullptr : &g[0].x);
+        };
+        grid("bounced", p.bounced), grid("grid", p.grid);
         return b;
     };
     gather.run = [&c, &p](const RunOptions&, graph::NodeRun&) {
-        probes::gather_grid(bake_of(c).spatial.grid, p.spatial.receiver, p.spatial_irradiance.texels, p.grid);
+        probes::gather_grid(bake_of(c).spatial.grid, p.spatial.receiver, p.spatial_irradiance.texels, p.bounced);
+        p.grid = p.bounced;
+        for (std::size_t i = 0; i < p.static_light.size(); ++i) p.grid[i] += p.static_light[i];
     };
-    gather.leave_out = [&p] { p.grid.clear(); };
+    gather.leave_out = [&p] { p.grid.clear(), p.bounced.clear(); };
     nodes.push_back(std::move(gather));
-}
-
-namespace {
-
-probes::VolumeInputs volume_inputs(Context& c) {
-    ProbeBuffers& p = c.frame.probes;
-    probes::VolumeInputs in;
-    in.grid = bake_of(c).spatial.grid, in.form = c.settings.probe_run.volume;
-    in.position = &c.frame.gbuffer.position, in.normal = &c.frame.gbuffer.normal, in.lightmap_uv = &p.uv, in.irradiance = &p.grid;
-    return in;
-}
-
-}  // namespace
-
-void add_volume_of_pixels(Context& c, Nodes& nodes) {
-    ProbeBuffers& p = c.frame.probes;
-    add_of_pixels(c, nodes, "indirect light of what moves", "irradiance", [&c] { return volume_inputs(c); },
-                  [&p]() -> Image4& { return p.volume.irradiance; });
-    PlannedNode& node = nodes.back();
-    node.outputs = [&p] {
-        Bundle b;
-        lend(b, "irradiance", p.volume.irradiance), lend(b, "light", p.volume.light), lend(b, "from_light", p.volume.from_light);
-        return b;
-    };
-    node.run = [&c, &p](const RunOptions& options, graph::NodeRun& run) {
-        probes::run(volume_inputs(c), options, p.volume);
-        run.bytes = 3 * bytes_of(p.volume.irradiance);
-    };
-    node.leave_out = [&p, size = c.size] { p.volume.irradiance = p.volume.light = p.volume.from_light = Image4(size.x, size.y); };
-    // Static pixels have the lightmap's, others the grid's.
-    PlannedNode join = begin_node(c, "indirect", "", "", 0, {});
-    join.listed = false;
-    join.reads = [&p](graph::Reads& r) { r.image(p.looked_up), r.image(p.volume.irradiance); };
-    join.outputs = [&c] { return lent("irradiance", indirect_to_shade(c)); };
-    join.run = [&c, &p](const RunOptions&, graph::NodeRun&) {
-        Image4& joined = indirect_to_shade(c);
-        joined = p.looked_up;
-        for (std::size_t i = 0; i < joined.size(); ++i)
-            if (p.volume.irradiance.texels[i].w > 0) joined.texels[i] = glm::vec4(glm::vec3(p.volume.irradiance.texels[i]), 0);
-    };
-    join.leave_out = [&c] { indirect_to_shade(c) = Image4(c.size.x, c.size.y); };
-    nodes.push_back(std::move(join));
 }
 
 }  // namespace plumb::frame

@@ -16,6 +16,7 @@
 #include "gi/frame/isr.h"
 #include "gi/frame/frame_graph.h"
 #include "gi/frame/keys.h"
+#include "gi/frame/relief_use.h"
 #include "gi/probes/bake.h"
 #include "gi/probes/static_scene.h"
 #include "gi/reference/triangle_test.h"
@@ -304,6 +305,7 @@ void check_parameters(const Scene& scene, const Settings& settings) {
         compose::validate(settings.tonemap);
         if (!lights_probes(settings)) return;
         probes::validate(settings.lod);
+        check_static_lamps(scene, settings);
         // Of what is known now: where a bake is made its parameters are, the scene's diagonal is not asked for.
         const probes::BakeParams& baked = settings.bake ? settings.bake->params : settings.probes;
         constexpr double no_diagonal = 1e-6;

@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 
+#include "gi/frame/relief_use.h"
 #include "gi/probes/bake.h"
 #include "gi/rsm/all_rays.h"
 #include "raster/light_view.h"
@@ -108,6 +109,16 @@ bool nothing_moves(const PlanFacts& known, const Work&) {
     return std::none_of(known.scene.meshes.begin(), known.scene.meshes.end(), [](const Mesh& m) { return m.dynamic && !m.triangles.empty(); });
 }
 
+bool relief_off(const PlanFacts& known, const Work&) { return known.settings.probe_run.relief == probes::ReliefOf::off; }
+
+// What moves has its normal maps in the G-buffer, and its light from the grid along them.
+bool no_relief(const PlanFacts& known, const Work&) {
+    const ReliefUse use = relief_use(known.scene, known.settings);
+    return !use.any() && !use.maps;
+}
+
+bool relief_unknown(const PlanFacts& known, const Work&) { return !relief_use(known.scene, known.settings).any(); }
+
 // plan() asks it of the maps that no gather of its own reads.
 bool light_unread(const PlanFacts& known, const Work& work) {
     return known.settings.method != Method::rsm || nothing_reflects(known, work) || reflectors_missed(known, work);
@@ -183,7 +194,7 @@ const std::vector<Rule>& rules() {
     static const std::vector<std::string> of_light = {"rsm", "shadow", "gather"};
     static const std::vector<std::string> of_view = {"camera",      "rsm",            "shadow", "gather",  "direct",
                                                      "truth.direct", "truth.indirect", "isr",    "isr access", "probes",
-                                                     "probes shadow"};
+                                                     "relief",       "probes shadow"};
     static const std::vector<std::string> of_screen = {"rsm",    "shadow", "gather",   "filter",
                                                        "direct", "isr",    "isr access", "isr lit"};
     static const std::vector<Rule> all = {
@@ -195,6 +206,9 @@ const std::vector<Rule>& rules() {
         {"camera-blind", of_view, "", "the camera sees nothing of the scene", camera_blind},
         {"no-radiance", {"probes", "probes shadow"}, "", "nothing sends light", no_radiance},
         {"nothing-moves", {"probes shadow"}, "", "no mesh is dynamic", nothing_moves},
+        {"relief-off", {"relief"}, "", "probes.relief is off", relief_off},
+        {"no-relief", {"relief"}, "", "nothing has a highlight, and nothing static a normal map", no_relief},
+        {"relief-unknown", {"relief"}, "", "static normal maps ask spatial receivers, of which there are none", relief_unknown},
         {"no-light", {"direct", "truth.direct", "truth.indirect"}, "", "no light shines on the scene", no_light},
         {"nothing-reflects", {"gather", "truth.indirect", "isr", "isr access"}, "", "nothing reflects", nothing_reflects},
         {"reflectors-missed", {"gather"}, "", "nothing that the light may meet reflects", reflectors_missed},

@@ -48,7 +48,7 @@ struct Work {
     std::string stage;  // a kind of work: "camera" (what it sees), "rsm", "shadow", "gather", "filter", "direct", "compose",
                         // "truth.direct", "truth.indirect"; of method isr "isr" (radiosity and gathers), "isr access",
                         // "isr lit" (what both go through) and "isr view" (what other cameras see); "probes" (the lightmap
-                        // and what reads it), "probes shadow" (what dynamic meshes hide of it)
+                         // and what reads it), "relief" (normal maps and highlights), "probes shadow" (what dynamic meshes hide)
     std::string part;   // empty: all of it; else "albedo", "emission", "light" of a map, "face", "tile"
     int light = -1;     // index into Scene::lights; -1: of none
     int index = -1;     // of the face, or of the tile, row by row

@@ -80,6 +80,7 @@ graph::Node BakeGraph::receivers_node() {
         r.list(b.atlas.uv);
         r.value(b.atlas.size);
         r.value(b.params.test_rays, b.params.back_share);
+        if (!b.atlas.geometry.tangents.empty()) r.text("normals without maps");
         read_rays(r);
     };
     node.run = [&, this](const RunOptions& options, graph::NodeRun& run) {

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "gi/probes/bake.h"
+#include "gi/probes/static_scene.h"
 #include "gi/reference/ray_query.h"
 #include "raster/surfaces.h"
 
@@ -20,7 +21,10 @@ struct BakeGraph::World {
     float offset = 0;  // known with the atlas
 
     const raster::Surfaces& surfaces() {
-        if (!surfaces_) surfaces_ = std::make_unique<raster::Surfaces>(raster::prepare(scene, bake.atlas.geometry));
+        if (!surfaces_) {
+            surfaces_ = std::make_unique<raster::Surfaces>(raster::prepare(scene, bake.atlas.geometry));
+            drop_normal_maps(*surfaces_);
+        }
         return *surfaces_;
     }
     const RayQuery& query() {

@@ -5,6 +5,7 @@
 #include "core/host_math.h"
 #include "core/parallel.h"
 #include "core/tap.h"
+#include "gi/probes/static_scene.h"
 #include "gi/reference/environment_kernel.h"
 #include "gi/reference/lights.h"
 #include "raster/surfaces.h"
@@ -36,9 +37,10 @@ void stand_in(const std::vector<std::int32_t>& ray_of, HitSurfaces& made) {
 
 }  // namespace
 
-HitSurfaces hit_surfaces(const Scene& scene, const Bake& bake, const RunOptions& options, Unasked unasked) {
+HitSurfaces hit_surfaces(const Scene& scene, const Bake& bake, const RunOptions& options, Unasked unasked, bool normal_maps) {
     const RelightHits& hits = bake.relight;
-    const raster::Surfaces surfaces = raster::prepare(scene, bake.atlas.geometry);
+    raster::Surfaces surfaces = raster::prepare(scene, bake.atlas.geometry);
+    if (!normal_maps) drop_normal_maps(surfaces);
     const raster::SurfaceArgs args = raster::surface_args(bake.atlas.geometry, surfaces, View{});
     const reference::EnvironmentTable e = reference::environment_table(scene.environment);
     const reference::EnvironmentArgs sky{e.width, e.height, e.radiance.data(), e.row_cdf.data(), e.column_cdf.data(), e.pdf.data()};

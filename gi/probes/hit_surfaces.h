@@ -19,7 +19,8 @@ struct HitSurfaces {
     Image4 place;     // xy on the lightmap, 0..1; z the level to look it up in: 0
 };
 
-// Materials, textures and the sky are the scene's, triangles the bake's.
-HitSurfaces hit_surfaces(const Scene& scene, const Bake& bake, const RunOptions& options, Unasked unasked = Unasked::nearest);
+// Materials, textures and the sky are the scene's, triangles the bake's. normal_maps: whether hits have them.
+HitSurfaces hit_surfaces(const Scene& scene, const Bake& bake, const RunOptions& options, Unasked unasked = Unasked::nearest,
+                         bool normal_maps = true);
 
 }  // namespace plumb::probes

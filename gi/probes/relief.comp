@@ -3,6 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "core/detmath.glsl"
 #include "core/tap.glsl"
+#include "raster/light.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
@@ -12,6 +13,7 @@ layout(std140, binding = 0) uniform ReliefUniforms {
     int maps;        // 1: normal maps
     int highlights;  // 1: highlights
     float most;      // of the ratio
+    int lights;
     vec4 eye;
 } u;
 layout(binding = 1) uniform sampler2D position_image;    // xyz world, m
@@ -22,8 +24,42 @@ layout(binding = 5) uniform sampler2D plain_image;       // of the volume, along
 layout(binding = 6) uniform sampler2D light_image;       // xyz unit
 layout(binding = 7) uniform sampler2D from_light_image;  // W/m2
 layout(binding = 8) uniform sampler2D specular_image;    // k_s, w the exponent
-layout(binding = 9, rgba32f) uniform writeonly image2D relieved_image;
-layout(binding = 10, rgba32f) uniform writeonly image2D glossy_image;
+layout(std430, binding = 9) readonly buffer Lights { LightArgs lights[]; };
+layout(binding = 10) uniform sampler2DArray visibility_image;  // a layer a light: 1 lit, 0 shadowed
+layout(binding = 11, rgba32f) uniform writeonly image2D relieved_image;
+layout(binding = 12, rgba32f) uniform writeonly image2D glossy_image;
+
+// rho(w): what of irradiance that arrives along w the lobe sends to the viewer, 1/sr.
+float lobe_towards(vec3 n, vec3 v, float n_v, float exponent, vec3 w) {
+    precise float n_w = n.x * w.x + n.y * w.y + n.z * w.z;
+    precise float v_w = v.x * w.x + v.y * w.y + v.z * w.z;
+    float facing = n_w > 0.0 ? n_w : 0.0;                         TAP(facing, facing);
+    precise float mirrored = 2.0 * n_v * n_w - v_w;
+    float cosine = min(max(mirrored, 0.0), 1.0);                  TAP(mirrored, cosine);
+    float raised = det_pow(cosine, exponent);
+    float power = cosine > 0.0 && raised > 1e-30 ? raised : 0.0;  TAP(power, power);
+    precise float lobe = (exponent + 2.0) * 0.159154943 * power * facing;
+    TAP(lobe, lobe);
+    return lobe;
+}
+
+// Of a lamp: irradiance across its rays; w: the direction to it.
+vec3 arriving_from(LightArgs light, vec3 x, out vec3 w) {
+    vec3 axis = light.direction;
+    if (light.directional > 0.0) {
+        w = -axis;
+        return light.intensity;
+    }
+    precise vec3 d = light.position - x;
+    precise float d2 = d.x * d.x + d.y * d.y + d.z * d.z;
+    precise float inverse = 1.0 / sqrt(max(d2, 1e-37));
+    precise vec3 direction = d * inverse;
+    w = direction;
+    precise float cos_axis = -(direction.x * axis.x + direction.y * axis.y + direction.z * axis.z);
+    precise float factor = inverse * inverse;
+    precise vec3 arriving = light_intensity(light, cos_axis, d2) * factor;
+    return arriving;
+}
 
 void relief(ivec2 pixel) {
     vec4 normal = texelFetch(normal_image, pixel, 0);
@@ -45,24 +81,29 @@ void relief(ivec2 pixel) {
     precise float len = max(sqrt(d.x * d.x + d.y * d.y + d.z * d.z), 1e-18);
     precise vec3 v = vec3(d.x / len, d.y / len, d.z / len);       TAP(v, v);
     vec3 l = texelFetch(light_image, pixel, 0).xyz;               TAP(l, l);
-    precise float n_l = n.x * l.x + n.y * l.y + n.z * l.z;
     precise float n_v = n.x * v.x + n.y * v.y + n.z * v.z;
-    precise float v_l = v.x * l.x + v.y * l.y + v.z * l.z;
-    float facing = n_l > 0.0 ? n_l : 0.0;                         TAP(facing, facing);
-    precise float mirrored = 2.0 * n_v * n_l - v_l;
-    float cosine = min(max(mirrored, 0.0), 1.0);                  TAP(mirrored, cosine);
     vec4 k = texelFetch(specular_image, pixel, 0);                TAP(k, k.xyz);
     TAP(exponent, k.w);
     float exponent = max(k.w, 0.0);
-    float raised = det_pow(cosine, exponent);
-    float power = cosine > 0.0 && raised > 1e-30 ? raised : 0.0;  TAP(power, power);
-    precise float lobe = (exponent + 2.0) * 0.159154943 * power * facing;
-    TAP(lobe, lobe);
     vec3 arriving = texelFetch(from_light_image, pixel, 0).xyz;   TAP(E_l, arriving);
-    precise float shown = (point && u.highlights != 0 ? 1.0 : 0.0) * lobe;
+    precise vec3 sum = arriving * lobe_towards(n, v, n_v, exponent, l);
+    for (int i = 0; i < u.lights; ++i) {
+        TAP_SAMPLE(i);
+        vec3 w;
+        vec3 lamp = arriving_from(lights[i], x, w);               TAP(w, w);
+        float visibility = texelFetch(visibility_image, ivec3(pixel, i), 0).x;
+        TAP(visibility, visibility);
+        precise float lobe = visibility * lobe_towards(n, v, n_v, exponent, w);
+        precise vec3 one = lamp * lobe;                           TAP(E_lobe, one);
+        sum += one;
+    }
+    TAP_SAMPLE(-1);
+    precise float channels = k.x + k.y + k.z;
+    bool shown = point && channels > 0.0 && u.highlights != 0;
     precise float scale = (point ? 1.0 : 0.0) * r;
-    precise vec3 relieved = e * scale;
-    precise vec3 glossy = vec3(k.x * arriving.x * shown, k.y * arriving.y * shown, k.z * arriving.z * shown);
+    precise vec3 relieved = e * scale;                            TAP(relieved, relieved);
+    precise vec3 lit = k.xyz * sum;
+    vec3 glossy = shown ? lit : vec3(0.0);                        TAP(glossy, glossy);
     imageStore(relieved_image, pixel, vec4(relieved, point ? 1.0 : 0.0));
     imageStore(glossy_image, pixel, vec4(glossy, point ? 1.0 : 0.0));
 }

@@ -1,9 +1,10 @@
 // Normal maps and highlights by the light vector (IPR 4.1.2, 5.2.1.3, 5.2.1.6): the algorithm that relief.comp mirrors line by line.
 //
 //     E'  = E r                r = min(most, Y(E_v(n)) / Y(E_v(n_0)))       of surfaces whose E is that of their normal without map
-//     L_s = k_s (e + 2) / (2 pi) max(0, m . l)^e E_v(l) max(0, n . l)       m = 2 (n . v) n - v
+//     L_s = k_s (rho(l) E_v(l) + sum over lamps k of rho(w_k) E_k)
+//     rho(w) = (e + 2) / (2 pi) max(0, m . w)^e max(0, n . w)               m = 2 (n . v) n - v
 //
-// E_v is the volume's irradiance (volume_kernel.h), n the mapped and n_0 the plain normal, l the light vector, Y the sum of channels;
+// E_k is what lamp k sends across its rays, w_k the direction to it (direct_kernel.h), times its visibility. E_v is the volume's irradiance (volume_kernel.h), n the mapped and n_0 the plain normal, l the light vector, Y the sum of channels;
 // k_s and e are Material::specular and ::exponent, Phong's lobe as the path tracer has it (gi/reference/bsdf_kernel.h).
 //
 // differs: IPR shows both and prints neither. The lightmap knows one normal; how much more or less arrives at another the volume
@@ -13,6 +14,7 @@
 
 #include "core/detmath.h"
 #include "core/number.h"
+#include "raster/light_kernel.h"
 
 namespace plumb::probes {
 
@@ -22,7 +24,8 @@ struct ReliefUniforms {
     std::int32_t maps;        // 1: normal maps
     std::int32_t highlights;  // 1: highlights
     float most;               // of the ratio
-    float padding[3];
+    std::int32_t lights;
+    float padding[2];
     float eye[4];             // xyz m
 };
 static_assert(sizeof(ReliefUniforms) == 48);
@@ -37,6 +40,8 @@ struct ReliefView {
     const float* light;       // [height][width][4]: l
     const float* from_light;  // [height][width][4]: E_v(l), W/m2
     const float* specular;    // [height][width][4]: k_s, w: e
+    const raster::LightArgs* lights;  // [lights]
+    const float* visibility;          // [lights][height][width]: 1 lit, 0 shadowed
     float* relieved;          // out: [height][width][4]: E', W/m2; w 1 where there is a point
     float* glossy;            // out: [height][width][4]: L_s, W/(m2 sr); w as above
 };
@@ -49,6 +54,41 @@ struct Relief {
         for (const vec4<F>& v : {relieved, glossy}) each(v.x), each(v.y), each(v.z), each(v.w);
     }
 };
+
+// rho(w): what of irradiance that arrives along w the lobe sends to the viewer, 1/sr; n_v = n . v.
+template <class F, class Tap>
+PLUMB_INLINE F lobe_towards(const vec3<F>& n, const vec3<F>& v, F n_v, F exponent, const vec3<F>& w, Tap& tap) {
+    // Not max(): of -0 and 0 a device may take either.
+    const F n_w = dot3(n, w), facing = select(n_w > F(0.0f), n_w, F(0.0f));
+    tap("facing", facing, "max(0, n . w)");
+    // m . w = 2 (n . v)(n . w) - v . w
+    const F mirrored = F(2.0f) * n_v * n_w - dot3(v, w);
+    const F cosine = clamp(mirrored, F(0.0f), F(1.0f));           tap("mirrored", cosine, "m . w, 0 to 1");
+    const F raised = detmath::pow(cosine, exponent);
+    const F power = select((cosine > F(0.0f)) & (raised > F(1e-30f)), raised, F(0.0f));
+    tap("power", power, "(m . w)^e; 0 below 1e-30");
+    const F lobe = (exponent + F(2.0f)) * F(0.159154943f) * power * facing;
+    tap("lobe", lobe, "(e + 2) / (2 pi) (m . w)^e (n . w), 1/sr");
+    return lobe;
+}
+
+// Of a lamp: irradiance across its rays, and where it stands.
+template <class F>
+struct Arriving {
+    vec3<F> irradiance, direction;
+};
+template <class F>
+PLUMB_INLINE Arriving<F> arriving_from(const raster::LightArgs& light, const vec3<F>& x) {
+    const vec3<F> axis{F(light.direction[0]), F(light.direction[1]), F(light.direction[2])};
+    if (light.directional > 0.0f)
+        return {{F(light.intensity[0]), F(light.intensity[1]), F(light.intensity[2])}, {-axis.x, -axis.y, -axis.z}};
+    const vec3<F> d{F(light.position[0]) - x.x, F(light.position[1]) - x.y, F(light.position[2]) - x.z};
+    const F d2 = dot3(d, d);
+    const F inverse = F(1.0f) / sqrt(max(d2, F(1e-37f)));
+    const vec3<F> w = d * inverse;
+    const vec3<F> intensity = raster::light_intensity(light, -dot3(w, axis), d2);
+    return {intensity * (inverse * inverse), w};
+}
 
 template <class F, class Tap>
 PLUMB_INLINE Relief<F> relief(const ReliefView& in, index_t<F> px, index_t<F> py, Tap& tap) {
@@ -73,25 +113,29 @@ PLUMB_INLINE Relief<F> relief(const ReliefView& in, index_t<F> px, index_t<F> py
     const F length = max(sqrt(dot3(d, d)), F(1e-18f));
     const vec3<F> v{d.x / length, d.y / length, d.z / length};    tap("v", v, "unit, towards the viewer");
     const vec3<F> l = xyz<F>(N::fetch4(in.light, pixel));         tap("l", l, "the light vector");
-    // Not max(): of -0 and 0 a device may take either.
-    const F n_l = dot3(n, l), facing = select(n_l > F(0.0f), n_l, F(0.0f));
-    tap("facing", facing, "max(0, n . l)");
-    // m . l = 2 (n . v)(n . l) - v . l
-    const F mirrored = F(2.0f) * dot3(n, v) * n_l - dot3(v, l);
-    const F cosine = clamp(mirrored, F(0.0f), F(1.0f));           tap("mirrored", cosine, "m . l, 0 to 1");
     const vec4<F> k = N::fetch4(in.specular, pixel);              tap("k", xyz<F>(k), "k_s"), tap("exponent", k.w, "e");
-    const F exponent = max(k.w, F(0.0f));
-    const F raised = detmath::pow(cosine, exponent);
-    const F power = select((cosine > F(0.0f)) & (raised > F(1e-30f)), raised, F(0.0f));
-    tap("power", power, "(m . l)^e; 0 below 1e-30");
-    const F lobe = (exponent + F(2.0f)) * F(0.159154943f) * power * facing;
-    tap("lobe", lobe, "(e + 2) / (2 pi) (m . l)^e (n . l), 1/sr");
+    const F exponent = max(k.w, F(0.0f)), n_v = dot3(n, v);
     const vec3<F> arriving = xyz<F>(N::fetch4(in.from_light, pixel));
     tap("E_l", arriving, "E_v(l), W/m2");
-    const F shown = select(point, F(u.highlights != 0 ? 1.0f : 0.0f), F(0.0f)) * lobe;
+    vec3<F> sum = arriving * lobe_towards<F>(n, v, n_v, exponent, l, tap);
+    for (int i = 0; i < u.lights; ++i) {
+        tap.sample(i);
+        const Arriving<F> lamp = arriving_from<F>(in.lights[i], x);
+        tap("w", lamp.direction, "direction to the lamp");
+        const F visibility = N::fetch(in.visibility, I(i * u.width * u.height) + pixel);
+        tap("visibility", visibility, "VRSM Algorithm 4");
+        const F lobe = lobe_towards<F>(n, v, n_v, exponent, lamp.direction, tap);
+        const vec3<F> e = lamp.irradiance * (visibility * lobe);  tap("E_lobe", e, "V rho(w) E, W/(m2 sr)");
+        sum = {sum.x + e.x, sum.y + e.y, sum.z + e.z};
+    }
+    tap.sample(-1);
+    const mask_t<F> shown = point & (k.x + k.y + k.z > F(0.0f)) & (F(float(u.highlights)) > F(0.0f));
     const F w = select(point, F(1.0f), F(0.0f)), scale = w * r;
-    return {vec4<F>(e.x * scale, e.y * scale, e.z * scale, w),
-            vec4<F>(k.x * arriving.x * shown, k.y * arriving.y * shown, k.z * arriving.z * shown, w)};
+    const vec3<F> relieved{e.x * scale, e.y * scale, e.z * scale};
+    const vec3<F> lit{k.x * sum.x, k.y * sum.y, k.z * sum.z}, dark{F(0.0f), F(0.0f), F(0.0f)};
+    const vec3<F> glossy = select3<F>(shown, lit, dark);
+    tap("relieved", relieved, "E r, W/m2"), tap("glossy", glossy, "L_s, W/(m2 sr)");
+    return {vec4<F>(relieved, w), vec4<F>(glossy, w)};
 }
 
 struct ReliefKernel {

@@ -24,6 +24,12 @@ std::vector<Field> fields(RunParams& p) {
         {"relight_dynamic", &p.relight_dynamic, "", "probes' rays end on dynamic meshes, too: what these hide of all bounces, and what they send", -unbounded, unbounded, {}, false},
         {"window", as_int(p.window), "", "over the degrees of harmonics, against ringing: none, Hann's, Lanczos' (Sloan 2008)", -unbounded, unbounded,
          {"none", "hann", "lanczos"}, false},
+        {"relief", as_int(p.relief), "", "what of normal maps and highlights is shown (IPR 5.2.1.3)", -unbounded, unbounded,
+         {"off", "normals", "specular", "all"}, false},
+        {"layers", &p.layers, "", "whether the layers of IPR figure 5.20 are made beside the picture: diffuse, normals, specular", -unbounded, unbounded,
+         {}, false},
+        {"static_lamps", &p.static_lamps, "",
+         "names of lamps, \"a, b\", that what moves neither shadows nor sees but by spatial receivers (IPR 5.2.1.5)", -unbounded, unbounded, {}, false},
     };
 }
 

@@ -31,6 +31,12 @@ enum class IndirectShadow : int {
     spheres,     // spheres, and the light that spatial receivers know of
     reflecting,  // the same, and what the objects send of it
     rays,        // rays against the meshes themselves, and the light that spatial receivers know of
+// What of normal maps and of highlights is shown (IPR 5.2.1.3, figure 5.20).
+enum class ReliefOf : int {
+    off,       // surfaces as if they had neither
+    normals,   // normal maps
+    specular,  // highlights
+    all,
 };
 
 struct RunParams {
@@ -48,7 +54,12 @@ struct RunParams {
     int shadow_rays = 64;                    // of a pixel
     bool relight_dynamic = false;            // relight rays end on dynamic meshes, too (shadow_rays.h)
     Window window = Window::none;            // over the degrees of the bake's harmonics
+    ReliefOf relief = ReliefOf::all;
+    bool layers = false;                     // the layers of figure 5.20 beside the picture
+    std::string static_lamps;                // names, "a, b": lamps that reach what moves by spatial receivers alone (IPR 5.2.1.5)
 };
+inline bool maps_normals(const RunParams& p) { return p.relief == ReliefOf::normals || p.relief == ReliefOf::all; }
+inline bool has_highlights(const RunParams& p) { return p.relief == ReliefOf::specular || p.relief == ReliefOf::all; }
 std::vector<Field> fields(RunParams& params);
 
 }  // namespace plumb::probes

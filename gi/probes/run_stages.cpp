@@ -48,6 +48,12 @@ StageInfo info_active() {
                 {bake, {"boxes", "buffer f32 x 4", "m", "of dynamic meshes"}}, {{"level", "buffer i32", "", "[place] 0 near them, else -1: not computed"}}, {});
 }
 
+StageInfo info_static_light() {
+    return step("probes.static_light", "IPR 5.2.1.5; without a twin: rays from a few hundred places, when a static lamp changes",
+                {bake, {"lights", "buffer f32 x 4", "m, W/sr, W/m2", "static lamps"}},
+                {{"light", "buffer f32 x 4", "W/m2", "[place][direction] of lamps that what moves sees by the grid alone"}}, {"static_lamps"});
+}
+
 std::uint64_t bake_key(const Bake& b) {
     ContentHasher h;
     h.add(b.scene_hash, b.atlas.size, b.relight.probes, b.relight.rays, b.params.degree);

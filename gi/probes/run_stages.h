@@ -16,6 +16,7 @@ StageInfo info_run_data();
 StageInfo info_hit_surfaces();
 StageInfo info_rounds();
 StageInfo info_active();
+StageInfo info_static_light();
 
 // Of all that the run time reads of a bake.
 std::uint64_t bake_key(const Bake& bake);

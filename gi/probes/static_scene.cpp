@@ -21,6 +21,10 @@ Geometry flatten_static(const Scene& scene) {
     return flatten(fixed);
 }
 
+void drop_normal_maps(raster::Surfaces& surfaces) {
+    for (std::size_t m = 0; m < surfaces.masked.size(); ++m) surfaces.materials[m * std::size_t(record_stride) + 10] = 0;
+}
+
 std::vector<std::int32_t> static_triangles(const Scene& scene, const Geometry& geometry) {
     std::vector<std::int32_t> index;
     std::int32_t count = 0;

@@ -114,6 +114,13 @@ void add_volumes(const Scene& scene, std::vector<StageData>& all) {
     relief.eye = low, relief.position = &position, relief.normal = &normal, relief.irradiance = &lit, relief.mapped = &lit;
     relief.plain = &less, relief.light = &normal, relief.from_light = &lit, relief.specular = &lobe;
     all.push_back(owned_by<probes::ReliefKernel>(probes::data_of(relief)));
+    // A lamp at the opposite corner, as bright as what arrives along the light vector.
+    std::vector<Light> lamps(1);
+    const glm::vec3 size = high - low;
+    lamps[0].type = LightType::point, lamps[0].position = high, lamps[0].intensity = glm::vec3(size.x * size.x + size.y * size.y + size.z * size.z);
+    const Buffer<float> seen(std::size_t(n), 1.0f);
+    relief.lights = &lamps, relief.visibility = &seen;
+    all.push_back(owned_by<probes::ReliefKernel>(probes::data_of(relief), " (lamp)"));
 }
 
 }  // namespace

@@ -27,6 +27,7 @@ const std::vector<GeneratedScene>& generated_scenes() {
         {"container", "a cargo container to be moved through other scenes (IPR figure 5.20)", 2'400, 600, 400'000,
          scenes::container},
         {"character", "a figure in mid-stride to be moved through other scenes", 4'800, 1'600, 400'000, scenes::character},
+        {"alcove", "a room of squared stone lit from one side, its joints a normal map (IPR figure 5.23)", 1'200, 60, 400'000, scenes::alcove},
     };
     return scenes;
 }

@@ -41,6 +41,7 @@ Scene rooms(const GenerateOptions& options);
 Scene stress(const GenerateOptions& options);
 Scene container(const GenerateOptions& options);
 Scene character(const GenerateOptions& options);
+Scene alcove(const GenerateOptions& options);
 }  // namespace scenes
 
 }  // namespace plumb::io

@@ -301,7 +301,7 @@ inline StageData lookup_case(glm::ivec2 size, int side, const std::string& id) {
 }
 
 // Some pixels are the volume's own, some in the dark, some lit from behind; exponents are 0 to 200.
-inline StageData relief_case(glm::ivec2 size, bool maps, bool highlights, const std::string& id) {
+inline StageData relief_case(glm::ivec2 size, bool maps, bool highlights, bool lamps, const std::string& id) {
     const Points p = room(size, 88);
     const Image4 irradiance = noise_image(size, 89, 0, 3), from_light = noise_image(size, 90, 0, 3), mapped = noise_image(size, 71, 0, 3);
     Image4 plain = noise_image(size, 72, 0, 2), light = noise_image(size, 73, -1, 1), specular = noise_image(size, 74, 0, 1);
@@ -315,6 +315,11 @@ inline StageData relief_case(glm::ivec2 size, bool maps, bool highlights, const 
     in.maps = maps, in.highlights = highlights, in.most = 3, in.eye = {0.5f, 1.5f, 0.7f};
     in.position = &p.position, in.normal = &p.normal, in.irradiance = &irradiance, in.mapped = &mapped, in.plain = &plain;
     in.light = &light, in.from_light = &from_light, in.specular = &specular;
+    std::vector<Light> lights = {make_light(LightType::spot, 16), make_light(LightType::directional, 16), make_light(LightType::point, 16)};
+    lights[2].radius = 3.5f;  // ends in the room
+    Buffer<float> visibility(lights.size() * std::size_t(size.x) * std::size_t(size.y));
+    for (std::size_t i = 0; i < visibility.size(); ++i) visibility[i] = noise(int(i), 0, 0, 75);
+    if (lamps) in.lights = &lights, in.visibility = &visibility;
     return named(owned_data(probes::data_of(in)), id);
 }
 
@@ -412,6 +417,9 @@ inline std::vector<StageData> probe_cases(glm::ivec2 size) {
         relief_case(size, false, false, "probes.relief.flat"),
         indirect_shadow_case(size, true, "probes.indirect_shadow"),
         indirect_shadow_case(size, false, "probes.indirect_shadow.uniform"),
+        relief_case(size, true, true, true, "probes.relief"),
+        relief_case(size, true, true, false, "probes.relief.dark"),
+        relief_case(size, false, false, true, "probes.relief.flat"),
         ddgi_blend_case(size, 4, false, 0.25f, "ddgi.blend"),
         ddgi_blend_case(size, 6, true, 0, "ddgi.blend.moments"),
         ddgi_border_case(size, 5, "ddgi.border"),

@@ -185,7 +185,7 @@ Work volume() {
     return {probes::data_of(in), double(side) * side * (8 * 38 + 180)};
 }
 
-// The same many points, all with a lobe; 70 each, and as many for the power.
+// The same many points, all with a lobe; 70 each, and as many for the power. A spot takes as much again, and 30 for its cone.
 Work relief() {
     const int side = 512;
     static const Image4 position(side, side, glm::vec4(1)), up(side, side, glm::vec4(0, 1, 0, 1)), lit(side, side, glm::vec4(2, 1, 3, 1)),
@@ -193,7 +193,11 @@ Work relief() {
     probes::ReliefInputs in;
     in.eye = {2, 4, 1}, in.position = &position, in.normal = &up, in.irradiance = &lit, in.mapped = &lit, in.plain = &lit;
     in.light = &up, in.from_light = &lit, in.specular = &specular;
-    return {probes::data_of(in), double(side) * side * 140};
+    static std::vector<Light> lamps(1);
+    static const Buffer<float> visibility(std::size_t(side) * side, 1.0f);
+    lamps[0].position = {0, 5, 0};
+    in.lights = &lamps, in.visibility = &visibility;
+    return {probes::data_of(in), double(side) * side * (140 + 70 + 30)};
 }
 
 // Points of a floor under 16 spheres in the air and across its horizon; some 120 a sphere.

@@ -65,6 +65,10 @@ void write_pictures(const Scene& scene, const frame::Plan& plan, const frame::Fr
         layers.push_back(layer(picture ? "truth.error" : traced.layer + ".error", rgb, traced.estimate.error));
     }
     if (!frame.indirect_error.empty()) layers.push_back(layer("indirect.error", rgb, frame.indirect_error));
+    const frame::ReliefBuffers& relief = frame.probes.relief;
+    if (!relief.made.glossy.empty()) layers.push_back(layer("glossy", rgb, relief.made.glossy));
+    for (const frame::ReliefBuffers::Layer& of : relief.layers)
+        if (!of.radiance.empty()) layers.push_back(layer(of.name, rgb, of.radiance));
     for (int l = 0; l < int(lights.size()); ++l) {
         if (runs(ran, "shadow", l))
             layers.push_back({"shadow." + lights[l], {"Y"}, frame.visibility.data() + l * pixels, 1});
@@ -103,6 +107,8 @@ void write_pictures(const Scene& scene, const frame::Plan& plan, const frame::Fr
     };
     write_png(name + ".png", frame.display);
     if (!frame.truth_display.empty()) write_png(name + ".truth.png", frame.truth_display);
+    for (const frame::ReliefBuffers::Layer& of : relief.layers)
+        if (!of.display.empty()) write_png(name + "." + of.name + ".png", of.display);
 }
 
 }  // namespace plumb::cli
