@@ -31,6 +31,7 @@ enum class IndirectShadow : int {
     spheres,     // spheres, and the light that spatial receivers know of
     reflecting,  // the same, and what the objects send of it
     rays,        // rays against the meshes themselves, and the light that spatial receivers know of
+};
 // What of normal maps and of highlights is shown (IPR 5.2.1.3, figure 5.20).
 enum class ReliefOf : int {
     off,       // surfaces as if they had neither

@@ -413,8 +413,6 @@ inline std::vector<StageData> probe_cases(glm::ivec2 size) {
         volume_case(size, probes::VolumeForm::cube, false, "probes.volume.cube"),
         volume_case(size, probes::VolumeForm::linear, true, "probes.volume"),
         volume_case(size, probes::VolumeForm::angles, false, "probes.volume.angles"),
-        relief_case(size, true, true, "probes.relief"),
-        relief_case(size, false, false, "probes.relief.flat"),
         indirect_shadow_case(size, true, "probes.indirect_shadow"),
         indirect_shadow_case(size, false, "probes.indirect_shadow.uniform"),
         relief_case(size, true, true, true, "probes.relief"),
