@@ -189,6 +189,7 @@ class Spatial {
     std::unique_ptr<Volume> volume_of(int places) {
         IprVariant v;
         v.bake = base_, v.bake.spatial_receivers = places;
+        v.run.relief = probes::ReliefOf::off, v.run.indirect_shadow = probes::IndirectShadow::off;  // places alone
         part_.tell(fmt::format("spatial receivers: {} places", places));
         const probes::Bake& bake = part_.bench.bake(v.bake);
         Scene scene = part_.scene;
