@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "gi/probes/run_stages.h"
+#include "gi/probes/sky_probe.h"
 #include "io/file.h"
 #include "tools/experiments/bake_sizes.h"
 #include "tools/experiments/ipr_parts.h"
@@ -215,8 +216,9 @@ class Measure {
         values.bake.singular_values = 64, values.bake.threshold = own.threshold / 10;
         IprVariant& receiver = add("receivers' rays", fmt::format("{}", 4 * own.receiver_rays));
         receiver.bake.receiver_rays = 4 * own.receiver_rays;
+        const int standing = probes::standing_probes(bench_.bake(own).placement.probes);
         const auto probes_of = [&](IprVariant& v, int times) {
-            v.bake.placement.count = times * (own.placement.count > 0 ? own.placement.count : std::max(own.placement.least, 1));
+            v.bake.placement.count = times * standing;
             v.settings = fmt::format("{}", v.bake.placement.count);
         };
         probes_of(add("probes", ""), 4);
