@@ -31,15 +31,15 @@ TEST_CASE("alcove: its normal maps point outwards and bend at the joints alone",
     for (const Material& m : s.materials) {
         const Texture& t = s.textures[std::size_t(m.normal_texture)];
         CHECK_FALSE(t.srgb);
-        double z = 0;
+        double least = 1;
         int bent = 0;
         for (const std::uint32_t texel : t.texels.texels) {
             const double c = double(texel >> 16 & 255) / 127.5 - 1;
-            z += c, bent += c < 0.9;
+            least = std::min(least, c), bent += c < 0.9;
         }
         const double texels = double(t.texels.size());
-        CAPTURE(m.name, z / texels, bent / texels);
-        CHECK(z / texels > 0.9);
+        CAPTURE(m.name, least, bent / texels);
+        CHECK(least > 0);
         CHECK(bent > 0.01 * texels);
         CHECK(bent < 0.4 * texels);
     }

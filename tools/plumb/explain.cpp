@@ -230,6 +230,7 @@ int explain(const ExplainOptions& given) {
     frame::Settings settings = settings_of(scene, given.scene);
     const int light = given.light.empty() ? -1 : find_light(scene, given.light);
     require_explainable(given, pixel, scene, settings);
+    frame::plan(scene, settings);  // what cannot be rendered is told before a bake is made for it
     add_bake(scene, settings, {options, given.scene.no_cache ? "" : cache_folder(), !given.common.json});
     const frame::Plan plan = up_to(frame::plan(scene, settings), scene, settings, given.stage);
     std::unique_ptr<DeviceExplainer> device;
