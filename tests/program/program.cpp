@@ -52,6 +52,10 @@ struct Streams {
     std::string out = PLUMB_BINARY_DIR "/test_program.out." + std::to_string(getpid());
     std::string err = out + ".err";
 
+    // There before the child is: it may be killed before it opens them.
+    Streams() {
+        for (const std::string& name : {out, err}) std::ofstream file(name);
+    }
     void attach() const {
         dup2(open("/dev/null", O_RDONLY), 0);
         dup2(open(out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644), 1);
