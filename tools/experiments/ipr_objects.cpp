@@ -230,19 +230,21 @@ void Objects::normal_maps() {
 }  // namespace
 
 void measure_objects(const IprPart& part) {
-    if (std::none_of(part.scene.meshes.begin(), part.scene.meshes.end(), moves)) {
-        part.result.left_out.push_back("figures 5.20 to 5.23: nothing moves in this scene");
-        return;
-    }
     Objects objects(part);
-    for (const auto& [name, measure] : {std::pair("figure 5.20", &Objects::layers), {"figure 5.21", &Objects::shadow}, {"figure 5.22", &Objects::static_light},
-                                        {"figure 5.23", &Objects::normal_maps}}) {
+    const auto add = [&](const char* name, void (Objects::*measure)()) {
         try {
             (objects.*measure)();
         } catch (const InputError& e) {
             part.result.left_out.push_back(std::string(name) + ": " + e.what());
         }
-    }
+    };
+    if (std::any_of(part.scene.meshes.begin(), part.scene.meshes.end(), moves)) {
+        add("figure 5.20", &Objects::layers);
+        add("figure 5.21", &Objects::shadow);
+        add("figure 5.22", &Objects::static_light);
+    } else
+        part.result.left_out.push_back("figures 5.20 to 5.22: nothing moves in this scene");
+    add("figure 5.23", &Objects::normal_maps);
 }
 
 }  // namespace plumb::cli
