@@ -152,7 +152,7 @@ TEST_CASE("experiment ipr: spatial receivers, what moves, and graphs", "[program
 }
 
 TEST_CASE("experiment ipr: normal maps of what stands still bring a picture nearer to the path traced one", "[program]") {
-    const Result r = run(ipr(std::string(PLUMB_SOURCE_DIR) + "/data/scenes/objects/alcove.toml", {"--json", "--only", "spatial,objects", "--samples", "2048"}));
+    const Result r = run(ipr(std::string(PLUMB_SOURCE_DIR) + "/data/scenes/objects/alcove.toml", {"--json", "--only", "spatial,objects"}));
     INFO(r.err);
     REQUIRE(r.exit == 0);
     const Json s = Json::parse(r.out)["scenes"][0];
