@@ -216,6 +216,10 @@ std::vector<LodMeasured> LodBench::measure(const LodView& view, const std::vecto
             w.take_levels(run, view.camera);
             probes::update(w.buffers(run), w.options);
         }, updates);
+        m.map_ms = median_ms([&] {
+            const probes::UpdateBuffers b = w.buffers(run);
+            probes::run(probes::lightmap_inputs(b), w.options, *b.lightmap);
+        }, updates);
         const Image4 indirect = w.indirect(run, seen, view.camera, view.size), picture = lit_picture(seen, indirect);
         if (measured.empty()) reference_indirect = indirect, white = white_of(picture);
         m.picture = displayed(picture, white);

@@ -65,6 +65,7 @@ struct LodMeasured {
     probes::LodCounts counts;
     std::int64_t receivers = 0;             // active: computed
     double ms = 0, speed_up = 1;            // one update, levels included: the median
+    double map_ms = 0;                      // of it probes.lightmap, which writes every texel, whatever is computed
     std::optional<double> ssim, ssim_truth; // of the displayed picture: against the reference's, and with traced indirect light
     std::optional<IprErrors> at_pixels;     // of the indirect light
     std::optional<IprErrors> at_receivers;  // of those that are computed

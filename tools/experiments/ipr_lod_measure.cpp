@@ -66,7 +66,8 @@ class Lod {
     void add(const LodBench& bench, const LodView& view, const std::string& title, const std::string& number, const std::vector<std::string>& setups,
              const std::string& reference = "NO LOD") {
         part_.tell(title);
-        const std::string scaled = scale_ < 1 ? fmt::format("the thesis' distances times {:.3g}", scale_) : "";
+        std::string scaled = fmt::format("lightmap of {} texels a side, {} clusters", bake_.atlas.size.x, bake_.flat.count());
+        if (scale_ < 1) scaled += fmt::format(", the thesis' distances times {:.3g}", scale_);
         try {
             part_.result.lod.push_back({title, number, scaled, bench.measure(view, lod_setups(setups, scale_), part_.request.updates, reference)});
         } catch (const InputError& e) {

@@ -79,14 +79,14 @@ const LodTable* thesis_table(const IprLodTable& t) {
 IprSheet lod_sheet(const IprLodTable& t) {
     const std::size_t colon = t.title.find(": ");
     IprSheet sheet{t.title.substr(0, colon), colon == t.title.npos ? "" : t.title.substr(colon + 2), t.notes, {}, {}, {}, {}};
-    sheet.heads = {{"receivers"}, {"share %", 1}, {"ms", 3}, {"speed-up", 2}, {"SSIM", 4}, {"SSIM truth", 4}, {"change %", 2}, {"worst change %", 2}};
+    sheet.heads = {{"receivers"}, {"share %", 1}, {"ms", 3}, {"its map: ms", 3}, {"speed-up", 2}, {"SSIM", 4}, {"SSIM truth", 4}, {"change %", 2}, {"worst change %", 2}};
     add_error_heads(sheet.heads, "pixels");
     add_error_heads(sheet.heads, "receivers");
     const LodTable* thesis = thesis_table(t);
     if (thesis) sheet.heads.insert(sheet.heads.end(), {{"thesis: receivers"}, {"thesis: ms", 2}, {"thesis: speed-up", 2}, {"thesis: SSIM", 3}});
     for (const LodMeasured& m : t.rows) {
         IprSheetRow row{m.setup, "", {}, {}};
-        row.values = {double(m.receivers), 100 * double(m.receivers) / double(t.rows[0].receivers), m.ms, m.speed_up, m.ssim, m.ssim_truth, 100 * m.error, 100 * m.worst};
+        row.values = {double(m.receivers), 100 * double(m.receivers) / double(t.rows[0].receivers), m.ms, m.map_ms, m.speed_up, m.ssim, m.ssim_truth, 100 * m.error, 100 * m.worst};
         add_error_values(row.values, m.at_pixels), add_error_values(row.values, m.at_receivers);
         if (thesis) {
             const auto f = std::find_if(thesis->rows.begin(), thesis->rows.end(), [&](const LodFigures& x) { return x.setup == m.setup; });
