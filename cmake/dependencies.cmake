@@ -9,6 +9,7 @@ find_package(nlohmann_json REQUIRED)
 find_package(CLI11 REQUIRED)
 find_package(PNG REQUIRED)
 find_package(embree 3 REQUIRED)
+find_package(Eigen3 REQUIRED NO_MODULE)
 
 # OpenImageIO's CMake package names a path of OpenCV that Debian 12 does not have, so its pkg-config file is used.
 find_package(PkgConfig REQUIRED)

@@ -24,9 +24,14 @@
 #include "gi/probes/supports.h"
 #include "gi/probes/update.h"
 #include "gi/probes/volume.h"
+#include "gi/radiosity/gather.h"
+#include "gi/radiosity/host_stages.h"
+#include "gi/radiosity/items.h"
+#include "gi/radiosity/lookup.h"
 #include "gi/reference/reference.h"
 #include "gi/rsm/all_rays.h"
 #include "gi/rsm/gather.h"
+#include "gi/zbuffer/zbuffer.h"
 #include "raster/bindings.h"
 #include "raster/hemicube.h"
 #include "raster/texture_space.h"
@@ -54,6 +59,9 @@ const std::vector<ListedStage>& stages() {
         listed(rsm::stage_of(rsm::Gather::all)),
         unbound(rsm::info_all_rays()),
         listed(stage<direct::DirectKernel>()),
+        listed(stage<zbuffer::VerticesKernel>()),
+        listed(stage<zbuffer::InterpolateKernel>()),
+        listed(stage<zbuffer::PixelsKernel>()),
         listed(stage<isr::DownsampleKernel>()),
         listed(stage<isr::GatherKernel>()),
         listed(stage<isr::BounceKernel>()),
@@ -84,6 +92,12 @@ const std::vector<ListedStage>& stages() {
         listed(stage<probes::IndirectShadowKernel>()),
         unbound(probes::info_shadow_rays()),
         listed(stage<probes::ReliefKernel>()),
+        unbound(radiosity::info_elements()),
+        unbound(radiosity::info_rows()),
+        unbound(radiosity::info_light()),
+        unbound(radiosity::info_solve()),
+        listed(stage<radiosity::GatherKernel>()),
+        listed(stage<radiosity::LookupKernel>()),
         listed(stage<compose::ComposeKernel>()),
         unbound(reference::info()),
         listed(stage<compose::TonemapKernel>()),
@@ -102,6 +116,7 @@ const std::vector<ListedStage>& stages() {
         listed(stage<ddgi::BlendKernel>(), false),
         listed(stage<ddgi::BorderKernel>(), false),
         listed(stage<ddgi::SampleKernel>(), false),
+        listed(stage<radiosity::ItemsKernel>(), false),
         unbound(raster::info_hemicube(), false),
         unbound(raster::info_texture_space(), false),
     };

@@ -37,6 +37,10 @@ void forget(Context& c, const Plan& plan) {
     const isr::IsrParams& isr = c.settings.isr;
     if (!gathers_isr(c.settings)) f.isr = {};
     if (!lights_probes(c.settings)) f.probes = {};
+    if (!solves_radiosity(c.settings)) f.radiosity = {};
+    if (c.settings.method != Method::zbuffer) f.zbuffer = {};
+    if (zbuffer::per_pixel(c.settings.zbuffer.technique)) f.zbuffer.vertex_light = {};
+    if (!c.settings.zbuffer.normals) f.zbuffer.vertex_normals = {};
     if (c.static_lamps.empty()) f.probes.static_light.clear();
     if (!c.relief.layers)
         for (ReliefBuffers::Layer& layer : f.probes.relief.layers) layer.radiance = layer.display = {};

@@ -20,6 +20,9 @@
 #include "gi/probes/run_loop.h"
 #include "gi/probes/shadow_spheres.h"
 #include "gi/probes/volume.h"
+#include "gi/radiosity/host_stages.h"
+#include "gi/radiosity/lookup.h"
+#include "gi/zbuffer/zbuffer.h"
 #include "raster/gbuffer.h"
 #include "raster/rsm.h"
 
@@ -98,12 +101,13 @@ struct ProbeBuffers {
     probes::ChartedTriangles charted;
     Image4 surface, emitted, place;          // of relight hits (gi/probes/hit_surfaces.h)
     Buffer<float> harmonics, weights;        // as probes.lambda reads them
-    std::vector<std::int32_t> probe_level, cluster_level;
+    std::vector<std::int32_t> probe_level, cluster_level, basis_level;
     probes::Lod lod;                         // of the bake
     probes::LodBoxes boxes;                  // of what has a level of detail; empty without
     Image4 placed;                           // `place` with the level that a hit is looked up in; empty without levels
     Image4 before;                           // the lightmap that relight rays look up: of the round, or the frame, before
     Image4 radiance, lambda, basis, irradiance, lightmap;
+    probes::TilesToWrite tiles;              // of the lightmap
     Image4 uv;                               // of the frame's pixels
     // Of dynamic meshes; empty where there are none, or no spatial receivers.
     probes::ClusterData spatial;
@@ -129,6 +133,25 @@ struct ProbeBuffers {
     Pipeline last, next;
 };
 
+// What method radiosity makes (gi/radiosity); empty where its stages do not run. Lists have a number an element, W/m2.
+struct RadiosityBuffers {
+    radiosity::Elements elements;
+    radiosity::TriangleElements triangles;
+    radiosity::FormFactors factors;
+    Buffer<glm::vec4> lamps, sky;   // irradiance
+    Buffer<glm::vec4> radiosity;
+    Buffer<glm::vec4> irradiance;   // but by lamps
+    radiosity::Solved solved;
+};
+
+// What method zbuffer makes (gi/zbuffer) beside `direct`; empty where its stages do not run.
+struct ZbufferBuffers {
+    zbuffer::VertexTable table;
+    zbuffer::VertexLight vertex_light;
+    Image4 sent;            // emission and pi times highlights, W/m2
+    Image4 vertex_normals;  // the picture with vertices' normals over it
+};
+
 struct Frame {
     raster::GBuffer gbuffer;
     // [lights][1, or 6 faces of a point light]; size 0 where none was needed, or nothing can be seen.
@@ -143,6 +166,8 @@ struct Frame {
     Image4 upsampled, blurred_across;  // what further filters read
     IsrBuffers isr;
     ProbeBuffers probes;
+    RadiosityBuffers radiosity;
+    ZbufferBuffers zbuffer;
     std::vector<SourceView> views;  // of method isr; [0] stands for the frame itself and is empty
     Image4 indirect_error;     // standard error of `indirect`, by channel, W/m2; empty where no rsm.all_rays ran
     Image4 radiance;           // outgoing, W/(m2 sr)

@@ -118,13 +118,18 @@ void FrameGraph::add_nodes() {
     add_sum(c, nodes_);
     add_filters_after(c, nodes_);
     add_static_visibility(c, nodes_);
-    for (int v = 0; v < views; ++v) add_direct(c, v, nodes_);
+    if (c.settings.method == Method::zbuffer)
+        add_zbuffer(c, nodes_);
+    else
+        for (int v = 0; v < views; ++v) add_direct(c, v, nodes_);
     add_isr(c, nodes_);
     add_probes(c, nodes_);
+    add_radiosity(c, nodes_);
     add_compose(c, nodes_);
     add_relief_layers(c, nodes_);
     if (c.settings.method == Method::reference) add_traced(c, "color", "the picture", nodes_);
     add_tonemap(c, nodes_);
+    if (c.settings.method == Method::zbuffer) add_vertex_normals(c, nodes_);
     if (!c.settings.truth) return;
     add_traced(c, "truth", "the truth of color", nodes_);
     add_traced(c, "truth.direct", "the truth of direct: lamps alone", nodes_);

@@ -5,6 +5,8 @@
 //     nodes_direct.cpp   shadows and direct light      nodes_isr.cpp       image-space radiosity
 //     nodes_rsm.cpp      gathers and their sum         nodes_compose.cpp   the picture, and what is path traced
 //     nodes_probes.cpp   irradiance probes (nodes_probes.h)
+//     nodes_radiosity.cpp   hemicube radiosity
+//     nodes_zbuffer.cpp  light at vertices and pixels
 //     nodes_shade.cpp    indirect shadows of what moves
 //     nodes_relief.cpp   their normal maps, highlights, static lamps
 #pragma once
@@ -184,6 +186,7 @@ void add_filters_after(Context& c, Nodes& nodes);
 void add_isr(Context& c, Nodes& nodes);
 void add_probe_hits(Context& c, int view, Nodes& nodes);
 void add_probes(Context& c, Nodes& nodes);
+void add_radiosity(Context& c, Nodes& nodes);
 void add_indirect_shadow(Context& c, bool spatial, Nodes& nodes);  // spatial: there is a grid of spatial receivers
 // Where the indirect light of probes lies that shadows of what moves are still to be taken from.
 Image4& indirect_to_shade(Context& c);
@@ -192,6 +195,9 @@ void add_static_visibility(Context& c, Nodes& nodes);
 void add_static_light(Context& c, Nodes& nodes);
 void add_relief(Context& c, Nodes& nodes);
 void add_relief_layers(Context& c, Nodes& nodes);
+// Of the method zbuffer: in place of direct light; and, after the picture, the same with normals over it.
+void add_zbuffer(Context& c, Nodes& nodes);
+void add_vertex_normals(Context& c, Nodes& nodes);
 void add_compose(Context& c, Nodes& nodes);
 void add_tonemap(Context& c, Nodes& nodes);
 void add_traced(Context& c, const std::string& layer, const std::string& why, Nodes& nodes);

@@ -44,7 +44,10 @@ bool gathers_isr(const Settings& settings) {
 
 bool lights_probes(const Settings& settings) { return settings.method == Method::probes; }
 
+bool solves_radiosity(const Settings& settings) { return settings.method == Method::radiosity; }
+
 bool casts_shadows(const Settings& settings) {
+    if (settings.method == Method::zbuffer) return false;
     return settings.method != Method::isr || settings.isr.mode == isr::Mode::f2 || settings.isr.mode == isr::Mode::f4;
 }
 

@@ -27,6 +27,7 @@ std::vector<IsrView> isr_views(const Scene& scene, const Settings& settings);
 
 bool gathers_isr(const Settings& settings);    // method isr in a mode that shows indirect light
 bool lights_probes(const Settings& settings);  // method probes
+bool solves_radiosity(const Settings& settings);  // method radiosity
 bool casts_shadows(const Settings& settings);  // not in ISR's modes F3 and F5
 
 // What no setting of [isr] alone says: throws InputError.

@@ -17,7 +17,9 @@ constexpr double ms_paths = 1000;
 template <class Inputs>
 Inputs composed(Context& c) {
     const raster::GBuffer& g = c.frame.gbuffer;
-    const Image4* emission = c.relief.highlights ? &c.frame.probes.relief.sent : &g.emission;
+    const Image4* emission = c.settings.method == Method::zbuffer ? &c.frame.zbuffer.sent
+                             : c.relief.highlights              ? &c.frame.probes.relief.sent
+                                                                : &g.emission;
     return {&g.normal, &g.albedo, emission, &c.frame.direct, &c.frame.indirect, c.scene.environment.radiance};
 }
 

@@ -10,7 +10,7 @@ bool halves_indirect(const Settings& settings) {
     return settings.method == Method::rsm && settings.indirect.resolution == filter::Resolution::half;
 }
 
-bool sums_gathers(const Settings& settings) { return !gathers_isr(settings) && !lights_probes(settings); }
+bool sums_gathers(const Settings& settings) { return !gathers_isr(settings) && !lights_probes(settings) && !solves_radiosity(settings); }
 
 bool filters_indirect(const Settings& settings) {
     return halves_indirect(settings) ||

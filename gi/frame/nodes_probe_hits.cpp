@@ -11,6 +11,13 @@ namespace plumb::frame {
 
 namespace {
 
+// Of the lightmap. What a pipeline writes the next frame reads, which may look from elsewhere.
+raster::Covered wanted_tiles(const Context& c) {
+    const ProbeBuffers& p = c.frame.probes;
+    if (!c.settings.pruning) return raster::Covered(p.data.lightmap_size, 1);
+    return probes::tiles_to_write(p.data.tiles, pipelined(c) ? std::vector<std::int32_t>() : p.cluster_level);
+}
+
 void add_data(Context& c, Nodes& nodes) {
     ProbeBuffers& p = c.frame.probes;
     PlannedNode node = begin_host(c, probes::info_run_data(), "what is known of the scene", {1, 1});
@@ -30,7 +37,7 @@ void add_data(Context& c, Nodes& nodes) {
         for (const Mesh& mesh : c.scene.meshes) r.value(mesh.dynamic, mesh.triangles.size(), mesh.share);
         probes::LodParams lod = c.settings.lod;
         r.fields(probes::fields(lod));
-        r.value(c.settings.probe_run.window, c.settings.probe_run.unasked, has_volume(c));
+        r.value(c.settings.probe_run.window, c.settings.probe_run.unasked, has_volume(c), c.settings.pruning);
     };
     node.outputs = [&p] { return probes::lent(p.data, p.charted, p.harmonics, p.weights); };
     node.run = [&c, &p](const RunOptions&, graph::NodeRun& run) {
@@ -46,6 +53,7 @@ void add_data(Context& c, Nodes& nodes) {
         p.spatial_levels.assign(p.spatial.clusters.size(), 0);
         p.last = p.next = {};  // of other sizes
         p.probe_level.assign(std::size_t(p.data.probes), 0), p.cluster_level.assign(p.data.clusters.size(), 0);
+        p.basis_level = p.cluster_level, p.tiles = {wanted_tiles(c), {}};
         run.bytes = (p.data.matrix.size() + p.data.u.size()) * sizeof(float);
         run.reason = fmt::format("{} receivers, {} probes, {} clusters, lightmap {} x {}", p.data.count(), p.data.probes,
                                  p.data.clusters.size(), b.atlas.size.x, b.atlas.size.y);
@@ -74,10 +82,14 @@ void add_surfaces(Context& c, int view, Nodes& nodes) {
         return b;
     };
     node.run = [&c, &p, view](const RunOptions& options, graph::NodeRun& run) {
-        probes::HitSurfaces made = probes::hit_surfaces(c.scene, bake_of(c), options, c.settings.probe_run.unasked,
-                                                                !drops_normal_maps(c.settings));
-        if (c.settings.probe_run.relight_dynamic)
-            run.reason = fmt::format("light is gathered there; {} rays end on what moves", probes::meet_dynamic(*probes::dynamic_world(c.scene), bake_of(c), options, made));
+        const probes::RunParams& params = c.settings.probe_run;
+        const bool moves = params.relight_dynamic;
+        probes::HitSurfaces made = probes::hit_surfaces(c.scene, bake_of(c), options, moves ? probes::Unasked::black : params.unasked, !drops_normal_maps(c.settings));
+        if (moves) {
+            const std::size_t met = probes::meet_dynamic(*probes::dynamic_world(c.scene, c.world().geometry), bake_of(c), options, made);
+            probes::stand_in(probes::stand_ins(bake_of(c), params.unasked, options), made);  // for what is found now
+            run.reason = fmt::format("light is gathered there; {} rays end on what moves", met);
+        }
         raster::GBuffer& g = c.gbuffer(view);
         g.position = std::move(made.position), g.normal = std::move(made.normal);
         g.covered = covered_by(g.normal);
@@ -106,14 +118,15 @@ void add_levels(Context& c, Nodes& nodes) {
     };
     node.size = [&p] { return glm::ivec2(int(p.boxes.cluster_low.size()), 1); };
     node.dispatches = [=] { return std::vector<StageData>{clusters()}; };
-    node.reads = [&p, view](graph::Reads& r) {
+    node.reads = [&c, &p, view](graph::Reads& r) {
         const View v = view();
-        r.value(v.eye, v.forward);
+        r.value(v.eye, v.forward, pipelined(c), c.settings.pruning);
         r.list(p.data.matrix), r.image(p.place);
     };
     node.outputs = [&p] {
         Bundle b;
         lend(b, "level", {std::int64_t(p.cluster_level.size()), 1}, p.cluster_level.data());
+        lend(b, "basis_level", {std::int64_t(p.basis_level.size()), 1}, p.basis_level.data());
         lend(b, "probe_level", {std::int64_t(p.probe_level.size()), 1}, p.probe_level.data());
         lend(b, "place", p.placed);
         return b;
@@ -122,6 +135,9 @@ void add_levels(Context& c, Nodes& nodes) {
         const View v = view();
         const probes::Levels levels = probes::levels_at(p.lod, bake_of(c), p.boxes, glm::vec3(v.eye), glm::vec3(v.forward), options);
         p.cluster_level = levels.cluster, p.probe_level = levels.probe;
+        // In a pipeline the next frame's receivers read the basis.
+        p.basis_level = pipelined(c) || !c.settings.pruning ? p.cluster_level : probes::basis_levels(p.data, p.cluster_level);
+        p.tiles.wanted = wanted_tiles(c);
         p.placed = p.place;
         for (std::size_t i = 0; i < levels.hit.size(); ++i) p.placed.texels[i].z = float(levels.hit[i]);
         const probes::LodCounts counts = probes::lod_counts(p.lod, bake_of(c), levels);

@@ -38,6 +38,7 @@ probes::UpdateBuffers buffers_of(Context& c) {
     b.radiance = &p.radiance, b.lambda = &p.lambda, b.basis = &p.basis, b.irradiance = &p.irradiance, b.lightmap = &p.lightmap;
     b.read_lambda = behind ? &p.last.lambda : &p.lambda;
     b.read_basis = behind ? &p.last.basis : &p.basis;
+    b.basis_level = &p.basis_level, b.tiles = &p.tiles;
     return b;
 }
 
@@ -48,7 +49,8 @@ probes::Convergence run_rounds(Context& c, const RunOptions& options, Image4& be
     probes::UpdateBuffers b = buffers_of(c);
     b.direct = &c.direct(1);
     b.radiance = &made.radiance, b.lambda = &made.lambda, b.basis = &made.basis, b.irradiance = &made.irradiance;
-    b.lightmap = &made.lightmap;
+    b.lightmap = &made.lightmap, b.tiles = &made.tiles;
+    made.tiles.wanted = c.frame.probes.tiles.wanted;
     try {
         return probes::converge(b, c.settings.probe_run, options, before);
     } catch (const InputError& error) {
@@ -101,6 +103,22 @@ void add_rounds(Context& c, Nodes& nodes) {
     nodes.push_back(std::move(node));
 }
 
+// Of the lightmap's node: it writes the tiles that are shown, and leaves 0 in the others. Who looks at its dispatch sees all of them.
+void write_tiles(Context& c, PlannedNode& node) {
+    ProbeBuffers& p = c.frame.probes;
+    node.reads = [&c, &p, all = node.reads](graph::Reads& r) {
+        all(r);
+        r.list(p.cluster_level), r.value(pipelined(c), c.settings.pruning);
+    };
+    node.run = [&c, &p](const RunOptions& options, graph::NodeRun& run) {
+        probes::write_lightmap(probes::lightmap_inputs(buffers_of(c)), options, p.tiles, p.lightmap);
+        run.bytes = bytes_of(p.lightmap);
+        const Buffer<std::uint8_t>& wanted = p.tiles.wanted.any;
+        if (!p.lod.off()) run.reason += fmt::format("; {} of {} tiles are shown", std::count(wanted.begin(), wanted.end(), 1), wanted.size());
+    };
+    node.leave_out = [&p] { p.lightmap = {}, p.tiles.written = {}; };
+}
+
 void add_update(Context& c, Nodes& nodes) {
     ProbeBuffers& p = c.frame.probes;
     const double hits = double(c.views[1].size.x) * c.views[1].size.y;
@@ -121,6 +139,7 @@ void add_update(Context& c, Nodes& nodes) {
     add_stage(c, nodes, "the lightmap", "lightmap", side * side,
               [=](const Bake& b) { return glm::ivec2(b.atlas.size.x, probes::lightmap_rows(b.atlas.size.x, levels)); },
               [&c] { return probes::lightmap_inputs(buffers_of(c)); }, [&p]() -> Image4& { return p.lightmap; });
+    write_tiles(c, nodes.back());
 }
 
 void add_indirect(Context& c, Nodes& nodes) {

@@ -130,7 +130,7 @@ void add_rays(Context& c, bool spatial, Nodes& nodes) {
         r.list(p.grid), r.list(p.data.matrix);
     };
     node.run = [=, &c, &p](const RunOptions& options, graph::NodeRun& run) {
-        const auto world = probes::dynamic_world(c.scene);
+        const auto world = probes::dynamic_world(c.scene, c.world().geometry);
         probes::ShadowRaysInputs in;
         in.world = world.get(), in.rays = c.settings.probe_run.shadow_rays, in.irradiance = &p.unshaded;
         in.position = &c.frame.gbuffer.position, in.normal = &c.frame.gbuffer.normal;

@@ -303,6 +303,7 @@ namespace {
 void check_parameters(const Scene& scene, const Settings& settings) {
     try {
         compose::validate(settings.tonemap);
+        if (settings.method == Method::zbuffer) zbuffer::validate(settings.zbuffer);
         if (!lights_probes(settings)) return;
         probes::validate(settings.lod);
         check_static_lamps(scene, settings);

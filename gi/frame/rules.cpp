@@ -99,7 +99,7 @@ bool no_gather(const PlanFacts& known, const Work&) {
 }
 
 
-// Neither lamps nor emitters nor the sky: the lightmap is black.
+// Neither lamps nor emitters nor the sky: the lightmap is black, and so is what radiosity solves.
 bool no_radiance(const PlanFacts& known, const Work& work) {
     return !in_a_pipeline(known) && !known.emits && !probes::sends_light(known.scene.environment) && no_light(known, work);
 }
@@ -194,9 +194,9 @@ const std::vector<Rule>& rules() {
     static const std::vector<std::string> of_light = {"rsm", "shadow", "gather"};
     static const std::vector<std::string> of_view = {"camera",      "rsm",            "shadow", "gather",  "direct",
                                                      "truth.direct", "truth.indirect", "isr",    "isr access", "probes",
-                                                     "relief",       "probes shadow"};
+                                                     "relief",       "probes shadow", "radiosity", "zbuffer"};
     static const std::vector<std::string> of_screen = {"rsm",    "shadow", "gather",   "filter",
-                                                       "direct", "isr",    "isr access", "isr lit"};
+                                                       "direct", "isr",    "isr access", "isr lit", "zbuffer"};
     static const std::vector<Rule> all = {
         {"scene-empty", of_view, "", "the scene is empty", scene_empty},
         {"light-off", of_light, "", "the light is off", light_off},
@@ -204,7 +204,7 @@ const std::vector<Rule>& rules() {
         {"light-misses", of_light, "", "the light misses everything that is drawn", light_misses},
         {"paths-instead", {"rsm", "shadow", "direct", "compose"}, "", "paths are traced instead", paths_instead},
         {"camera-blind", of_view, "", "the camera sees nothing of the scene", camera_blind},
-        {"no-radiance", {"probes", "probes shadow"}, "", "nothing sends light", no_radiance},
+        {"no-radiance", {"probes", "probes shadow", "radiosity"}, "", "nothing sends light", no_radiance},
         {"nothing-moves", {"probes shadow"}, "", "no mesh is dynamic", nothing_moves},
         {"relief-off", {"relief"}, "", "probes.relief is off", relief_off},
         {"no-relief", {"relief"}, "", "nothing has a highlight, and nothing static a normal map", no_relief},

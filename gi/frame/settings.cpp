@@ -26,13 +26,15 @@ const std::vector<MethodInfo>& methods() {
         {Method::rsm, "rsm", {"truth.direct", "truth.indirect"}},
         {Method::isr, "isr", {"truth.direct", "truth.indirect"}},
         {Method::probes, "probes", {}},
+        {Method::radiosity, "radiosity", {}},
+        {Method::zbuffer, "zbuffer", {"truth.direct"}},
         {Method::reference, "reference", {}},
     };
     return all;
 }
 
 std::vector<std::string> method_tables() {
-    return {"rsm", "isr", "indirect", "shadow", "direct", "compose", "tonemap", "reference", "probes", "lod", "layout"};
+    return {"rsm", "isr", "indirect", "shadow", "direct", "compose", "tonemap", "reference", "probes", "lod", "radiosity", "zbuffer", "layout"};
 }
 
 std::vector<Field> table_fields(Settings& s, const std::string& table, const std::string& place) {
@@ -50,6 +52,8 @@ std::vector<Field> table_fields(Settings& s, const std::string& table, const std
         return all;
     }
     if (table == "lod") return probes::fields(s.lod);
+    if (table == "radiosity") return radiosity::fields(s.radiosity);
+    if (table == "zbuffer") return zbuffer::fields(s.zbuffer);
     if (table == "layout") return raster::fields(s.layout);
     throw InputError(fmt::format("{}: unknown table [{}]; the nearest known one is [{}]", place, table,
                                  nearest_name(table, method_tables())));

@@ -13,8 +13,10 @@
 #include "gi/probes/bake_params.h"
 #include "gi/probes/lod.h"
 #include "gi/probes/run_params.h"
+#include "gi/radiosity/radiosity_params.h"
 #include "gi/reference/reference.h"
 #include "gi/rsm/gather.h"
+#include "gi/zbuffer/zbuffer_params.h"
 #include "raster/layout.h"
 
 namespace plumb::probes {
@@ -24,7 +26,7 @@ struct Bake;
 namespace plumb::frame {
 
 // reference: the picture itself is path traced.
-enum class Method : int { direct, rsm, isr, probes, reference };
+enum class Method : int { direct, rsm, isr, probes, radiosity, zbuffer, reference };
 
 // What everything that goes through all methods knows of one: its parameters are those of the table of its name.
 struct MethodInfo {
@@ -40,6 +42,7 @@ struct Settings {
     Method method = Method::rsm;
     raster::Layout layout = raster::Layout::fp32;
     rsm::GatherParams rsm;
+    zbuffer::ZbufferParams zbuffer;
     isr::IsrParams isr;
     filter::FilterParams indirect;    // of the method rsm
     direct::ShadowParams shadow;
@@ -50,6 +53,7 @@ struct Settings {
     probes::BakeParams probes;        // of `plumb bake`, and of the method probes where it has no bake
     probes::RunParams probe_run;      // of the method probes
     probes::LodParams lod;            // of the method probes
+    radiosity::RadiosityParams radiosity;  // of the method radiosity
     std::shared_ptr<const probes::Bake> bake;  // that the method probes reads; planning needs none
     std::uint32_t seed = 1;
     bool truth = false;   // also trace what the method approximates
@@ -57,7 +61,7 @@ struct Settings {
 };
 
 // The tables of a scene file that hold parameters: "rsm", "isr", "indirect", "shadow", "direct", "compose", "tonemap", "reference",
-// "probes", "lod", "layout" (of a custom layout).
+// "probes", "lod", "radiosity", "zbuffer", "layout" (of a custom layout).
 std::vector<std::string> method_tables();
 
 // The parameters of one table; throws InputError at `place` for a table that does not exist.

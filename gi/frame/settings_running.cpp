@@ -31,8 +31,11 @@ std::vector<Change> changes() {
     all.push_back([](Settings& s) { s.method = Method::rsm, s.shadow.mode = direct::ShadowMode::esm; });
     all.push_back([](Settings& s) { s.method = Method::probes; });
     all.push_back([](Settings& s) { s.method = Method::probes, s.lod.levels = std::max(s.lod.levels, 2); });
+    all.push_back([](Settings& s) { s.method = Method::radiosity; });
     for (const probes::IndirectShadow shadow : {probes::IndirectShadow::spheres, probes::IndirectShadow::rays})
         all.push_back([=](Settings& s) { s.method = Method::probes, s.probe_run.indirect_shadow = shadow; });
+    for (const zbuffer::Technique technique : {zbuffer::Technique::cads_p, zbuffer::Technique::cads})
+        all.push_back([=](Settings& s) { s.method = Method::zbuffer, s.zbuffer.technique = technique; });
     return all;
 }
 

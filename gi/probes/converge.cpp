@@ -53,7 +53,7 @@ std::vector<glm::dvec3> RunTime::lambda() const {
     std::vector<glm::dvec3> f = radiance();
     if (!stand_in_.empty()) {
         const std::vector<glm::dvec3> found = f;
-        for (std::size_t k = 0; k < f.size(); ++k) f[k] = found[k - k % std::size_t(bake_.relight.rays) + std::size_t(stand_in_[k])];
+        for (std::size_t k = 0; k < f.size(); ++k) f[k] = found[std::size_t(stand_in_[k])];
     }
     return probe_coefficients(f, bake_.relight.probes, bake_.relight_weights, bake_.harmonics, bake_.params.degree);
 }

@@ -26,16 +26,13 @@ glm::vec2 barycentrics_of(const Geometry& geometry, int triangle, const glm::dve
     return {float(b), float(std::clamp((d11 * dot(e2, d) - d12 * dot(e1, d)) / area, 0.0, 1.0 - b))};
 }
 
-// Those that stand for others are met by themselves: the order does not matter.
-void stand_in(const std::vector<std::int32_t>& ray_of, HitSurfaces& made) {
-    for (Image4* image : {&made.position, &made.normal, &made.surface, &made.emitted, &made.place})
-        for (std::size_t i = 0; i < ray_of.size(); ++i) {
-            const std::size_t ray = i % std::size_t(image->width);
-            image->texels[i] = image->texels[i - ray + std::size_t(ray_of[i])];
-        }
-}
-
 }  // namespace
+
+void stand_in(const std::vector<std::int32_t>& ray_of, HitSurfaces& made) {
+    // Those that stand for others are told by themselves: the order does not matter.
+    for (Image4* image : {&made.position, &made.normal, &made.surface, &made.emitted, &made.place})
+        for (std::size_t i = 0; i < ray_of.size(); ++i) image->texels[i] = image->texels[std::size_t(ray_of[i])];
+}
 
 HitSurfaces hit_surfaces(const Scene& scene, const Bake& bake, const RunOptions& options, Unasked unasked, bool normal_maps) {
     const RelightHits& hits = bake.relight;

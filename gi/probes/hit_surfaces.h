@@ -23,4 +23,7 @@ struct HitSurfaces {
 HitSurfaces hit_surfaces(const Scene& scene, const Bake& bake, const RunOptions& options, Unasked unasked = Unasked::nearest,
                          bool normal_maps = true);
 
+// Each ray becomes what the one that tells in its place has found: ray_of is stand_ins(). hit_surfaces() ends with it.
+void stand_in(const std::vector<std::int32_t>& ray_of, HitSurfaces& made);
+
 }  // namespace plumb::probes

@@ -1,18 +1,14 @@
 // Where on the lightmap a pixel's surface lies: the algorithm that lightmap_uv.comp mirrors line by line.
 //
 // A GPU's rasterizer interpolates the lightmap's coordinates as an attribute (IPR 3.3.1.4). Here they come from what a G-buffer
-// holds, position and triangle: p = A + b e1 + c e2, e1 = B - A, e2 = C - A, with b and c of least squares,
-//
-//     b = ((d x e2) . n) / n^2,  c = ((e1 x d) . n) / n^2        d = p - A, n = e1 x e2
-//
-// which is the same to rounding, and holds for positions that a target has rounded, too. By dot products alone, as the normal
-// equations have it, slivers lose twice as many digits.
+// holds, position and triangle (raster/barycentric_kernel.h): p = A + b e1 + c e2, e1 = B - A, e2 = C - A; which holds for positions
+// that a target has rounded, too.
 //
 // Beside it the pixel's level of detail, by its distance (IPR 4.2.4): whole levels, and the share of the next coarser one.
 #pragma once
 
 #include "gi/probes/level_kernel.h"
-#include "raster/surface_kernel.h"
+#include "raster/barycentric_kernel.h"
 
 namespace plumb::probes {
 
@@ -43,7 +39,6 @@ struct LightmapUvView {
 
 template <class F, class Tap>
 PLUMB_INLINE vec4<F> lightmap_uv(const LightmapUvView& in, index_t<F> px, index_t<F> py, Tap& tap) {
-    using raster::cross3;
     using N = number<F>;
     using I = index_t<F>;
     const LightmapUvUniforms& u = in.u;
@@ -56,11 +51,9 @@ PLUMB_INLINE vec4<F> lightmap_uv(const LightmapUvView& in, index_t<F> px, index_
     const vec4<F> a = N::fetch4(in.corners, first), b = N::fetch4(in.corners, first + I(1)), c = N::fetch4(in.corners, first + I(2)),
                   v = N::fetch4(in.corners, first + I(3)), p = N::fetch4(in.position, pixel);
     const vec3<F> e1{b.x - a.x, b.y - a.y, b.z - a.z}, e2{c.x - a.x, c.y - a.y, c.z - a.z}, d{p.x - a.x, p.y - a.y, p.z - a.z};
-    const vec3<F> n = cross3(e1, e2);
-    const F area = dot3(n, n);                                    tap("area", area, "n^2: the triangle's area twice, squared, m4");
-    const F scale = F(1.0f) / select(area > F(0.0f), area, F(1.0f));
-    const F beta = max(F(0.0f), min(dot3(cross3(d, e2), n) * scale, F(1.0f)));
-    const F gamma = max(F(0.0f), min(dot3(cross3(e1, d), n) * scale, F(1.0f) - beta));
+    const raster::Barycentrics<F> at = raster::barycentrics_of(d, e1, e2);
+    tap("area", at.area, "n^2: the triangle's area twice, squared, m4");
+    const F beta = at.l.x, gamma = at.l.y;
     tap("beta", beta, "of B, 0..1"), tap("gamma", gamma, "of C, 0..1 - beta");
     const F x = a.w + beta * (b.w - a.w) + gamma * (c.w - a.w), y = v.x + beta * (v.y - v.x) + gamma * (v.z - v.x);
     const F distance = point_distance<F>(xyz<F>(p), u.eye, u.forward, u.zones, u.scales);

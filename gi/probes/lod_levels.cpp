@@ -91,7 +91,7 @@ LodBoxes lod_boxes(const Bake& bake, Unasked unasked) {
         add_box(boxes.probe_low, boxes.probe_high, glm::vec3(p), glm::vec3(p), margin_of(bake.radius.radius_m));
     const std::vector<std::int32_t> ray_of = stand_ins(bake, unasked, {});
     for (std::size_t k = 0; k < bake.relight.position.size(); ++k) {
-        const glm::vec4 p = bake.relight.position[k - k % std::size_t(bake.relight.rays) + std::size_t(ray_of[k])];
+        const glm::vec4 p = bake.relight.position[std::size_t(ray_of[k])];
         const glm::vec4 probe = bake.placement.probes[k / std::size_t(bake.relight.rays)];
         boxes.hit.push_back(glm::vec4(glm::vec3(p.w > 0 ? p : probe), 0));
     }

@@ -30,8 +30,8 @@ inline constexpr int most_wanted = 1 << 18;
 
 struct Placement {
     Buffer<glm::vec4> candidates;  // xyz m; w: density K_i before any was removed
-    Buffer<glm::vec4> probes;      // xyz m; w 0; in the order of the candidates
-    std::vector<std::int32_t> candidate;  // of each probe
+    Buffer<glm::vec4> probes;      // xyz m; w 0; in the order of the candidates; a bake may add the sky (sky_probe.h)
+    std::vector<std::int32_t> candidate;  // of each probe; -1: the sky
     int wanted = 0;                // the number that count, or density and bounds, ask for
     double rho_m = 0;              // edge of the cubes of which `wanted` cover the bounds
     double cell_m = 0;             // edge of a voxel

@@ -86,6 +86,9 @@ RunData laid_out(const FlatClusters& flat, int coefficients, const std::vector<g
     d.lightmap_size = {d.cover.width, d.cover.height};
     d.receiver_level.reserve(d.receiver.size());
     for (const std::int32_t i : d.receiver) d.receiver_level.push_back(level[std::size_t(i)]);
+    d.coarsest.assign(d.clusters.size(), -1);
+    for (std::size_t i = 0; i < d.receiver.size(); ++i)
+        if (d.cluster[i] >= 0) d.coarsest[std::size_t(d.cluster[i])] = std::max(d.coarsest[std::size_t(d.cluster[i])], d.receiver_level[i]);
     return d;
 }
 
@@ -138,8 +141,10 @@ ClusterData cluster_data(const FlatClusters& f, int receivers, int coefficients,
 RunData run_data(const Bake& bake, int levels) {
     const glm::ivec2 size = bake.receivers.size;
     if (size.x != size.y) throw InputError(fmt::format("run time: a lightmap of {} x {}: expected a square", size.x, size.y));
-    RunData d = laid_out(bake.flat, bake.coefficients(), bake.receivers.texel, size.x, levels, receiver_levels(bake, levels));
+    const std::vector<std::int32_t> level = receiver_levels(bake, levels);
+    RunData d = laid_out(bake.flat, bake.coefficients(), bake.receivers.texel, size.x, levels, level);
     d.probes = bake.relight.probes, d.rays = int(bake.relight_directions.size());
+    d.tiles = lightmap_tiles(bake, levels, bake.flat.cluster_of, level);
     return d;
 }
 
@@ -149,6 +154,13 @@ RunData run_data(const BakeArrays& arrays, int side, int levels) {
     RunData d = laid_out(flat_of(arrays), arrays.coefficients, texels, side, levels, levels_of(texels, levels));
     d.probes = int(arrays.probes.size()), d.rays = arrays.rays;
     return d;
+}
+
+std::vector<std::int32_t> basis_levels(const RunData& data, const std::vector<std::int32_t>& cluster_level) {
+    std::vector<std::int32_t> level = cluster_level;
+    for (std::size_t c = 0; c < level.size(); ++c)
+        if (data.coarsest[c] < level[c]) level[c] = -1;
+    return level;
 }
 
 // ---- The lightmap's levels --------------------------------------------------------------------------------------------

@@ -9,6 +9,7 @@
 #include "core/image.h"
 #include "gi/probes/flat_clusters.h"
 #include "gi/probes/lightmap_kernel.h"
+#include "gi/probes/lightmap_tiles.h"
 
 namespace plumb::probes {
 
@@ -37,13 +38,18 @@ ClusterData cluster_data(const FlatClusters& flat, int receivers, int coefficien
 struct RunData : ClusterData {
     int probes = 0, rays = 0, levels = 1;
     std::vector<std::int32_t> receiver_level;  // [places]: the coarsest level of detail that shows it (IPR 4.2.3)
+    std::vector<std::int32_t> coarsest;        // [clusters]: of its receivers; -1 without any
     Image<std::int32_t> cover;                 // [strip]: place of the receiver; or one of Cover
     glm::ivec2 lightmap_size{0};               // of the strip
+    LightmapTiles tiles;                       // of the strip; empty of data textures, which hold no charts
 };
 // Throws InputError for levels other than 1 to most_levels (lightmap_kernel.h).
 RunData run_data(const Bake& bake, int levels = 1);
 // The same of data textures that were read back (textures.h). side: of the lightmap, which they do not hold.
 RunData run_data(const BakeArrays& arrays, int side, int levels = 1);
+
+// What probes.basis is given for levels: -1, no coefficients, for a cluster that is so coarse that none of its receivers is computed.
+std::vector<std::int32_t> basis_levels(const RunData& data, const std::vector<std::int32_t>& cluster_level);
 
 // ---- The lightmap's levels --------------------------------------------------------------------------------------------
 

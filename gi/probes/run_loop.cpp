@@ -29,7 +29,7 @@ LambdaInputs lambda_inputs(const UpdateBuffers& b) {
 
 BasisInputs basis_inputs(const UpdateBuffers& b) {
     BasisInputs in;
-    in.clusters = b.data, in.cluster_level = b.cluster_level->data(), in.lambda = b.read_lambda->data(), in.probes = b.data->probes;
+    in.clusters = b.data, in.cluster_level = (b.basis_level ? b.basis_level : b.cluster_level)->data(), in.lambda = b.read_lambda->data(), in.probes = b.data->probes;
     in.coefficients = glm::ivec4(0);
     for (int k = 0; k < b.counts.levels; ++k) in.coefficients[k] = b.counts.coefficients[std::size_t(k)];
     return in;
@@ -62,7 +62,10 @@ void update(const UpdateBuffers& b, const RunOptions& options) {
     run_stage(lambda_inputs(b), options, *b.lambda);
     run_stage(basis_inputs(b), options, *b.basis);
     run_stage(irradiance_inputs(b), options, *b.irradiance);
-    run_stage(lightmap_inputs(b), options, *b.lightmap);
+    if (b.tiles)
+        write_lightmap(lightmap_inputs(b), options, *b.tiles, *b.lightmap);
+    else
+        run_stage(lightmap_inputs(b), options, *b.lightmap);
 }
 
 namespace {

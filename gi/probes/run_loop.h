@@ -26,12 +26,14 @@ struct UpdateBuffers {
     const Buffer<float>* harmonics = nullptr;  // [rays][coefficients]
     const Buffer<float>* weights = nullptr;    // [levels][rays]
     const std::vector<std::int32_t>*probe_level = nullptr, *cluster_level = nullptr;
+    const std::vector<std::int32_t>* basis_level = nullptr;  // basis_levels(); null: cluster_level
     LevelCounts counts;
     Feedback feedback = Feedback::corrected;
     float constant = published_constant;
     const Image4 *surface = nullptr, *emitted = nullptr, *place = nullptr, *direct = nullptr;
     const Image4 *last_lightmap = nullptr, *read_lambda = nullptr, *read_basis = nullptr;
     Image4 *radiance = nullptr, *lambda = nullptr, *basis = nullptr, *irradiance = nullptr, *lightmap = nullptr;
+    TilesToWrite* tiles = nullptr;  // of that lightmap; null: all are written
 };
 RadianceInputs radiance_inputs(const UpdateBuffers& b);
 LambdaInputs lambda_inputs(const UpdateBuffers& b);

@@ -7,12 +7,15 @@
 #include "core/error.h"
 #include "core/host_math.h"
 #include "core/parallel.h"
+#include "core/sequences.h"
 #include "gi/probes/bake.h"
 #include "gi/probes/hit_surfaces.h"
 #include "gi/probes/receivers.h"
 #include "gi/probes/run_params.h"
+#include "gi/probes/sky_probe.h"
 #include "gi/probes/volume_kernel.h"
 #include "gi/reference/ray_query.h"
+#include "gi/reference/warp_kernel.h"
 #include "gi/trace_rays.h"
 
 namespace plumb::probes {
@@ -26,18 +29,11 @@ std::vector<glm::vec3> cosine_directions(int count) {
     std::vector<glm::vec3> all;
     for (int turn = 0; turn < turns; ++turn)
         for (int i = 0; i < count; ++i) {
-            double reversed = 0, digit = 0.5;
-            for (int bits = i; bits > 0; bits >>= 1, digit /= 2) reversed += (bits & 1) * digit;
-            const double u = (i + 0.5) / count, angle = 2 * host::pi * (reversed + double(turn) / turns), radius = std::sqrt(u);
-            all.emplace_back(float(radius * host::cos(angle)), float(radius * host::sin(angle)), float(std::sqrt(1 - u)));
+            const glm::dvec2 u = hammersley(std::uint64_t(i), std::uint64_t(count));
+            const double angle = 2 * host::pi * (u.y + double(turn) / turns), radius = std::sqrt(u.x);
+            all.emplace_back(float(radius * host::cos(angle)), float(radius * host::sin(angle)), float(std::sqrt(1 - u.x)));
         }
     return all;
-}
-
-// Two axes across a unit normal (Duff et al. 2017, "Building an Orthonormal Basis, Revisited").
-glm::mat3 frame_of(const glm::vec3& n) {
-    const float sign = n.z < 0 ? -1.0f : 1.0f, a = -1 / (sign + n.z), b = n.x * n.y * a;
-    return {glm::vec3(1 + sign * n.x * n.x * a, sign * b, -sign * n.x), glm::vec3(b, sign + n.y * n.y * a, -n.y), n};
 }
 
 // max(0, a + b . w) at a point of the grid.
@@ -68,9 +64,9 @@ glm::vec4 ball_around(const Geometry& geometry) {
 
 }  // namespace
 
-std::unique_ptr<DynamicWorld> dynamic_world(const Scene& scene) {
+std::unique_ptr<DynamicWorld> dynamic_world(const Scene& scene, const Geometry& whole) {
     auto w = std::make_unique<DynamicWorld>();
-    w->offset = offset_of(extent_of(flatten(scene)));
+    w->offset = offset_of(extent_of(whole));
     Scene moving = scene;
     std::erase_if(moving.meshes, [](const Mesh& m) { return !m.dynamic || m.triangles.empty(); });
     if (moving.meshes.empty()) return w;
@@ -98,13 +94,13 @@ void run(const ShadowRaysInputs& in, const RunOptions& options, Image4& shaded) 
                 if (!(normal.w > 0)) continue;
                 const glm::vec3 n(normal), x(in.position->texels[at]);
                 if (glm::dot(n, glm::vec3(ball) - x) < -ball.w) continue;
-                const glm::mat3 frame = frame_of(n);
+                const reference::Basis<float> frame = reference::basis_of<float>(n);
                 const glm::vec3 origin = x + n * in.world->offset;
                 const glm::vec3* set = &directions[std::size_t((px % 4 + 4 * (y % 4)) * in.rays)];
                 glm::vec3 sum(0);
                 int hits = 0;
                 for (int i = 0; i < in.rays; ++i) {
-                    const glm::vec3 w = frame * set[i];
+                    const glm::vec3 w = reference::to_world<float>(frame, set[i]);
                     const RayHit<float> hit = tracer.nearest(origin, w, true);
                     if (!hit.found) continue;
                     ++hits;
@@ -128,7 +124,9 @@ std::size_t meet_dynamic(const DynamicWorld& world, const Bake& bake, const RunO
         NoTap quiet;
         std::size_t mine = 0;
         for (std::size_t i = std::size_t(first) * std::size_t(hits.rays); i < std::size_t(last) * std::size_t(hits.rays); ++i) {
-            const glm::vec3 origin(bake.placement.probes[i / std::size_t(hits.rays)]), end(hits.position[i]);
+            const glm::vec4 probe = bake.placement.probes[i / std::size_t(hits.rays)];
+            if (is_sky(probe)) continue;
+            const glm::vec3 origin(probe), end(hits.position[i]);
             const bool escapes = hits.material[i] == met_nothing;
             const glm::vec3 to = escapes ? end : end - origin;  // of what met nothing its direction is kept
             const RayHit<float> hit = tracer.nearest(origin, to, true);

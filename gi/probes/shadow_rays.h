@@ -25,7 +25,8 @@ struct DynamicWorld {
     DynamicWorld(const DynamicWorld&) = delete;
     DynamicWorld& operator=(const DynamicWorld&) = delete;
 };
-std::unique_ptr<DynamicWorld> dynamic_world(const Scene& scene);
+// whole: flatten(scene).
+std::unique_ptr<DynamicWorld> dynamic_world(const Scene& scene, const Geometry& whole);
 
 struct Bake;
 struct HitSurfaces;
@@ -46,7 +47,8 @@ void run(const ShadowRaysInputs& in, const RunOptions& options, Image4& shaded);
 
 // Relight rays that meet a dynamic mesh before what stands still end there: position, normal, reflectance and emission are the mesh's, and
 // black where a ray meets its back. Lamps light it as they light every hit; indirect light is taken from the lightmap where the ray would
-// have ended, for the mesh has none (none of rays that would have met nothing). Returns how many rays there are.
+// have ended, for the mesh has none (none of rays that would have met nothing). The sky is hidden from receivers, not from itself: its
+// rays go on. Before stand_in(). Returns how many rays there are.
 std::size_t meet_dynamic(const DynamicWorld& world, const Bake& bake, const RunOptions& options, HitSurfaces& hits);
 
 StageInfo info_shadow_rays();

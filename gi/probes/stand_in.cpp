@@ -1,7 +1,6 @@
 #include "gi/probes/stand_in.h"
 
 #include <algorithm>
-#include <numeric>
 
 #include "core/error.h"
 #include "core/parallel.h"
@@ -58,12 +57,15 @@ std::vector<std::int32_t> stand_ins(const Buffer<glm::vec4>& directions, const s
         throw InputError("stand-ins: a whole number of probes' rays expected");
     const int probes = rays == 0 ? 0 : int(asked.size() / std::size_t(rays));
     std::vector<std::int32_t> of(asked.size());
-    for (std::size_t i = 0; i < of.size(); ++i) of[i] = std::int32_t(i % std::size_t(rays));
+    for (std::size_t i = 0; i < of.size(); ++i) of[i] = std::int32_t(i);
     if (std::find(asked.begin(), asked.end(), std::uint8_t(0)) == asked.end()) return of;
     const NearRays near(directions, options);
-    parallel_bands(probes, 1, options, [&](int first, int last) {
-        for (std::size_t at = std::size_t(first) * std::size_t(rays); at < std::size_t(last) * std::size_t(rays); ++at)
-            if (!asked[at]) of[at] = near.nearest(of[at], asked.data() + at - std::size_t(of[at]));
+    parallel_bands(probes, 1, options, [&](int begin, int end) {
+        for (int p = begin; p < end; ++p) {
+            const std::int32_t first = std::int32_t(p) * rays;
+            for (int r = 0; r < rays; ++r)
+                if (!asked[std::size_t(first + r)]) of[std::size_t(first + r)] = first + near.nearest(r, asked.data() + first);
+        }
     });
     return of;
 }

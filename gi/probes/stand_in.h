@@ -1,7 +1,7 @@
 // Directions of a probe that nobody asks: rays that meet a back and, where rays that meet nothing bring nothing or ask the sky itself
-// (Escape::nothing, sky), those. No receiver reads a probe's harmonics there, so that any radiance will do; but a finite number of harmonics blurs what
-// lies on either side of the edge into the other. With black, light that receivers see is lost to where nobody looks: 2.5 % a bounce
-// in a Cornell box with 128 probes and degree 7. differs: IPR 3.2.3.1 is black there.
+// (Escape::nothing, sky), those. No receiver reads a probe's harmonics there, so that any radiance will do; but a finite number of
+// harmonics blurs what lies on either side of the edge into the other. With black, light that receivers see is lost to where nobody
+// looks: 2.5 % a bounce in a Cornell box with 128 probes and degree 7. differs: IPR 3.2.3.1 is black there.
 //
 // `nearest` continues what is seen: the ray tells what the nearest one that is asked has found.
 #pragma once
@@ -18,8 +18,8 @@ namespace plumb::probes {
 enum class Escape : int;  // receiver_rays_kernel.h
 struct Bake;
 
-// Of each ray [probes][rays] the ray of the same probe that it stands for: itself where it is asked (`asked` not 0) or none of its
-// probe is, else the one asked by the largest cosine between the two directions, the first of equals.
+// Of each ray the one that tells in its place, both as indices of [probes][rays]: itself where it is asked (`asked` not 0) or none of
+// its probe is, else the ray of its probe that is asked and has the largest cosine with it, the first of equals.
 std::vector<std::int32_t> stand_ins(const Buffer<glm::vec4>& directions, const std::vector<std::uint8_t>& asked, const RunOptions& options);
 
 // What receivers ask of relight rays [probes][rays]: 1, else 0. material: RelightHits::material; standing: probes without the sky.

@@ -6,6 +6,7 @@
 // stages_isa.cpp sorts once for all slots of a receiver.
 #pragma once
 
+#include "core/store_index.h"
 #include "gi/probes/weight_kernel.h"
 
 namespace plumb::probes {
@@ -93,18 +94,6 @@ PLUMB_INLINE Support<F> support(const SupportsView& in, index_t<F> slot, index_t
     }
     tap.sample(-1);
     return own;
-}
-
-// Stores an index of each lane.
-template <class F>
-PLUMB_INLINE void store_index(std::int32_t* p, index_t<F> at, index_t<F> value, mask_t<F> active) {
-    using I = index_t<F>;
-    constexpr int width = number<F>::width;
-    const I on = select(active, I(-1), I(0));
-    std::int32_t to[width], what[width], lanes[width];
-    std::memcpy(to, &at, sizeof to), std::memcpy(what, &value, sizeof what), std::memcpy(lanes, &on, sizeof lanes);
-    for (int k = 0; k < width; ++k)
-        if (lanes[k]) p[to[k]] = what[k];
 }
 
 struct SupportsKernel {

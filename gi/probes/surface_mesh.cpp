@@ -63,7 +63,7 @@ std::size_t number_points(SurfaceMesh& m) {
     Ids of_vertex(std::size_t(high - low) + 1, 0xffffffff);
     Points points(std::min(of_vertex.size(), 3 * m.count));
     for (std::size_t t = 0; t < m.count; ++t)
-        for (int k = 0; k < 3 && m.area[t] > 0; ++k) {
+        for (int k = 0; k < 3 && m.has_edges(t); ++k) {
             const std::uint32_t v = m.corners(t)[k];
             std::uint32_t& p = of_vertex[v - low];
             if (p == 0xffffffff) p = points.number(m.geometry->vertices[v].position);
@@ -80,12 +80,12 @@ void link_edges(SurfaceMesh& m, std::size_t points) {
     };
     Ids begin(points + 1, 0);
     for (std::uint32_t h = 0; h < 3 * m.count; ++h)
-        if (m.area[h / 3] > 0) ++begin[ends(h)[0] + 1];
+        if (m.has_edges(h / 3)) ++begin[ends(h)[0] + 1];
     for (std::size_t p = 0; p < points; ++p) begin[p + 1] += begin[p];
     m.half_edges.resize(begin[points]);
     Ids at(begin.begin(), begin.end() - 1);
     for (std::uint32_t h = 0; h < 3 * m.count; ++h)
-        if (m.area[h / 3] > 0) m.half_edges[at[ends(h)[0]]++] = h;
+        if (m.has_edges(h / 3)) m.half_edges[at[ends(h)[0]]++] = h;
     for (std::size_t p = 0; p < points; ++p)
         std::sort(m.half_edges.begin() + begin[p], m.half_edges.begin() + begin[p + 1],
                   [&](std::uint32_t a, std::uint32_t b) {
@@ -101,13 +101,14 @@ void link_edges(SurfaceMesh& m, std::size_t points) {
 
 }  // namespace
 
-SurfaceMesh surface_mesh(const Geometry& geometry, int object, std::size_t first, std::size_t count) {
+SurfaceMesh surface_mesh(const Geometry& geometry, int object, std::size_t first, std::size_t count, bool flat_too) {
     SurfaceMesh m;
-    m.geometry = &geometry, m.object = object, m.first = first, m.count = count;
+    m.geometry = &geometry, m.object = object, m.first = first, m.count = count, m.flat_too = flat_too;
     m.area.assign(count, 0), m.normal.assign(count, glm::dvec3(0));
     for (std::size_t t = 0; t < count; ++t) measure(m, t);
     m.edge_of.assign(3 * count, SurfaceMesh::no_edge), m.point.assign(3 * count, 0);
-    link_edges(m, number_points(m));
+    m.points = number_points(m);
+    link_edges(m, m.points);
     return m;
 }
 

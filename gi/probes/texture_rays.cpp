@@ -60,7 +60,7 @@ RaySurfaces ray_surfaces(const BakeArrays& a, const Scene& scene, Escape escape,
     }
     const std::vector<std::int32_t> ray_of = stand_ins(directions, asked, {});
     for (Buffer<glm::vec4>* list : {&s.surface, &s.emitted, &s.place})
-        for (std::size_t i = 0; i < list->size(); ++i) (*list)[i] = (*list)[i - i % std::size_t(a.rays) + std::size_t(ray_of[i])];
+        for (std::size_t i = 0; i < list->size(); ++i) (*list)[i] = (*list)[std::size_t(ray_of[i])];
     return s;
 }
 

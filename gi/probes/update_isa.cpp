@@ -37,11 +37,20 @@ PLUMB_INLINE void add(vec3<F> (&sums)[n], int k, F weight, F r, F g, F b) {
 
 // ---- probes.basis -----------------------------------------------------------------------------------------------------
 
+// How far ahead of a row of a matrix, in numbers, one is fetched that is read: where not all coefficients are used the same row of a
+// probe further on, for between them lies what nobody reads.
+PLUMB_INLINE std::ptrdiff_t ahead_of_row(int rank, int used, int coefficients) {
+    if (used == coefficients || used == 0 || rank == 0) return numbers_ahead;
+    const int a_probe = used * rank, probes = (numbers_ahead + a_probe - 1) / a_probe;
+    return std::ptrdiff_t(probes) * coefficients * rank;
+}
+
 // A probe's rows of a cluster's matrix, [coefficients][rank], its coefficients, and the sums of packets of singular values from
 // `first` on.
 struct ProbeRows {
     const float* rows;
     int rank, first, used, whole;  // whole: so many rows are followed by as many numbers as packets take
+    std::ptrdiff_t ahead;          // ahead_of_row()
     const float* lambda;
     vec3<F>* sums;
 
@@ -54,7 +63,7 @@ struct ProbeRows {
             const float *m = rows + std::ptrdiff_t(j) * rank + first, *l = lambda + 4 * std::ptrdiff_t(j);
             const F r(l[0]), g(l[1]), b(l[2]);
             // A page further on: what a processor fetches by itself ends with its page.
-            for (int ahead = 0; ahead + 16 <= n * N::width; ahead += 16) __builtin_prefetch(m + numbers_ahead + ahead);
+            for (int k = 0; k + 16 <= n * N::width; k += 16) __builtin_prefetch(m + ahead + k);
 #pragma GCC unroll 4
             for (int k = 0; k < n; ++k) add<n>(part, k, load(m, k * N::width), r, g, b);
         };
@@ -76,6 +85,7 @@ void basis_of_cluster(const BasisView& in, int cluster) {
     vec3<F> sums[most_singular_values / N::width + 1];
     for (int k = 0; k < packets; ++k) sums[k] = {F(0.0f), F(0.0f), F(0.0f)};
     const int probes = min(of[2], in.u.probes), all_rows = probes * in.u.coefficients;
+    const std::ptrdiff_t ahead = ahead_of_row(rank, used, in.u.coefficients);
     for (int p = 0; rank > 0 && p < probes; ++p) {
         const std::ptrdiff_t probe = in.cluster_probes[of[1] + p];
         const int row = p * in.u.coefficients;
@@ -84,7 +94,7 @@ void basis_of_cluster(const BasisView& in, int cluster) {
         const int whole = max(0, min(used, all_rows - beyond - row));
         for (int first = 0; first < packets; first += most_packets)
             with_packets(min(packets - first, most_packets),
-                         ProbeRows{in.matrix + of[0] + std::ptrdiff_t(row) * rank, rank, first * N::width, used, whole,
+                         ProbeRows{in.matrix + of[0] + std::ptrdiff_t(row) * rank, rank, first * N::width, used, whole, ahead,
                                    in.lambda + 4 * probe * in.u.coefficients, sums + first});
     }
     const vec3<F> zero{F(0.0f), F(0.0f), F(0.0f)};
@@ -199,19 +209,35 @@ PLUMB_INLINE void each_of_ring(const std::int32_t* cover, int first, int last, s
 
 // Rows of the lightmap from above to below, as texels that are there have them, w 1, and 0 elsewhere: what no sum sees, for one that
 // begins at 0 is never -0. Three rows of receivers and three of ring 1, each with a texel more on either side, so that nothing lies
-// beyond an edge.
+// beyond an edge. Of the columns [first, last) that are written, with what their rings reach.
 class LightmapRows {
   public:
-    LightmapRows(const LightmapView& in, float* scratch) : in_(in), width_(in.u.width), scratch_(scratch) {}
+    LightmapRows(const LightmapView& in, float* scratch, int first, int last)
+        : in_(in), width_(in.u.width), scratch_(scratch), first_(first), last_(last) {}
+
+    // Rows [top, below).
+    void write(int top, int below) const {
+        for (int y = top - 2; y < below + 2; ++y) {
+            gather_receivers(y);
+            if (y >= top) fill_ring_1(y - 1);
+            if (y >= top + 2) write_row(y - 2);
+        }
+    }
+
+  private:
+    // Columns, by how many texels more on either side.
+    int begin_with(int more) const { return max(first_ - more, 0); }
+    int end_with(int more) const { return min(last_ + more, in_.u.width); }
 
     // No branch: it would be guessed wrong at every edge of a chart. What comes two rows later is fetched from memory, a line of it
     // holds four texels.
     void gather_receivers(int y) const {
-        float* out = begin(receivers(y));
+        const int first = begin_with(2), last = end_with(2);
+        float* out = cleared(receivers(y), first, last);
         if (y < 0 || y >= in_.u.height) return;
         const std::int32_t *cover = in_.cover + y * width_, *later = cover + (y + 2 < in_.u.height ? 2 * width_ : 0), places = in_.u.places;
         const float* irradiance = in_.irradiance;
-        for (std::ptrdiff_t x = 0; x < width_; ++x) {
+        for (std::ptrdiff_t x = first; x < last; ++x) {
             if ((x & 3) == 0) __builtin_prefetch(irradiance + 4 * std::ptrdiff_t(later[x] & -std::int32_t(in_range(later[x], places))));
             const std::int32_t is = -std::int32_t(in_range(cover[x], places));
             const Texel t = covered(load_texel(irradiance + 4 * std::ptrdiff_t(cover[x] & is)));
@@ -220,32 +246,33 @@ class LightmapRows {
     }
     // Receivers of the rows y - 1 to y + 1 are gathered.
     void fill_ring_1(int y) const {
-        float* out = begin(ring_1(y));
+        const int first = begin_with(1), last = end_with(1);
+        float* out = cleared(ring_1(y), first, last);
         if (y < 0 || y >= in_.u.height) return;
-        each_of_ring(in_.cover + y * width_, 0, in_.u.width, -2, [&](int x) {
+        each_of_ring(in_.cover + y * width_, first, last, -2, [&](int x) {
             store_texel(out + 4 * std::ptrdiff_t(x), mean_around(x, receivers(y - 1), receivers(y), receivers(y + 1)));
         });
     }
-    // Columns [first, last). Ring 1 of the rows y - 1 to y + 1 is filled.
-    void write(int y, int first, int last) const {
+    // Ring 1 of the rows y - 1 to y + 1 is filled.
+    void write_row(int y) const {
         const float *r = receivers(y), *one = ring_1(y);
         float* out = in_.lightmap + 4 * y * width_;
-        std::ptrdiff_t i = 4 * std::ptrdiff_t(first);
-        for (; i + N::width <= 4 * std::ptrdiff_t(last); i += N::width) {
+        std::ptrdiff_t i = 4 * std::ptrdiff_t(first_);
+        for (; i + N::width <= 4 * std::ptrdiff_t(last_); i += N::width) {
             const F value = N::from_bits(N::bits(N::load(r + i)) | N::bits(N::load(one + i)));
             N::save(out + i, select(value == value, value, F(__builtin_nanf(""))));
         }
-        for (; i < 4 * std::ptrdiff_t(last); i += 4) store_canonical(out + i, (Texel)((TexelBits)load_texel(r + i) | (TexelBits)load_texel(one + i)));
-        each_of_ring(in_.cover + y * width_, first, last, -3, [&](int x) {
+        for (; i < 4 * std::ptrdiff_t(last_); i += 4) store_canonical(out + i, (Texel)((TexelBits)load_texel(r + i) | (TexelBits)load_texel(one + i)));
+        each_of_ring(in_.cover + y * width_, first_, last_, -3, [&](int x) {
             store_canonical(out + 4 * std::ptrdiff_t(x), mean_around(x, ring_1(y - 1), ring_1(y), ring_1(y + 1)));
         });
     }
 
-  private:
     float* receivers(int y) const { return scratch_ + 4 * (((y + 3) % 3) * (width_ + 2) + 1); }
     float* ring_1(int y) const { return receivers(y) + 3 * 4 * (width_ + 2); }
-    float* begin(float* row) const {
-        std::memset(row - 4, 0, 4 * sizeof(float) * std::size_t(width_ + 2));
+    // The columns and one more on either side.
+    static float* cleared(float* row, int first, int last) {
+        std::memset(row + 4 * std::ptrdiff_t(first - 1), 0, 4 * sizeof(float) * std::size_t(last - first + 2));
         return row;
     }
     // The mean of the texels around one that are there, in the order of rows; w 1.
@@ -264,7 +291,25 @@ class LightmapRows {
     const LightmapView& in_;
     std::ptrdiff_t width_;
     float* scratch_;
+    int first_, last_;
 };
+
+// Calls each(first, last) for the columns of a row of tiles that are wanted, side by side.
+template <class Each>
+void each_run(const std::uint8_t* tiles, int width, Each each) {
+    if (!tiles) return each(0, width);
+    for (int x = 0; x < width;) {
+        const int first = x;
+        while (x < width && tiles[x >> 4]) x += 16;
+        if (x > first) each(first, min(x, width));
+        x += 16;
+    }
+}
+
+// Whether a row of tiles wants the same as another.
+bool alike(const std::uint8_t* tiles, const std::uint8_t* other, int width) {
+    return std::memcmp(tiles, other, std::size_t((width + 15) >> 4)) == 0;
+}
 
 }  // namespace
 
@@ -302,15 +347,12 @@ void Rows<IrradianceKernel, Isa::PLUMB_ISA>::run(const IrradianceView& in, int f
 
 template <>
 void Rows<LightmapKernel, Isa::PLUMB_ISA>::run(const LightmapView& in, int first, int last, const Tiles& tiles, float* scratch) {
-    const LightmapRows rows(in, scratch);
-    for (int y = first - 2; y < last + 2; ++y) {
-        rows.gather_receivers(y);
-        if (y >= first) rows.fill_ring_1(y - 1);
-        if (y < first + 2) continue;
-        const std::uint8_t* row = tiles.row(y - 2);
-        if (!row) rows.write(y - 2, 0, in.u.width);
-        for (int x = 0; row && x < in.u.width; x += 16)
-            if (row[x >> 4]) rows.write(y - 2, x, min(x + 16, in.u.width));
+    for (int y = first; y < last;) {
+        const std::uint8_t* row = tiles.row(y);
+        int below = row ? min((y | 15) + 1, last) : last;
+        while (below < last && alike(row, tiles.row(below), in.u.width)) below = min(below + 16, last);
+        each_run(row, in.u.width, [&](int x, int beyond) { LightmapRows(in, scratch, x, beyond).write(y, below); });
+        y = below;
     }
 }
 

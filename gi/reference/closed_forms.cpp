@@ -8,6 +8,7 @@
 #include "core/content_hash.h"
 #include "core/host_math.h"
 #include "gi/reference/closed_form_scenes.h"
+#include "gi/reference/form_factors.h"
 
 namespace plumb::reference {
 namespace {
@@ -23,18 +24,6 @@ double to_centred_square(double side, double distance) {
     return 4 * to_parallel_rectangle(side / 2, side / 2, distance);
 }
 double to_wall_from_foot(double distance) { return 2 * to_perpendicular_rectangle(0.5, 1, distance); }
-
-double to_disc(double radius, double distance) { return radius * radius / (radius * radius + distance * distance); }
-
-// Howell, C-11: squares of side 1, 1 apart. C-14: squares of side 1 that share an edge.
-double opposed_squares() {
-    const double r = std::sqrt(2.0);
-    return 2 / pi * (0.5 * host::log(4.0 / 3) + 2 * r * host::atan(1 / r) - 2 * host::atan(1));
-}
-double perpendicular_squares() {
-    const double r = std::sqrt(2.0);
-    return (2 * host::atan(1) - r * host::atan(1 / r) + 0.25 * host::log(0.75)) / pi;
-}
 
 double to_sphere(double radius, double height, double offset) {
     const double d2 = height * height + offset * offset;
@@ -71,7 +60,7 @@ void add_shape(ClosedFormList& list, const std::string& name, const std::string&
 void add_form_factors(ClosedFormList& list) {
     add_shape(list, "unit square at 1", "Howell B-3", to_centred_square(1, 1), add_unit_square);
     for (double d : {0.25, 0.5, 2.0})
-        add_shape(list, fmt::format("disc of radius 0.5 at {}", d), "a^2 / (a^2 + d^2)", to_disc(0.5, d),
+        add_shape(list, fmt::format("disc of radius 0.5 at {}", d), "a^2 / (a^2 + d^2)", patch_to_disc(0.5, d),
                   [=](Scene& s, const Material& m) { add_disc(s, m, d, 0.5); });
     for (double d : {0.5, 0.02})
         add_shape(list, fmt::format("unit wall, {} from its foot", d), "Howell B-4", to_wall_from_foot(d),
@@ -101,8 +90,8 @@ void add_form_factors(ClosedFormList& list) {
                 scene, Mode::direct, [&](std::uint64_t n) { return spread(scene.meshes[0], up, n); }, options);
         });
     };
-    between("opposed unit squares", "Howell C-11", opposed_squares(), add_unit_square);
-    between("perpendicular unit squares", "Howell C-14", perpendicular_squares(),
+    between("opposed unit squares", "Howell C-11", opposed_rectangles(1, 1, 1), add_unit_square);
+    between("perpendicular unit squares", "Howell C-14", perpendicular_rectangles(1, 1, 1),
             [](Scene& s, const Material& m) { add_wall(s, m, 0.5); });
 }
 

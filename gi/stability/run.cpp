@@ -221,6 +221,25 @@ void look_at_isr(const Case& c, const Scene& scene, frame::Settings settings, co
     if (std::isfinite(scene.camera.far)) by([&] { p.variant = isr::Variant::published; });
 }
 
+// The z-buffer techniques, with highlights on all materials: at vertices and at pixels, as printed, of half vectors.
+void look_at_zbuffer(const Case& c, Scene scene, frame::Settings settings, const frame::Plan& base, const Effort& effort, Writer& out) {
+    settings.method = frame::Method::zbuffer;
+    for (Material& m : scene.materials) m.specular = glm::vec3(0.25f), m.exponent = 20;
+    for (const zbuffer::Technique technique : {zbuffer::Technique::cads, zbuffer::Technique::cads_p}) {
+        settings.zbuffer = {.technique = technique};
+        look_beyond(c, scene, settings, base, effort, out);
+        settings.zbuffer.lobe = zbuffer::Lobe::blinn, settings.zbuffer.range = zbuffer::Range::saturate;
+        look_beyond(c, scene, settings, base, effort, out);
+        // As printed unit vectors to the viewer are interpolated, which nearly cancel in triangles that begin beside the eye and end far
+        // away: no float has digits of that.
+        if (zbuffer::per_pixel(technique) && c.name.starts_with("far")) continue;
+        settings.zbuffer = {.technique = technique, .variant = zbuffer::Variant::published};
+        look_beyond(c, scene, settings, base, effort, out);
+    }
+    settings.zbuffer = {.renormalise = false};
+    look_beyond(c, scene, settings, base, effort, out);
+}
+
 void run_frame(const Case& c, const Scene& scene, const Effort& effort, Writer& out) {
     const frame::Settings settings = case_settings(c, scene);
     const Drawn drawn = draw(scene, settings, effort.run);
@@ -251,6 +270,7 @@ void run_frame(const Case& c, const Scene& scene, const Effort& effort, Writer& 
     otherwise("compose", [=](frame::Settings& s) { s.compose.shadow_color = shadow_color; });
     look_at_filters(c, scene, settings, drawn.plan, effort, out);
     look_at_isr(c, scene, settings, drawn.plan, effort, out);
+    look_at_zbuffer(c, scene, settings, drawn.plan, effort, out);
     using compose::Operator;
     for (const Operator op : {Operator::clamp, Operator::exposure, Operator::reinhard, Operator::filmic})
         if (op != settings.tonemap.op) otherwise("tonemap", [op](frame::Settings& s) { s.tonemap.op = op; });

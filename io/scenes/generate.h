@@ -32,6 +32,8 @@ Scene generate_scene(const std::string& name, const GenerateOptions& options, co
 namespace scenes {
 Scene box(const GenerateOptions& options);
 Scene shapes(const GenerateOptions& options);
+Scene hemicube_box(const GenerateOptions& options);
+Scene hemicube_shapes(const GenerateOptions& options);
 Scene furnace(const GenerateOptions& options);
 Scene furnace_cube(const GenerateOptions& options);
 Scene atrium(const GenerateOptions& options);

@@ -1,5 +1,6 @@
 // Small closed scenes whose light is known: a box, a box with two shapes, and furnaces.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 
@@ -39,21 +40,32 @@ void gather_everywhere(Scene& scene) {
     scene.settings.push_back({"rsm", "projection", std::string("clamped"), scene.name});
 }
 
-// The room of HEM plate C.9 from inside: red on the left, green on the right, n x n patches a wall, corners shared
-// within a wall, and a lamp in the middle of the ceiling that the builder does not know: it has the ceiling's vertices.
-void add_room(Builder& b, int n, int white, int red, int green) {
+// n x n patches, corners shared within a wall.
+void add_wall(Builder& b, const char* name, int n, int material, const std::array<Point, 4>& corners) {
+    b.object(name);
+    b.quad(material, Place(1), corners.data(), n, n, 2 * half_side);
+}
+void add_floor(Builder& b, int n, int white) {
+    const double s = half_side;
+    add_wall(b, "floor", n, white, {Point{-s, 0, s}, {s, 0, s}, {s, 0, -s}, {-s, 0, -s}});
+}
+void add_sides(Builder& b, int n, int white, int red, int green) {
     const double s = half_side, top = 2 * half_side;
     auto wall = [&](const char* name, int material, const Point& a, const Point& bb, const Point& c, const Point& d) {
-        b.object(name);
-        const Point corners[4] = {a, bb, c, d};
-        b.quad(material, Place(1), corners, n, n, 2 * s);
+        add_wall(b, name, n, material, {a, bb, c, d});
     };
-    wall("floor", white, {-s, 0, s}, {s, 0, s}, {s, 0, -s}, {-s, 0, -s});
-    wall("ceiling", white, {-s, top, -s}, {s, top, -s}, {s, top, s}, {-s, top, s});
     wall("back", white, {-s, 0, -s}, {s, 0, -s}, {s, top, -s}, {-s, top, -s});
     wall("front", white, {s, 0, s}, {-s, 0, s}, {-s, top, s}, {s, top, s});
     wall("left", red, {-s, 0, s}, {-s, 0, -s}, {-s, top, -s}, {-s, top, s});
     wall("right", green, {s, 0, -s}, {s, 0, s}, {s, top, s}, {s, top, -s});
+}
+// The room of HEM plate C.9 from inside: red on the left, green on the right, and a lamp in the middle of the ceiling that the
+// builder does not know: it has the ceiling's vertices.
+void add_room(Builder& b, int n, int white, int red, int green) {
+    const double s = half_side, top = 2 * half_side;
+    add_floor(b, n, white);
+    add_wall(b, "ceiling", n, white, {Point{-s, top, -s}, {s, top, -s}, {s, top, s}, {-s, top, s}});
+    add_sides(b, n, white, red, green);
 }
 
 // Turns patches of the ceiling into the lamp.
@@ -140,6 +152,55 @@ void add_sphere(Scene& scene, const std::string& name, int material, int n, cons
     scene.meshes.push_back(std::move(mesh));
 }
 
+// The torus of HEM plate C.10, tilted over the sphere.
+void add_torus(Builder& b, int material, int columns, int rows) {
+    b.object("torus");
+    Grid ring;
+    ring.columns = columns, ring.rows = rows;
+    ring.closed_u = true;
+    ring.texture = {6, 1};
+    const double tilt = 0.35, major = 0.3, minor = 0.09;
+    b.grid(material, move({0.05, 0.95, -0.3}), ring, [&](double u, double v) {
+        const double a = 2 * host::pi * u, t = -2 * host::pi * v;
+        const double r = major + minor * host::cos(t), y = minor * host::sin(t);
+        const Point p(r * host::cos(a), y, r * host::sin(a));
+        return Point(p.x * host::cos(tilt) - p.y * host::sin(tilt), p.x * host::sin(tilt) + p.y * host::cos(tilt), p.z);
+    });
+}
+
+constexpr glm::vec3 hemicube_light{100.4f, 96.8f, 90.0f};  // W/m2: the colour of HEM plate C.10
+
+// The ceiling as nine blocks with vertices of their own, the middle one the lamp: as a modeller leaves it who cut a lamp's four
+// lines through it. With n^2 quads it has (n + 3)^2 vertices. Blocks' corners are the floats that one grid would have.
+void add_cut_ceiling(Builder& b, int n, int white, int lamp) {
+    const double s = half_side, top = 2 * half_side;
+    const int wide = std::max(1, (n + 2) / 5), before = (n - wide) / 2;
+    const int lines[4] = {0, before, before + wide, n};
+    const auto along = [&](int i) { return (1 - double(i) / n) * -s + double(i) / n * s; };
+    b.object("ceiling");
+    for (int row = 0; row < 3; ++row)
+        for (int column = 0; column < 3; ++column) {
+            Grid g;
+            g.columns = lines[column + 1] - lines[column], g.rows = lines[row + 1] - lines[row];
+            g.texture = {double(g.columns) / n, double(g.rows) / n};
+            b.grid(row == 1 && column == 1 ? lamp : white, Place(1), g, [&](double u, double v) {
+                return Point(along(lines[column] + int(u * g.columns + 0.5)), top, along(lines[row] + int(v * g.rows + 0.5)));
+            });
+        }
+}
+
+// The box of HEM 5.8: 12 n^2 triangles and 6 n^2 + 16 n + 14 vertices, which five walls of (n + 1)^2 and a ceiling of
+// (n + 3)^2 have. That the ceiling is cut so, and how large the lamp is, are guesses: the text gives the counts alone.
+void add_hemicube_room(Builder& b, int n) {
+    const int white = b.material(diffuse("white", glm::vec3(0.75f))),
+              red = b.material(diffuse("red", {0.65f, 0.06f, 0.06f}));
+    const int green = b.material(diffuse("green", {0.12f, 0.5f, 0.1f}));
+    const int lamp = b.material(diffuse("lamp", glm::vec3(0.75f), hemicube_light));
+    add_floor(b, n, white);
+    add_sides(b, n, white, red, green);
+    add_cut_ceiling(b, n, white, lamp);
+}
+
 constexpr glm::vec3 furnace_reflectance{0.5f}, furnace_exitance{1};
 
 void look_into_furnace(Scene& scene) {
@@ -187,24 +248,37 @@ Scene shapes(const GenerateOptions& options) {
     const int blue = b.material(diffuse("blue", {0.2f, 0.35f, 0.7f})),
               yellow = b.material(diffuse("yellow", {0.8f, 0.6f, 0.15f}));
     add_room(b, n, white, red, green);
-    b.object("torus");
-    Grid ring;
-    ring.columns = 3 * n, ring.rows = n;
-    ring.closed_u = true;
-    ring.texture = {6, 1};
-    const double tilt = 0.35, major = 0.3, minor = 0.09;
-    b.grid(yellow, move({0.05, 0.95, -0.3}), ring, [&](double u, double v) {
-        const double a = 2 * host::pi * u, t = -2 * host::pi * v;
-        const double r = major + minor * host::cos(t), y = minor * host::sin(t);
-        const Point p(r * host::cos(a), y, r * host::sin(a));
-        return Point(p.x * host::cos(tilt) - p.y * host::sin(tilt), p.x * host::sin(tilt) + p.y * host::cos(tilt), p.z);
-    });
+    add_torus(b, yellow, 3 * n, n);
     Scene scene = b.take();
     add_sphere(scene, "sphere", blue, frequency, {0.05, 0.3, -0.3}, 0.3, false);
     light_ceiling(scene, n, lamp);
     look_into_room(scene);
     scene.lights.push_back(lamp_light({5.02f, 4.84f, 4.5f}));
     gather_everywhere(scene);
+    return scene;
+}
+
+// HEM 5.8: n = 10, 20, 40, 50 are its tessellation factors 20, 10, 5, 4. No lamp but the ceiling's middle.
+Scene hemicube_box(const GenerateOptions& options) {
+    Builder b("hemicube_box");
+    add_hemicube_room(b, std::max(3, nearest_root(double(options.triangles) / 12)));
+    Scene scene = b.take();
+    look_into_room(scene);
+    return scene;
+}
+
+// HEM plate C.10 with n x n patches a wall, a sphere of 20 (4 n / 5)^2 triangles and a torus of 5 n x 5 n / 2 quads. n = 10 has
+// 2,742 vertices: the plate took 3.5 times as long as C.9, which is 2,709 at C.9's time a vertex if that had 774.
+Scene hemicube_shapes(const GenerateOptions& options) {
+    const int n = std::max(3, nearest_root(double(options.triangles) / 49.8));
+    Builder b("hemicube_shapes");
+    add_hemicube_room(b, n);
+    const int blue = b.material(diffuse("blue", {0.2f, 0.35f, 0.7f})),
+              yellow = b.material(diffuse("yellow", {0.8f, 0.6f, 0.15f}));
+    add_torus(b, yellow, 5 * n, 5 * n / 2);
+    Scene scene = b.take();
+    add_sphere(scene, "sphere", blue, (4 * n + 2) / 5, {0.05, 0.3, -0.3}, 0.3, false);
+    look_into_room(scene);
     return scene;
 }
 

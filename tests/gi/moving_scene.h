@@ -126,6 +126,7 @@ inline std::map<std::string, std::string> buffers(const frame::Frame& f, glm::iv
     b["visibility"] = std::to_string(f.visibility.size());
     b["direct"] = bytes(f.direct), b["indirect"] = bytes(f.indirect), b["error"] = bytes(f.indirect_error);
     b["radiance"] = bytes(f.radiance), b["display"] = bytes(f.display), b["truth_display"] = bytes(f.truth_display);
+    b["sent"] = bytes(f.zbuffer.sent) + bytes(f.zbuffer.vertex_light.diffuse) + bytes(f.zbuffer.vertex_light.specular);
     std::string layers;
     for (const frame::Traced& t : f.traced) {
         layers += t.layer + " ";

@@ -224,6 +224,13 @@ inline frame::Settings random_settings(std::uint32_t seed) {
     if (dice.one_in(5)) t.direct.variant = direct::DirectVariant::published;
     if (t.method == frame::Method::rsm && dice.below(9) < 4) t.method = frame::Method::isr;
     if (t.method == frame::Method::isr) add_isr(dice, t.isr);
+    Dice plain(seed ^ 0x2545f491u);
+    if (t.method == frame::Method::direct && plain.one_in(3)) {
+        t.method = frame::Method::zbuffer;
+        t.zbuffer.technique = zbuffer::Technique(plain.below(7)), t.zbuffer.lobe = zbuffer::Lobe(plain.below(2));
+        t.zbuffer.range = zbuffer::Range(plain.below(2)), t.zbuffer.ambient = plain.in_box(glm::vec3(0), glm::vec3(1));
+    }
+    if (t.method == frame::Method::direct && plain.one_in(3)) t.method = frame::Method::radiosity, t.radiosity.size = 2 + 2 * plain.below(5);
     if (t.rsm.gather == rsm::Gather::all_rays) return t;  // a truth is not filtered
     if (dice.one_in(3)) t.indirect.resolution = filter::Resolution::half;
     if (dice.one_in(3)) t.indirect.blur = filter::Blur(1 + dice.below(2));

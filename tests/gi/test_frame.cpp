@@ -252,7 +252,7 @@ TEST_CASE("frame: every stage has a twin or says why not, a source, inputs, outp
         CHECK(std::ifstream(twin).good());
         CHECK(std::ifstream(twin.substr(0, twin.rfind('/')) + "/README.md").good());
     }
-    CHECK(without == 17);  // rsm.all_rays, reference, eight steps of a bake, five of its run time, two of indirect shadows
+    CHECK(without == 21);  // rsm.all_rays, reference, eight steps of a bake, five of its run time, two of indirect shadows, four of radiosity
 }
 
 TEST_CASE("frame: settings come from the scene file, and errors name the place", "[frame][settings]") {
@@ -266,7 +266,7 @@ TEST_CASE("frame: settings come from the scene file, and errors name the place",
                       "small.toml: line 9: unknown key 'sampels'; the nearest known one is 'samples'");
     scene.settings.clear();
     scene.method = "isx";
-    CHECK_THROWS_WITH(frame::settings_of(scene), "small: [render]: method = \"isx\": expected one of direct, rsm, isr, probes, reference");
+    CHECK_THROWS_WITH(frame::settings_of(scene), "small: [render]: method = \"isx\": expected one of direct, rsm, isr, probes, radiosity, zbuffer, reference");
 }
 
 TEST_CASE("frame: every stage tells which instruction set its kernels were chosen from", "[frame][bits]") {

@@ -226,6 +226,8 @@ TEST_CASE("keys: a parameter changes the keys of the stages whose result it chan
         {"tonemap", {"tonemap"}},
         {"reference", traced},
         {"probes", {}}, {"lod", {}},  // of a bake, and of the method that reads it
+        {"radiosity", {}},            // of another method
+        {"zbuffer", {}},              // the same
         {"layout", without(everything(), {"truth"})}};
     // The members of a layout are a custom one's.
     auto custom = [](Case c, const std::string& table) {

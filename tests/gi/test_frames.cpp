@@ -134,7 +134,7 @@ TEST_CASE("frames: everything at once, by every method, layout and gather", "[fr
     Scene scene = moving::scene();
     moving::move_camera(scene), moving::move_light(scene, 0), moving::switch_light(scene, 2), moving::move_block(scene);
     for (bool pruning : {true, false})
-        for (auto method : {frame::Method::direct, frame::Method::rsm, frame::Method::isr, frame::Method::reference}) {
+        for (auto method : {frame::Method::direct, frame::Method::rsm, frame::Method::isr, frame::Method::zbuffer, frame::Method::reference}) {
             frame::Settings settings = settings_for(rsm::Gather::disc);
             settings.method = method, settings.pruning = pruning;
             settings.truth = method != frame::Method::reference;

@@ -286,7 +286,7 @@ TEST_CASE("shadow rays: a box over a floor hides what its faces' form factors sa
     scene.meshes[0].dynamic = true;
     const double a = 1 / 0.8, b = 0.5 / 0.8, sa = std::sqrt(1 + a * a), sb = std::sqrt(1 + b * b);
     const double expected = 4 / (2 * host::pi) * (a / sa * host::atan(b / sa) + b / sb * host::atan(a / sb));
-    const auto world = dynamic_world(scene);
+    const auto world = dynamic_world(scene, flatten(scene));
     Row row(16);
     ShadowRaysInputs in;
     in.world = world.get(), in.rays = 1024, in.position = &row.position, in.normal = &row.normal, in.irradiance = &row.irradiance;

@@ -83,7 +83,7 @@ TEST_CASE("stand-ins: the nearest ray that is asked, the first of equals", "[pro
     CHECK(probes::stand_ins(four_directions(), {1, 0, 0, 0}, {}) == V{0, 0, 0, 0});
     CHECK(probes::stand_ins(four_directions(), {1, 1, 1, 0}, {}) == V{0, 1, 2, 0});      // all have the cosine 0
     CHECK(probes::stand_ins(four_directions(), {0, 0, 0, 0}, {}) == V{0, 1, 2, 3});      // a probe that finds nothing
-    CHECK(probes::stand_ins(four_directions(), {1, 1, 1, 1, 0, 1, 1, 1}, {}) == V{0, 1, 2, 3, 1, 1, 2, 3});
+    CHECK(probes::stand_ins(four_directions(), {1, 1, 1, 1, 0, 1, 1, 1}, {}) == V{0, 1, 2, 3, 5, 5, 6, 7});
     CHECK(probes::stand_ins({}, {}, {}).empty());
     CHECK_THROWS_AS(probes::stand_ins(four_directions(), {1, 1, 1}, {}), InputError);
 }
@@ -180,4 +180,51 @@ TEST_CASE("stand-ins: through an opening receivers see the sky in its own direct
         else
             CHECK(worst > 0.05 * 3 * host::pi);
     }
+}
+
+TEST_CASE("stand-ins: with what moves in the way, rays that nobody asks continue what is met now", "[probes][unasked][relight]") {
+    Scene scene = open_room(0.5f);
+    scene.environment.radiance = glm::vec3(3);
+    Mesh box;
+    add_box(box, glm::vec3(-0.5f), glm::vec3(0.45f), 0);
+    box.dynamic = true;
+    scene.meshes.push_back(box);
+    frame::Settings settings = frame::settings_of(scene);
+    settings.probes = small(), settings.probe_run.relight_dynamic = true;
+    frame::add_bake(scene, settings);
+    const probes::Bake& b = *settings.bake;
+    const frame::Frame f = frame::execute(scene, settings, frame::plan(scene, settings), {});
+    const std::vector<std::int32_t> ray_of = probes::stand_ins(b, probes::Unasked::nearest, {});
+    const std::size_t rays = std::size_t(b.relight.rays), standing = std::size_t(probes::standing_probes(b.placement.probes));
+    int on_box = 0, beyond = 0, taken_over = 0, wrong = 0, of_sky = 0;
+    for (std::size_t i = 0; i < ray_of.size(); ++i) {
+        const glm::vec4 at = f.views[1].gbuffer.position.texels[i], surface = f.probes.surface.texels[i];
+        if (i / rays >= standing) {
+            wrong += f.probes.emitted.texels[i].x == 3 && surface.w == 0 ? 0 : 1, ++of_sky;
+            continue;
+        }
+        const std::size_t from = std::size_t(ray_of[i]);
+        const glm::dvec3 low(-0.5), high(0.45f), p(at);
+        const bool there = surface.w == 1 && std::fabs(std::max({low.x - p.x, p.x - high.x, low.y - p.y, p.y - high.y, low.z - p.z, p.z - high.z})) < 1e-5;
+        if (from != i) {
+            wrong += at == f.views[1].gbuffer.position.texels[from] ? 0 : 1, taken_over += there ? 1 : 0;
+            continue;
+        }
+        // The slabs of the box, from the probe to where the ray ended without it.
+        const glm::dvec3 origin(b.placement.probes[i / rays]), to = glm::dvec3(b.relight.position[i]) - origin;
+        double enter = 0, leave = 1;
+        for (int c = 0; c < 3; ++c) {
+            const double a = (low[c] - origin[c]) / to[c], d = (high[c] - origin[c]) / to[c];
+            enter = std::max(enter, std::min(a, d)), leave = std::min(leave, std::max(a, d));
+        }
+        if (std::fabs(leave - enter) < 1e-4) continue;  // along an edge
+        (enter < leave ? on_box : beyond) += 1;
+        wrong += there == (enter < leave) ? 0 : 1;
+    }
+    CAPTURE(on_box, beyond, taken_over, of_sky);
+    CHECK(on_box > 20);
+    CHECK(beyond > 100);
+    CHECK(taken_over > 0);
+    CHECK(of_sky == int(rays));
+    CHECK(wrong == 0);
 }

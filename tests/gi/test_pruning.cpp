@@ -105,11 +105,11 @@ std::string difference(const Scene& scene, const frame::Frame& a, const frame::F
     return "";
 }
 
-// Whether it speaks of nothing but the method probes, whose frames read a bake: test_probes_frame.cpp, test_probes_relief_frame.cpp,
-// test_probes_shade_frame.cpp.
+// Whether it speaks of nothing but the method probes, whose frames read a bake, and of radiosity, of which few random scenes are
+// dark: test_probes_frame.cpp, test_probes_relief_frame.cpp, test_probes_shade_frame.cpp, test_radiosity_frame.cpp.
 bool of_a_bake(const frame::Rule& rule) {
     return std::all_of(rule.stages.begin(), rule.stages.end(),
-                       [](const std::string& s) { return s == "probes" || s == "relief" || s == "probes shadow"; });
+                       [](const std::string& s) { return s == "probes" || s == "relief" || s == "probes shadow" || s == "radiosity"; });
 }
 
 // The rules that left anything out of a frame.

@@ -163,7 +163,8 @@ TEST_CASE("stage bindings: every slot has the twin's number, name, kind and form
         // octahedral tiles are checked when they are bound.
         for (const Slot& s : b.inputs)
             if (!b.info.name.starts_with("isr.") && b.info.name != "ddgi.sample") CHECK(s.frame == !(s.kind == SlotKind::buffer || s.name.starts_with("rsm_") || s.name.starts_with("map_") ||
-                               s.name.starts_with("coarse_") || s.name == "full" || s.name == "lightmap"));
+                               s.name.starts_with("coarse_") ||
+                                  s.name.starts_with("vertex_") || s.name == "full" || s.name == "lightmap"));
         for (const Slot& s : b.outputs) CHECK(s.frame);
     }
 }

@@ -1,6 +1,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <map>
+#include <set>
 #include <tuple>
 
 #include "core/content_hash.h"
@@ -81,6 +82,39 @@ TEST_CASE("box: the tessellations of HEM 5.8 have its triangle counts", "[scenes
         const Scene scene = make("box", triangles);
         CHECK(flatten(scene).triangles.size() == std::size_t(triangles));
     }
+}
+
+TEST_CASE("hemicube_box: HEM 5.8's counts of vertices and triangles", "[scenes][HEM 5.8]") {
+    const std::pair<std::int64_t, std::size_t> published[] = {{1200, 774}, {4800, 2734}, {19200, 10254}, {30000, 15814}};
+    for (const auto& [triangles, vertices] : published) {
+        const Scene scene = make("hemicube_box", triangles);
+        const Geometry g = flatten(scene);
+        CHECK(g.triangles.size() == std::size_t(triangles));
+        CHECK(g.vertices.size() == vertices);
+        CHECK(open_edges(g) == 0);
+        // Corners of walls and blocks are equal floats: a cube of n x n quads a face has 6 n^2 + 2 (Euler).
+        std::set<std::tuple<float, float, float>> positions;
+        for (const Vertex& v : g.vertices) positions.insert({v.position.x, v.position.y, v.position.z});
+        CHECK(positions.size() == std::size_t(triangles) / 2 + 2);
+        double lamp = 0, enclosed = 0;
+        for (const Mesh& mesh : scene.meshes) {
+            lamp += area(mesh, 3), enclosed += volume(mesh);
+            CHECK(same_side(mesh));
+        }
+        CHECK(lamp == Approx(0.16).epsilon(1e-6));  // a fifth of the ceiling's 2 m, squared
+        CHECK(enclosed == Approx(-8).epsilon(1e-6));
+    }
+}
+
+TEST_CASE("hemicube_shapes: that box with a sphere and a torus in it, lit by its ceiling alone", "[scenes][HEM C.10]") {
+    const Scene scene = make("hemicube_shapes");
+    const Geometry g = flatten(scene);
+    CHECK(g.triangles.size() == 4980);
+    CHECK(g.vertices.size() == 774 + 642 + 1326);  // sphere: 10 f^2 + 2, f = 8; torus: 51 x 26 with its seams
+    CHECK(open_edges(g) == 0);
+    CHECK(scene.lights.empty());
+    CHECK(scene.materials[3].emission == glm::vec3(100.4f, 96.8f, 90.0f));
+    for (const Mesh& mesh : scene.meshes) CHECK(same_side(mesh));
 }
 
 TEST_CASE("box: a closed cube of 2 m with a lamp in its ceiling", "[scenes][HEM C.9]") {

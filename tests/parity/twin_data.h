@@ -12,7 +12,9 @@
 #include "tests/parity/twin_data_isr.h"
 #include "tests/parity/twin_data_parts.h"
 #include "tests/parity/twin_data_probes.h"
+#include "tests/parity/twin_data_radiosity.h"
 #include "tests/parity/twin_data_relight.h"
+#include "tests/parity/twin_data_zbuffer.h"
 
 namespace plumb::test {
 
@@ -196,6 +198,8 @@ inline std::vector<StageData> compute_cases(glm::ivec2 size) {
     };
     for (StageData& data : probe_cases(size)) cases.push_back(std::move(data));
     for (StageData& data : relight_cases(size)) cases.push_back(std::move(data));
+    for (StageData& data : radiosity_cases(size)) cases.push_back(std::move(data));
+    for (StageData& data : zbuffer_cases(size)) cases.push_back(std::move(data));
     for (StageData& data : isr_cases(size)) cases.push_back(std::move(data));
     return cases;
 }

@@ -104,7 +104,10 @@ std::vector<Words> calls_of(const std::string& text) {
         if (line.rfind("    ", 0) != 0) continue;
         std::istringstream stream(line);
         Words words;
-        for (std::string word; stream >> word && word != "#" && word != "|" && word != ">";) words.push_back(word);
+        for (std::string word; stream >> word && word != "#" && word != "|" && word != ">";) {
+            const bool quoted = word.size() > 1 && word.front() == '"' && word.back() == '"';  // as a shell takes it
+            words.push_back(quoted ? word.substr(1, word.size() - 2) : word);
+        }
         if (!words.empty() && (words[0] == "plumb" || words[0] == "build/release/plumb")) calls.push_back(words);
     }
     return calls;

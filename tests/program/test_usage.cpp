@@ -75,6 +75,7 @@ TEST_CASE("usage: every command takes --json, --threads and --isa", "[program][c
         {"validate", {folder + "/d/manifest.toml"}}, {"devices", {}}, {"probe-device", {}},
         {"sweep", {scene, "-o", folder + "/f", "--method", "direct", "--spp", "4"}},
         {"stability", {"--stage", "tonemap", "--case", "room"}},
+        {"formfactor", {"0,0,0;0,0,1;1,0,1;1,0,0", "0,1,0;1,1,0;1,1,1;0,1,1", "--rays", "64", "--size", "8"}},
         {"pov", {scene, "-o", folder + "/g.pov"}}};
     // Of these there may be no Vulkan, or no device.
     const std::set<std::string> on_a_device = {"devices", "probe-device"}, lists = {"stages", "devices"};
@@ -212,7 +213,7 @@ TEST_CASE("usage: settings, stages, pixels and lights that do not exist", "[prog
         more.insert(more.begin(), {"render", scene, "-o", out});
         return refused(more);
     };
-    CHECK_THAT(render({"--method", "rms"}), Contains("--method") && Contains("direct, rsm, isr, probes, reference"));
+    CHECK_THAT(render({"--method", "rms"}), Contains("--method") && Contains("direct, rsm, isr, probes, radiosity, zbuffer, reference"));
     CHECK_THAT(render({"--set", "rsm.sample=3"}),
                Equals("--set rsm.sample: unknown key 'sample'; the nearest known one is 'samples'"));
     CHECK_THAT(render({"--set", "rms.samples=3"}), Contains("nearest known one is [rsm]"));

@@ -249,7 +249,7 @@ TEST_CASE("sweep: a file that is no sweep is refused at its first fault", "[swee
     CHECK(refused([](Json& j) { j["points"][0]["frame_ms"] = Json::array(); }) ==
           "old.json: points[0].frame_ms: expected at least one run");
     CHECK_THAT(refused([](Json& j) { j["points"][0]["method"] = "rms"; }),
-               Contains("old.json: points[0].method") && Contains("direct, rsm, isr, probes, reference"));
+               Contains("old.json: points[0].method") && Contains("direct, rsm, isr, probes, radiosity, zbuffer, reference"));
     CHECK(refused([](Json& j) { j["threads"] = -1; }) ==
           "old.json: threads: expected a whole number from 0 to 2147483647");
 }
@@ -274,7 +274,8 @@ TEST_CASE("sweep: curves follow from what fields() say", "[sweep]") {
                                    "rsm.disc, radius = 0.6", "rsm.disc, rotations = 1", "rsm.all", "rsm.all_rays",
                                    "rsm.paths", "rsm.paths, visibility = none", "rsm.paths, visibility = algorithm_2",
                                    "rsm.paths, slots = 9", "rsm.paths, turn = tile", "isr", "isr, spacing = 16", "isr, spacing = 32", "isr, bounces = 2", "probes", "probes, degree_0 = 4", "probes, hit_level = coarsest",
-                                   "probes, zones = true", "reference"});
+                                   "probes, zones = true", "radiosity", "zbuffer", "zbuffer, technique = CAD",
+                                   "zbuffer, technique = CADS", "reference"});
     const std::vector<SweptMethod> disc = swept_methods(settings, {"rsm.disc"}, {});
     REQUIRE(disc.size() == 5);
     const std::vector<SweptSettings> points = points_of(disc[0]);
@@ -315,7 +316,7 @@ TEST_CASE("sweep: --vary takes the place of the ranges of the curves that it con
     CHECK(points_of(curves[2]).size() == 4);
     // What all methods share varies on every curve; which gathers there are can be said, too.
     CHECK(names(swept_methods(settings, {}, {"rsm.gather=all", "shadow.kernel=1,4"})) ==
-          std::vector<std::string>{"direct", "rsm.all", "isr", "probes", "reference"});
+          std::vector<std::string>{"direct", "rsm.all", "isr", "probes", "radiosity", "zbuffer", "reference"});
     // What one method alone reads varies on no other's curves, whatever its table is called.
     const std::vector<SweptMethod> far = swept_methods(settings, {}, {"lod.levels=1,4", "probes.count=8,16"});
     for (const SweptMethod& curve : far) {

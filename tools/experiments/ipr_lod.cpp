@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "core/host_math.h"
+#include "gi/lend.h"
 #include "tools/experiments/ipr_lod_world.h"
 #include "tools/experiments/ipr_pictures.h"
 #include "tools/experiments/ipr_truth.h"
@@ -14,6 +15,17 @@ namespace plumb::cli {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+
+double median_ms(const std::function<void()>& once, int times) {
+    std::vector<double> ms;
+    for (int i = 0; i < std::max(times, 1); ++i) {
+        const auto start = Clock::now();
+        once();
+        ms.push_back(std::chrono::duration<double, std::milli>(Clock::now() - start).count());
+    }
+    std::nth_element(ms.begin(), ms.begin() + std::ptrdiff_t(ms.size() / 2), ms.end());
+    return ms[ms.size() / 2];
+}
 
 // Beyond borders nothing: of all levels, or of those from row `first` on.
 void without_borders(Image<std::int32_t>& cover, int first) {
@@ -38,6 +50,8 @@ void LodBench::World::take_levels(LodRun& run, const Camera& camera) const {
     const CameraAxes view = axes(camera);
     run.levels = probes::levels_at(run.lod, bake, boxes, glm::vec3(camera.position), glm::vec3(view.forward), options);
     for (std::size_t i = 0; i < run.levels.hit.size(); ++i) run.place.texels[i].z = float(run.levels.hit[i]);
+    run.basis_level = probes::basis_levels(run.data, run.levels.cluster);
+    run.tiles.wanted = probes::tiles_to_write(run.data.tiles, run.levels.cluster);
 }
 
 probes::UpdateBuffers LodBench::World::buffers(LodRun& run) const {
@@ -48,7 +62,21 @@ probes::UpdateBuffers LodBench::World::buffers(LodRun& run) const {
     b.surface = &hits.surface, b.emitted = &hits.emitted, b.place = &run.place, b.direct = &direct;
     b.last_lightmap = &run.before, b.read_lambda = &run.lambda, b.read_basis = &run.basis;
     b.radiance = &run.radiance, b.lambda = &run.lambda, b.basis = &run.basis, b.irradiance = &run.irradiance, b.lightmap = &run.lightmap;
+    b.basis_level = &run.basis_level, b.tiles = &run.tiles;
     return b;
+}
+
+LodStageMs LodBench::World::stage_ms(LodRun& run, const Camera& camera, int times) const {
+    const probes::UpdateBuffers b = buffers(run);
+    const auto of = [&](const auto& in, Image4& out) {
+        return median_ms([&] { plumb::run(stage<typename std::decay_t<decltype(in)>::Kernel>(), data_of(in), options, out); }, times);
+    };
+    LodStageMs ms;
+    ms.levels = median_ms([&] { take_levels(run, camera); }, times);
+    ms.radiance = of(probes::radiance_inputs(b), *b.radiance), ms.lambda = of(probes::lambda_inputs(b), *b.lambda);
+    ms.basis = of(probes::basis_inputs(b), *b.basis), ms.irradiance = of(probes::irradiance_inputs(b), *b.irradiance);
+    ms.lightmap = median_ms([&] { probes::write_lightmap(probes::lightmap_inputs(b), options, *b.tiles, *b.lightmap); }, times);
+    return ms;
 }
 
 LodSeen LodBench::World::seen_by(const LodView& view) const {
@@ -142,17 +170,6 @@ void add_errors(const Image4& indirect, const Image4& reference, LodMeasured& m)
     m.worst = *std::max_element(blocks.begin(), blocks.end()) / (3 * block * block) / mean;
 }
 
-double median_ms(const std::function<void()>& once, int times) {
-    std::vector<double> ms;
-    for (int i = 0; i < std::max(times, 1); ++i) {
-        const auto start = Clock::now();
-        once();
-        ms.push_back(std::chrono::duration<double, std::milli>(Clock::now() - start).count());
-    }
-    std::nth_element(ms.begin(), ms.begin() + std::ptrdiff_t(ms.size() / 2), ms.end());
-    return ms[ms.size() / 2];
-}
-
 constexpr glm::vec3 level_colours[probes::most_levels] = {{1, 0.15f, 0.15f}, {0.2f, 1, 0.2f}, {0.25f, 0.35f, 1}, {1, 1, 0.15f}};  // figure 5.29
 
 // The picture in the colours of its levels.
@@ -216,10 +233,7 @@ std::vector<LodMeasured> LodBench::measure(const LodView& view, const std::vecto
             w.take_levels(run, view.camera);
             probes::update(w.buffers(run), w.options);
         }, updates);
-        m.map_ms = median_ms([&] {
-            const probes::UpdateBuffers b = w.buffers(run);
-            probes::run(probes::lightmap_inputs(b), w.options, *b.lightmap);
-        }, updates);
+        m.stages = w.stage_ms(run, view.camera, updates);
         const Image4 indirect = w.indirect(run, seen, view.camera, view.size), picture = lit_picture(seen, indirect);
         if (measured.empty()) reference_indirect = indirect, white = white_of(picture);
         m.picture = displayed(picture, white);

@@ -59,13 +59,19 @@ struct LodView {
     bool levels = false;                  // also pictures of levels and lightmaps
 };
 
+// What of an update its stages take, each run by itself: medians. levels: of all that has a level, and which tiles of the lightmap
+// are written.
+struct LodStageMs {
+    double levels = 0, radiance = 0, lambda = 0, basis = 0, irradiance = 0, lightmap = 0;
+};
+
 // Of one setup in one view, against no level of detail.
 struct LodMeasured {
     std::string setup;
     probes::LodCounts counts;
     std::int64_t receivers = 0;             // active: computed
     double ms = 0, speed_up = 1;            // one update, levels included: the median
-    double map_ms = 0;                      // of it probes.lightmap, which writes every texel, whatever is computed
+    LodStageMs stages;                      // of it
     std::optional<double> ssim, ssim_truth; // of the displayed picture: against the reference's, and with traced indirect light
     std::optional<IprErrors> at_pixels;     // of the indirect light
     std::optional<IprErrors> at_receivers;  // of those that are computed

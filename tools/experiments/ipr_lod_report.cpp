@@ -25,13 +25,13 @@ Json errors_json(const IprErrors& e) {
 
 std::string lod_text(const std::string& title, const std::vector<LodMeasured>& ours, const LodTable* thesis) {
     std::string text = title + (thesis ? fmt::format(" (thesis: {}{}, {})", thesis->number[0] == 'f' ? "" : "table ", thesis->number, thesis->title) : "") + "\n";
-    text += fmt::format("{:<16} {:>9} {:>6} {:>9} {:>8} {:>8} {:>8} {:>8} {:>8} {:>10} {:>9} {:>8} {:>8} {:>9}   {}\n", "setup", "receivers", "share", "ms", "its map", "speed-up",
-                        "SSIM", "change", "worst", "SSIM truth", "pixels", "bias", "rms", "receivers", "thesis: receivers, share, speed-up, SSIM");
+    text += fmt::format("{:<16} {:>9} {:>6} {:>9} {:>27} {:>8} {:>8} {:>8} {:>8} {:>10} {:>9} {:>8} {:>8} {:>9}   {}\n", "setup", "receivers", "share", "ms",
+                        "levels basis irrad. its map", "speed-up", "SSIM", "change", "worst", "SSIM truth", "pixels", "bias", "rms", "receivers", "thesis: receivers, share, speed-up, SSIM");
     const auto percent = [](const std::optional<IprErrors>& e, double IprErrors::* part) { return e ? fmt::format("{:.2f}%", 100 * (*e).*part) : "-"; };
     for (const LodMeasured& m : ours) {
         const auto share = [](std::int64_t n, std::int64_t of) { return of > 0 ? 100 * double(n) / double(of) : 0.0; };
-        text += fmt::format("{:<16} {:>9} {:>5.1f}% {:>9.3f} {:>8.3f} {:>8.2f} {:>8} {:>7.2f}% {:>7.2f}% {:>10} {:>9} {:>8} {:>8} {:>9}", m.setup, m.receivers,
-                            share(m.receivers, ours[0].receivers), m.ms, m.map_ms, m.speed_up, ssim_text(m.ssim), 100 * m.error, 100 * m.worst, ssim_text(m.ssim_truth),
+        text += fmt::format("{:<16} {:>9} {:>5.1f}% {:>9.3f} {:>6.2f} {:>5.2f} {:>6.2f} {:>7.2f} {:>8.2f} {:>8} {:>7.2f}% {:>7.2f}% {:>10} {:>9} {:>8} {:>8} {:>9}", m.setup, m.receivers,
+                            share(m.receivers, ours[0].receivers), m.ms, m.stages.levels, m.stages.basis, m.stages.irradiance, m.stages.lightmap, m.speed_up, ssim_text(m.ssim), 100 * m.error, 100 * m.worst, ssim_text(m.ssim_truth),
                             percent(m.at_pixels, &IprErrors::mean), percent(m.at_pixels, &IprErrors::bias), percent(m.at_pixels, &IprErrors::rms),
                             percent(m.at_receivers, &IprErrors::mean));
         if (const LodFigures* f = find(thesis, m.setup))
@@ -64,7 +64,12 @@ Json lod_json(const std::vector<LodMeasured>& ours) {
                         {"rays", m.counts.rays},
                         {"bytes", m.counts.bytes},
                         {"ms", m.ms},
-                        {"map_ms", m.map_ms},
+                        {"levels_ms", m.stages.levels},
+                        {"radiance_ms", m.stages.radiance},
+                        {"lambda_ms", m.stages.lambda},
+                        {"basis_ms", m.stages.basis},
+                        {"irradiance_ms", m.stages.irradiance},
+                        {"map_ms", m.stages.lightmap},
                         {"speed_up", m.speed_up},
                         {"ssim", m.ssim ? Json(*m.ssim) : Json(nullptr)},
                         {"error", m.error},

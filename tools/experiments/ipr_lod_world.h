@@ -28,6 +28,8 @@ struct LodRun {
     Buffer<float> weights;
     probes::Levels levels;
     Image4 place, before, radiance, lambda, basis, irradiance, lightmap;
+    std::vector<std::int32_t> basis_level;
+    probes::TilesToWrite tiles;
 };
 
 struct LodBench::World {
@@ -45,6 +47,7 @@ struct LodBench::World {
     LodRun run_of(const probes::LodParams& params, LodBorders borders = LodBorders::all) const;
     void take_levels(LodRun& run, const Camera& camera) const;
     probes::UpdateBuffers buffers(LodRun& run) const;
+    LodStageMs stage_ms(LodRun& run, const Camera& camera, int times) const;
     LodSeen seen_by(const LodView& view) const;
     const LodSeen& look(const LodView& view);
     Image4 indirect(const LodRun& run, const LodSeen& seen, const Camera& camera, glm::ivec2 size) const;

@@ -117,7 +117,8 @@ class Measure {
     void add_figures() {
         std::vector<IprVariant> escapes;
         for (const auto& [name, escape] : {std::pair("1 nothing", probes::Escapes::nothing), {"2 same direction", probes::Escapes::same_direction},
-                                           {"3 visible probes", probes::Escapes::visible_probes}, {"4 all probes", probes::Escapes::all_probes}, std::pair("the sky, a probe", probes::Escapes::sky)}) {
+                                           {"3 visible probes", probes::Escapes::visible_probes}, {"4 all probes", probes::Escapes::all_probes},
+                                           {"the sky, a probe", probes::Escapes::sky}}) {
             escapes.push_back(figure(name, std::string("escapes, 11 probes")));
             escapes.back().bake.escapes = escape;
         }

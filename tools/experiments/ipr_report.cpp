@@ -86,7 +86,7 @@ IprSheet lod_sheet(const IprLodTable& t) {
     if (thesis) sheet.heads.insert(sheet.heads.end(), {{"thesis: receivers"}, {"thesis: ms", 2}, {"thesis: speed-up", 2}, {"thesis: SSIM", 3}});
     for (const LodMeasured& m : t.rows) {
         IprSheetRow row{m.setup, "", {}, {}};
-        row.values = {double(m.receivers), 100 * double(m.receivers) / double(t.rows[0].receivers), m.ms, m.map_ms, m.speed_up, m.ssim, m.ssim_truth, 100 * m.error, 100 * m.worst};
+        row.values = {double(m.receivers), 100 * double(m.receivers) / double(t.rows[0].receivers), m.ms, m.stages.lightmap, m.speed_up, m.ssim, m.ssim_truth, 100 * m.error, 100 * m.worst};
         add_error_values(row.values, m.at_pixels), add_error_values(row.values, m.at_receivers);
         if (thesis) {
             const auto f = std::find_if(thesis->rows.begin(), thesis->rows.end(), [&](const LodFigures& x) { return x.setup == m.setup; });

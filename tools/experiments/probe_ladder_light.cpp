@@ -244,8 +244,7 @@ ProbeLight probe_light(const LadderWorld& world, const Radiance& radiance, const
         }
     });
     const std::vector<std::int32_t> ray_of = probes::stand_ins(directions, asked, options);
-    for (std::size_t at = 0; at < ray_of.size(); ++at)
-        if (!asked[at]) light.radiance[at] = light.radiance[at - at % directions.size() + std::size_t(ray_of[at])];
+    for (std::size_t at = 0; at < ray_of.size(); ++at) light.radiance[at] = light.radiance[std::size_t(ray_of[at])];
     return light;
 }
 

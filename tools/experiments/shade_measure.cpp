@@ -109,7 +109,8 @@ class Measure {
         return d;
     }
     bool in_region(const Truth& with, std::size_t i) const {
-        const double change = std::fabs(with.mean.texels[i] - none_.mean.texels[i]), noise = std::sqrt(double(with.error.texels[i]) * with.error.texels[i] + double(none_.error.texels[i]) * none_.error.texels[i]);
+        const double change = std::fabs(with.mean.texels[i] - none_.mean.texels[i]), a = with.error.texels[i], b = none_.error.texels[i];
+        const double noise = std::sqrt(a * a + b * b);
         return points_.normal.texels[i].w != 0 && change > request_.least * none_.mean.texels[i] && change > 2 * noise;
     }
 

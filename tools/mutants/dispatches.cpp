@@ -115,6 +115,19 @@ Scene box(const std::filesystem::path& source) {
     return scene;
 }
 
+// For the z-buffer techniques: highlights from dull to sharp, and meshes of which normals, and light as it is printed, are turned and
+// scaled.
+void gloss(Scene& scene) {
+    for (std::size_t i = 0; i < scene.materials.size(); ++i) {
+        Material& m = scene.materials[i];
+        m.specular = {0.3f + 0.1f * float(i % 3), 0.4f, 0.5f - 0.1f * float(i % 2)}, m.exponent = 2 + 3 * float(i % 5);
+    }
+    for (Mesh& mesh : scene.meshes) {
+        mesh.transform[0] *= 1.25, mesh.transform[1] *= 0.875;
+        mesh.transform[1].x += 0.125, mesh.transform[2].y -= 0.0625;
+    }
+}
+
 // Every stage of the panel's frame.
 void append(const Panel& panel, const std::filesystem::path& source, std::vector<Dispatch>& out) {
     Scene scene = panel.scene == "quads" ? quads() : box(source);
@@ -126,6 +139,7 @@ void append(const Panel& panel, const std::filesystem::path& source, std::vector
     }
     for (const std::string& setting : panel.settings) set(scene, setting, panel.place);
     frame::Settings settings = frame::settings_of(scene);
+    if (settings.method == frame::Method::zbuffer) gloss(scene);
     frame::add_bake(scene, settings);
     const frame::Plan plan = frame::plan(scene, settings);
     const frame::Frame frame = frame::execute(scene, settings, plan, {});

@@ -24,6 +24,7 @@ void add_make_scene(CLI::App& program, Action& action);
 void add_pov(CLI::App& program, Action& action);
 void add_cameras(CLI::App& program, Action& action);
 void add_batch(CLI::App& program, Action& action);
+void add_formfactor(CLI::App& program, Action& action);
 
 // Parses, runs, and turns every exception into one line on standard error and an exit code.
 int run_program(int argc, char** argv);

@@ -226,8 +226,9 @@ class Report {
 int explain(const ExplainOptions& given) {
     const RunOptions options = given.common.run_options();
     const glm::ivec2 pixel = parse_pixel(given.pixel);
-    const Scene scene = load(given.scene);
+    Scene scene = load(given.scene);
     frame::Settings settings = settings_of(scene, given.scene);
+    scene = drawn(std::move(scene), settings);
     const int light = given.light.empty() ? -1 : find_light(scene, given.light);
     require_explainable(given, pixel, scene, settings);
     frame::plan(scene, settings);  // what cannot be rendered is told before a bake is made for it

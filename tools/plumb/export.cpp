@@ -157,8 +157,9 @@ void print_merge(const Merge& merge, const std::vector<std::string>& changed) {
 int run_export(const ExportOptions& given) {
     const RunOptions options = given.common.run_options();
     const Maker maker(given, options);
-    const Scene scene = load(given.scene);
+    Scene scene = load(given.scene);
     frame::Settings settings = settings_of(scene, given.scene);
+    scene = drawn(std::move(scene), settings);
     const std::uint64_t id = export_id(scene, settings, maker);
     if (given.stage != "all") settings = frame::settings_running(settings, given.stage);
     settings.truth = false;

@@ -72,8 +72,9 @@ std::vector<GraphNode> nodes_of(const frame::Plan& plan, const frame::Frame& fra
 
 int graph(const GraphOptions& given) {
     const RunOptions options = given.common.run_options();
-    const Scene scene = load(given.scene);
+    Scene scene = load(given.scene);
     frame::Settings settings = settings_of(scene, given.scene);
+    scene = drawn(std::move(scene), settings);
     add_bake(scene, settings, {options, given.scene.no_cache ? "" : cache_folder(), !given.common.json});
     const frame::Plan plan = frame::plan(scene, settings);
     const std::string cache = given.scene.no_cache ? "" : cache_folder();

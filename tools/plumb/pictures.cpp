@@ -66,6 +66,7 @@ void write_pictures(const Scene& scene, const frame::Plan& plan, const frame::Fr
     }
     if (!frame.indirect_error.empty()) layers.push_back(layer("indirect.error", rgb, frame.indirect_error));
     const frame::ReliefBuffers& relief = frame.probes.relief;
+    if (!frame.zbuffer.sent.empty()) layers.push_back(layer("sent", rgb, frame.zbuffer.sent));
     if (!relief.made.glossy.empty()) layers.push_back(layer("glossy", rgb, relief.made.glossy));
     for (const frame::ReliefBuffers::Layer& of : relief.layers)
         if (!of.radiance.empty()) layers.push_back(layer(of.name, rgb, of.radiance));
@@ -107,6 +108,7 @@ void write_pictures(const Scene& scene, const frame::Plan& plan, const frame::Fr
     };
     write_png(name + ".png", frame.display);
     if (!frame.truth_display.empty()) write_png(name + ".truth.png", frame.truth_display);
+    if (!frame.zbuffer.vertex_normals.empty()) write_png(name + ".vertex_normals.png", frame.zbuffer.vertex_normals);
     for (const frame::ReliefBuffers::Layer& of : relief.layers)
         if (!of.display.empty()) write_png(name + "." + of.name + ".png", of.display);
 }

@@ -16,7 +16,8 @@ std::string picture_name(const Scene& scene);
 // Writes <name>.exr, a <name>.rsm.<light>.exr for each map that was drawn (it has a size of its own), and <name>.png. A shadow.<light> or an RSM is there where its stage ran; truth (and <name>.truth.png), truth.direct and
 // truth.indirect, each with its standard error, where they were traced; direct and indirect unless the picture itself is
 // path traced; glossy where probes.relief ran, and the layers diffuse, normals and specular, each with a <name>.<layer>.png, with
-// probes.layers; every other layer always.
+// probes.layers; sent of the method zbuffer (emission and pi times highlights, W/m2), and <name>.vertex_normals.png with
+// zbuffer.normals; every other layer always.
 void write_pictures(const Scene& scene, const frame::Plan& plan, const frame::Frame& frame, const std::string& name,
                     Outputs& outputs);
 

@@ -107,6 +107,7 @@ int run_program(int argc, char** argv) {
     add_pov(program, action);
     add_cameras(program, action);
     add_batch(program, action);
+    add_formfactor(program, action);
     // After the commands, which would take it for theirs.
     program.footer(
         "Examples:\n"

@@ -213,6 +213,7 @@ int render(const RenderOptions& given) {
     check_frames(given, scene, settings);
     Job job{given, start, {read_ms}, std::move(scene), std::move(settings), nullptr, Outputs(given.folder)};
     if (!given.budget.empty()) choose(job);
+    job.scene = drawn(std::move(job.scene), job.settings);
     add_bake(job.scene, job.settings, {given.common.run_options(), given.scene.no_cache ? "" : cache_folder(), !given.common.json});
     return given.frames > 0 ? render_frames(job) : render_one(job);
 }

@@ -184,6 +184,11 @@ std::shared_ptr<const probes::Bake> make_bake(const Scene& scene, const probes::
     return bake;
 }
 
+Scene drawn(Scene scene, const frame::Settings& settings) {
+    if (settings.method != frame::Method::radiosity) return scene;
+    return radiosity::drawn_by_radiosity(scene, settings.radiosity);
+}
+
 void add_bake(const Scene& scene, frame::Settings& settings, const BakeWith& with) {
     if (settings.method != frame::Method::probes || settings.bake) return;
     settings.bake = settings.probe_run.file.empty() ? make_bake(scene, frame::bake_params(scene, settings), with)

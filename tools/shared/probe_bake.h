@@ -34,6 +34,9 @@ std::vector<graph::NodeRun> run_bake(const probes::BakeGraph& graph, const Scene
 // Sets settings.bake for the method probes where it is missing; of other methods nothing happens.
 void add_bake(const Scene& scene, frame::Settings& settings, const BakeWith& with);
 
+// A scene as the settings' method draws it: of radiosity with its triangles split.
+Scene drawn(Scene scene, const frame::Settings& settings);
+
 // Bytes that the system would give; all there are where it does not tell.
 std::uint64_t memory_there();
 

@@ -8,7 +8,7 @@ namespace plumb::cli {
 
 void add_scene_options(CLI::App& command, SceneOptions& options) {
     command.add_option("scene", options.file, "the scene: .toml, or a bare .obj, .gltf or .glb")->required()->type_name("SCENE");
-    command.add_option("--method", options.method, "direct, rsm, isr, probes or reference; the scene file's otherwise")
+    command.add_option("--method", options.method, "direct, rsm, isr, probes, radiosity, zbuffer or reference; the scene file's otherwise")
         ->check(some_word())
         ->type_name("M");
     command.add_option("--set", options.sets, "table.key=value in place of the scene file's; may be repeated")

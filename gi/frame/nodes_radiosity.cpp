@@ -1,0 +1,223 @@
+// Hemicube radiosity: elements, their form factors, light at them, what leaves them, and irradiance of pixels.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "gi/frame/frame_graph.h"
+#include "gi/frame/nodes_probes.h"
+#include "gi/probes/lit_hits.h"
+#include "gi/radiosity/gather.h"
+#include "gi/radiosity/host_stages.h"
+#include "gi/radiosity/lookup.h"
+#include "gi/radiosity/rows.h"
+
+namespace plumb::frame {
+
+namespace {
+
+using radiosity::RowBlock;
+
+RadiosityBuffers& buffers(Context& c) { return c.frame.radiosity; }
+
+template <class T>
+void lend_list(Bundle& b, const char* name, const T& list) {
+    lend(b, name, {std::int64_t(list.size()), 4}, list.empty() ? nullptr : &list[0].x);
+}
+
+void read_lists(graph::Reads& r, const std::initializer_list<const Buffer<glm::vec4>*>& lists) {
+    for (const Buffer<glm::vec4>* list : lists) r.list(*list);
+}
+
+PlannedNode begin(Context& c, const StageInfo& info, const std::string& why, glm::ivec2 size) {
+    PlannedNode node = begin_host(c, info, why, size);
+    node.work = "radiosity";
+    return node;
+}
+
+void add_elements(Context& c, Nodes& nodes) {
+    RadiosityBuffers& b = buffers(c);
+    PlannedNode node = begin(c, radiosity::info_elements(), "irradiance is computed there", {1, 1});
+    node.reads = [&c](graph::Reads& r) {
+        r.source("geometry", c.keys.geometry), r.source("surfaces", c.keys.surfaces), r.source("emission", c.keys.emission);
+        radiosity::RadiosityParams p = c.settings.radiosity;
+        r.value(p.kind, p.crease_deg, p.offset, p.inset, p.split);
+    };
+    node.outputs = [&b] {
+        Bundle all;
+        lend_list(all, "position", b.elements.position), lend_list(all, "normal", b.elements.normal), lend_list(all, "eye", b.elements.eye);
+        lend_list(all, "reflectance", b.elements.reflectance), lend_list(all, "exitance", b.elements.exitance);
+        lend_list(all, "corners", b.triangles.corners), lend_list(all, "of", b.triangles.of);
+        return all;
+    };
+    node.run = [&c, &b](const RunOptions& options, graph::NodeRun& run) {
+        b.elements = {};
+        if (!c.world().geometry.triangles.empty())
+            b.elements = radiosity::elements_of(c.scene, radiosity::element_params(c.settings.radiosity), options);
+        b.triangles = radiosity::triangle_elements(b.elements);
+        run.bytes = b.elements.position.size() * 80;
+        run.reason = fmt::format("{} elements, {} triangles, {:.3g} m off the surface{}", b.elements.count(), b.triangles.of.size(), b.elements.offset_m,
+                                 b.elements.nearer > 0 ? fmt::format("; geometry is nearer to {}", b.elements.nearer) : "");
+    };
+    node.leave_out = [&b] { b = {}; };
+    nodes.push_back(std::move(node));
+}
+
+void add_rows(Context& c, Nodes& nodes) {
+    RadiosityBuffers& b = buffers(c);
+    PlannedNode node = begin(c, radiosity::info_rows(), "what elements see of each other", {1, 1});
+    node.reads = [&c, &b](graph::Reads& r) {
+        read_lists(r, {&b.elements.eye, &b.elements.normal, &b.triangles.corners});
+        r.list(b.triangles.of);
+        r.value(c.settings.radiosity.size, c.settings.radiosity.weights);
+    };
+    node.outputs = [&b] {
+        Bundle all;
+        for (const RowBlock& block : b.factors.blocks) {
+            const std::string at = fmt::format("{}", block.first);
+            lend(all, "rows " + at, {block.count, 4}, &block.rows[0].x);
+            lend(all, "scale " + at, {block.count, 1}, block.scale.data());
+            lend(all, "escaped " + at, {block.count, 1}, block.escaped.data());
+            if (!block.runs.empty()) lend(all, "runs " + at, {std::int64_t(block.runs.size()), 2}, &block.runs[0].x);
+            lend(all, "weights " + at, {std::int64_t(block.weights.size()), 1}, block.weights.data());
+        }
+        return all;
+    };
+    node.run = [&c, &b](const RunOptions& options, graph::NodeRun& run) {
+        b.factors = radiosity::form_factors(b.elements, radiosity::row_params(c.settings.radiosity), options);
+        run.bytes = b.factors.bytes();
+        run.reason = fmt::format("{:.1f} MB, {:.2f} bytes a texel", double(run.bytes) * 1e-6,
+                                 double(run.bytes) / (3.0 * c.settings.radiosity.size * c.settings.radiosity.size * b.factors.count));
+    };
+    node.leave_out = [&b] { b.factors = {}; };
+    nodes.push_back(std::move(node));
+}
+
+void add_light(Context& c, Nodes& nodes) {
+    RadiosityBuffers& b = buffers(c);
+    PlannedNode node = begin(c, radiosity::info_light(), "what lamps and the sky send to elements", {1, 1});
+    node.reads = [&c, &b](graph::Reads& r) {
+        read_lists(r, {&b.elements.eye, &b.elements.normal});
+        r.source("lamps", c.keys.paths);
+        r.value(c.scene.environment.radiance);
+        for (const RowBlock& block : b.factors.blocks) r.list(block.escaped);
+    };
+    node.outputs = [&b] {
+        Bundle all;
+        lend_list(all, "lamps", b.lamps), lend_list(all, "sky", b.sky);
+        return all;
+    };
+    node.run = [&c, &b](const RunOptions& options, graph::NodeRun& run) {
+        b.lamps = radiosity::lamps_at(c.scene, b.elements, options);
+        b.sky = radiosity::sky_at(c.scene, b.factors);
+        run.bytes = 32 * b.lamps.size();
+    };
+    node.leave_out = [&b] { b.lamps.clear(), b.sky.clear(); };
+    nodes.push_back(std::move(node));
+}
+
+void add_solve(Context& c, Nodes& nodes) {
+    RadiosityBuffers& b = buffers(c);
+    PlannedNode node = begin(c, radiosity::info_solve(), "light is reflected again and again", {1, 1});
+    node.reads = [&c, &b](graph::Reads& r) {
+        read_lists(r, {&b.elements.reflectance, &b.elements.exitance, &b.lamps, &b.sky});
+        for (const RowBlock& block : b.factors.blocks) r.list(block.weights), r.list(block.scale);
+        r.value(c.settings.radiosity.tolerance, c.settings.radiosity.passes);
+    };
+    node.outputs = [&b] {
+        Bundle all;
+        lend_list(all, "radiosity", b.radiosity);
+        return all;
+    };
+    node.run = [&c, &b](const RunOptions& options, graph::NodeRun& run) {
+        try {
+            b.solved = radiosity::solve(b.factors, b.elements, b.lamps, b.sky, c.settings.radiosity, options, b.radiosity);
+        } catch (const InputError& error) {
+            throw InputError(fmt::format("{}: {}", c.scene.name, error.what()));
+        }
+        run.bytes = 16 * b.radiosity.size();
+        run.reason = text_of(b.solved);
+    };
+    node.leave_out = [&b] { b.radiosity.clear(); };
+    nodes.push_back(std::move(node));
+}
+
+// Of the blocks a few, spread over all: what a device is given to compare.
+std::vector<StageData> some_blocks(const RadiosityBuffers& b) {
+    std::vector<StageData> data;
+    const std::size_t n = b.factors.blocks.size(), some = std::min<std::size_t>(n, 4);
+    for (std::size_t k = 0; k < some; ++k) {
+        radiosity::GatherInputs in{&b.factors.blocks[k * n / some], &b.sky, &b.radiosity};
+        in.decoded = true;
+        data.push_back(data_of(in));
+    }
+    return data;
+}
+
+void add_gather(Context& c, Nodes& nodes) {
+    RadiosityBuffers& b = buffers(c);
+    const StageBinding& binding = stage<radiosity::GatherKernel>();
+    PlannedNode node = begin_node(c, binding, "radiosity", "what elements get from each other", 1);
+    node.of_pixels = false;
+    node.size = [&b] { return glm::ivec2(int(b.irradiance.size()), 1); };
+    node.dispatches = [&b] { return some_blocks(b); };
+    node.reads = [&b](graph::Reads& r) {
+        read_lists(r, {&b.sky, &b.radiosity});
+        for (const RowBlock& block : b.factors.blocks) r.list(block.weights), r.list(block.scale);
+    };
+    node.outputs = [&b, &binding] {
+        Bundle all;
+        lend_list(all, binding.outputs[0].name.c_str(), b.irradiance);
+        return all;
+    };
+    node.run = [&b](const RunOptions& options, graph::NodeRun& run) {
+        radiosity::gather(b.factors, b.sky, b.radiosity, options, b.irradiance);
+        run.bytes = 16 * b.irradiance.size();
+    };
+    node.explain = [&b, &binding](glm::ivec2 at) {
+        const RowBlock& block = b.factors.blocks.at(std::size_t(at.x / radiosity::rows_of_block));
+        radiosity::GatherInputs in{&block, &b.sky, &b.radiosity};
+        in.decoded = true;
+        const StageData data = data_of(in);
+        const int own = at.x - block.first;
+        return plumb::explain(binding, data, {own % data.size.x, own / data.size.x});
+    };
+    node.leave_out = [&b] { b.irradiance.clear(); };
+    node.fill = [] {};
+    node.results = {{binding.outputs[0].name, binding.outputs[0].name, "irradiance"}};
+    nodes.push_back(std::move(node));
+}
+
+void add_lookup(Context& c, Nodes& nodes) {
+    RadiosityBuffers& b = buffers(c);
+    const StageBinding& binding = stage<radiosity::LookupKernel>();
+    PlannedNode node = begin_node(c, binding, "radiosity", "indirect light", double(c.size.x) * c.size.y);
+    const auto data = [&c, &b] {
+        return data_of(radiosity::LookupInputs{&c.frame.gbuffer.position, &c.frame.gbuffer.id, &b.triangles, &b.irradiance});
+    };
+    node.size = [size = c.size] { return size; };
+    node.dispatches = [=] { return std::vector<StageData>{data()}; };
+    node.reads = [=, &binding](graph::Reads& r) { r.dispatch(binding, data()); };
+    node.outputs = [&c, &binding] { return lent(binding.outputs[0].name, c.frame.indirect); };
+    node.run = [=, &c, &binding](const RunOptions& options, graph::NodeRun& run) {
+        plumb::run(binding, data(), options, c.frame.indirect);
+        run.bytes = bytes_of(c.frame.indirect);
+    };
+    node.explain = [=, &binding](glm::ivec2 at) { return plumb::explain(binding, data(), at); };
+    node.leave_out = [&c, size = c.size] { c.frame.indirect = Image4(size.x, size.y); };
+    node.results = {{binding.outputs[0].name, binding.outputs[0].name, "irradiance"}};
+    nodes.push_back(std::move(node));
+}
+
+}  // namespace
+
+void add_radiosity(Context& c, Nodes& nodes) {
+    if (!solves_radiosity(c.settings)) return;
+    add_elements(c, nodes);
+    add_rows(c, nodes);
+    add_light(c, nodes);
+    add_solve(c, nodes);
+    add_gather(c, nodes);
+    add_lookup(c, nodes);
+}
+
+}  // namespace plumb::frame

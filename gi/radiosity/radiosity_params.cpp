@@ -1,0 +1,39 @@
+#include "gi/radiosity/radiosity_params.h"
+
+#include <cmath>
+
+#include "core/error.h"
+#include "gi/radiosity/tessellate.h"
+
+namespace plumb::radiosity {
+
+std::vector<Field> fields(RadiosityParams& p) {
+    using Role = SweepRange::Role;
+    return {
+        {"elements", as_int(p.kind), "", "where irradiance is computed: at vertices, linear between them, or in the middle of triangles (HEM 4.5.4, 6.4)", -unbounded,
+         unbounded, {"vertices", "triangles"}, false},
+        {"edge", &p.edge, "m", "triangles with longer edges are split; 0: a fortieth of the scene's diagonal (HEM 4.5.4, step 1)", 0, 1e9, {}, false},
+        {"size", &p.size, "", "texels of a hemicube's side, an even number (HEM 5.8)", 2, largest_hemicube, {}, false, {Role::along, {8, 16, 32, 64, 128, 256}}},
+        {"weights", as_int(p.weights), "", "share of a hemisphere that a texel stands for: its integral, its value in the middle, or as published (HEM 5.5, 5.7)", -unbounded,
+         unbounded, {"exact", "centre", "published"}, false},
+        {"crease_deg", &p.crease_deg, "deg", "triangles whose normals differ by more are no one surface", 0, 180, {}, false},
+        {"offset", &p.offset, "", "how far off its surface an element looks from, of the scene's diagonal (HEM 4.5.3: one unit)", 0, 0.1, {}, false},
+        {"inset", &p.inset, "", "whether an element on a border looks from within its surface, too; off: along the normal alone (HEM 5.6)", -unbounded, unbounded, {}, false},
+        {"split", &p.split, "", "whether vertices are split at creases; off: a mean normal at each position (HEM 5.6)", -unbounded, unbounded, {}, false},
+        {"tolerance", &p.tolerance, "", "estimated error of the solution, of its mean", 1e-7, 1, {}, false},
+        {"passes", &p.passes, "", "passes at most (HEM 4.5.4: 4 to 16)", 1, 1e6, {}, false},
+    };
+}
+
+Scene drawn_by_radiosity(const Scene& scene, const RadiosityParams& params) {
+    if (!scene.animation.meshes.empty())
+        throw InputError(scene.name + ": method radiosity: meshes move: expected a scene that stands still");
+    glm::vec3 low, high;
+    if (!bounds(flatten(scene), low, high)) return scene;
+    const glm::dvec3 size = glm::dvec3(high) - glm::dvec3(low);
+    TessellateParams split;
+    split.longest_edge = params.edge > 0 ? double(params.edge) : std::sqrt(glm::dot(size, size)) / automatic_edges;
+    return tessellate(scene, split);
+}
+
+}  // namespace plumb::radiosity

@@ -1,0 +1,34 @@
+// The parameters of hemicube radiosity: the table [radiosity] of a scene file.
+#pragma once
+
+#include <vector>
+
+#include "core/fields.h"
+#include "gi/radiosity/elements.h"
+#include "gi/radiosity/rows.h"
+
+namespace plumb::radiosity {
+
+struct RadiosityParams {
+    Kind kind = Kind::vertices;
+    float edge = 0;                    // m: triangles with longer ones are split before anything is drawn; 0: automatic_edges
+    int size = 64;                     // texels of a hemicube's side
+    Weights weights = Weights::exact;
+    float crease_deg = 30;
+    float offset = 1e-4f;              // of the scene's diagonal
+    bool inset = true;
+    bool split = true;
+    float tolerance = 1e-4f;           // estimated error of what is solved, of its mean
+    int passes = 1000;                 // at most
+};
+std::vector<Field> fields(RadiosityParams& params);
+// Edges along a scene's diagonal where nobody says how long they may be.
+inline constexpr double automatic_edges = 40;
+// A scene as the method draws it: no edge longer than `edge`. Throws what tessellate() throws; for moving meshes, whose triangles
+// would be others in every frame, InputError.
+Scene drawn_by_radiosity(const Scene& scene, const RadiosityParams& params);
+
+inline ElementParams element_params(const RadiosityParams& p) { return {p.kind, p.crease_deg, p.offset, p.inset, p.split}; }
+inline RowParams row_params(const RadiosityParams& p) { return {p.size, p.weights}; }
+
+}  // namespace plumb::radiosity

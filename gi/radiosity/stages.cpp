@@ -1,0 +1,20 @@
+#include "core/kernel_stage.h"
+#include "gi/radiosity/gather.h"
+#include "gi/radiosity/items.h"
+#include "gi/radiosity/lookup.h"
+#include "twins/gi.radiosity.gather.comp.h"
+#include "twins/gi.radiosity.items.comp.h"
+#include "twins/gi.radiosity.lookup.comp.h"
+
+namespace plumb {
+
+using namespace radiosity;
+
+template <>
+const StageBinding& stage<GatherKernel>() { return made<GatherKernel, twins::gi_radiosity_gather_comp>(); }
+template <>
+const StageBinding& stage<ItemsKernel>() { return made<ItemsKernel, twins::gi_radiosity_items_comp>(); }
+template <>
+const StageBinding& stage<LookupKernel>() { return made<LookupKernel, twins::gi_radiosity_lookup_comp>(); }
+
+}  // namespace plumb

@@ -1,0 +1,9 @@
+#include "core/shade_rows.h"
+// After core/wide.h, so that the kernels see their number.
+#include "gi/radiosity/lookup_kernel.h"
+
+namespace plumb {
+
+template struct Rows<radiosity::LookupKernel, Isa::PLUMB_ISA>;
+
+}  // namespace plumb
