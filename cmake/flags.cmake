@@ -4,7 +4,8 @@ add_library(plumb_flags INTERFACE)
 target_compile_features(plumb_flags INTERFACE cxx_std_20)
 target_compile_options(plumb_flags INTERFACE
   -ffp-contract=off -fno-math-errno -fno-trapping-math -fwrapv -fno-fast-math)
-target_compile_definitions(plumb_flags INTERFACE GLM_FORCE_INLINE GLM_FORCE_XYZW_ONLY)
+# Eigen takes an allocator of its own where it sees the address sanitizer; tests without it share its inline functions.
+target_compile_definitions(plumb_flags INTERFACE GLM_FORCE_INLINE GLM_FORCE_XYZW_ONLY EIGEN_MALLOC_ALREADY_ALIGNED=1)
 
 add_library(plumb_warnings INTERFACE)
 target_compile_options(plumb_warnings INTERFACE -Wall -Wextra -Wno-unknown-pragmas -Wno-ignored-attributes

@@ -111,8 +111,8 @@ struct ProbeBuffers {
     Image4 uv;                               // of the frame's pixels
     // Of dynamic meshes; empty where there are none, or no spatial receivers.
     probes::ClusterData spatial;
-    std::vector<std::int32_t> spatial_levels;    // of its clusters: 0
     std::vector<std::int32_t> spatial_active;    // [places]: 0 near what moves, else -1
+    std::vector<std::int32_t> spatial_levels;    // of its clusters: 0 with a place near what moves, else none
     Image4 spatial_basis, spatial_irradiance;
     Buffer<glm::vec4> bounced, grid;             // [place][direction], W/m2: without static lamps, and with them
     Buffer<glm::vec4> static_light;              // the same of static lamps alone; empty without any

@@ -50,7 +50,6 @@ void add_data(Context& c, Nodes& nodes) {
                                 : probes::level_weights(b.relight_directions, {p.lod.rays.begin(), p.lod.rays.begin() + p.lod.levels});
         p.boxes = p.lod.off() ? probes::LodBoxes() : probes::lod_boxes(b, c.settings.probe_run.unasked);
         p.spatial = has_volume(c) ? probes::cluster_data(b.spatial.flat, b.spatial.receivers.count(), b.coefficients()) : probes::ClusterData();
-        p.spatial_levels.assign(p.spatial.clusters.size(), 0);
         p.last = p.next = {};  // of other sizes
         p.probe_level.assign(std::size_t(p.data.probes), 0), p.cluster_level.assign(p.data.clusters.size(), 0);
         p.basis_level = p.cluster_level, p.tiles = {wanted_tiles(c), {}};

@@ -27,6 +27,7 @@ void add_active(Context& c, Nodes& nodes) {
     node.outputs = [&p] {
         Bundle b;
         lend(b, "level", {std::int64_t(p.spatial_active.size())}, p.spatial_active.data());
+        lend(b, "cluster", {std::int64_t(p.spatial_levels.size())}, p.spatial_levels.data());
         return b;
     };
     node.run = [&c, &p](const RunOptions&, graph::NodeRun& run) {
@@ -34,9 +35,11 @@ void add_active(Context& c, Nodes& nodes) {
         auto active = probes::active_places(b.spatial.grid, probes::dynamic_boxes(c.scene));
         if (c.relief.fixed) std::fill(active.begin(), active.end(), std::uint8_t(1));
         p.spatial_active = probes::active_levels(b.spatial.grid, active, p.spatial.receiver);
-        run.reason = fmt::format("{} of {} places are computed", std::count(active.begin(), active.end(), 1), active.size());
+        p.spatial_levels = probes::active_clusters(p.spatial_active, p.spatial.cluster, p.spatial.clusters.size());
+        run.reason = fmt::format("{} of {} places are computed, {} of {} clusters", std::count(active.begin(), active.end(), 1), active.size(),
+                                 std::count(p.spatial_levels.begin(), p.spatial_levels.end(), 0), p.spatial_levels.size());
     };
-    node.leave_out = [&p] { p.spatial_active.clear(); };
+    node.leave_out = [&p] { p.spatial_active.clear(), p.spatial_levels.clear(); };
     nodes.push_back(std::move(node));
 }
 

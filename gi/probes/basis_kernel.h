@@ -33,6 +33,7 @@ struct BasisView {
 };
 
 inline constexpr int most_singular_values = 64;
+inline constexpr int no_level = 4;  // of detail: of no coefficients
 
 template <class I>
 PLUMB_INLINE I coefficients_used(const BasisUniforms& u, I level) {

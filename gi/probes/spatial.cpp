@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "core/host_math.h"
+#include "gi/probes/basis_kernel.h"
 #include "gi/probes/directions.h"
 #include "gi/probes/sky_probe.h"
 
@@ -184,6 +185,13 @@ std::vector<std::int32_t> active_levels(const SpatialGrid& g, const std::vector<
                                         const std::vector<std::int32_t>& receiver) {
     std::vector<std::int32_t> levels;
     for (const std::int32_t r : receiver) levels.push_back(active[std::size_t(r % g.places())] ? 0 : -1);
+    return levels;
+}
+
+std::vector<std::int32_t> active_clusters(const std::vector<std::int32_t>& active, const std::vector<std::int32_t>& cluster, std::size_t clusters) {
+    std::vector<std::int32_t> levels(clusters, no_level);
+    for (std::size_t i = 0; i < active.size(); ++i)
+        if (active[i] >= 0 && cluster.at(i) >= 0) levels.at(std::size_t(cluster[i])) = 0;
     return levels;
 }
 

@@ -83,6 +83,9 @@ std::vector<std::uint8_t> active_places(const SpatialGrid& grid, const std::vect
 // compute. receiver: that of ClusterData (run_data.h).
 std::vector<std::int32_t> active_levels(const SpatialGrid& grid, const std::vector<std::uint8_t>& active,
                                         const std::vector<std::int32_t>& receiver);
+// What probes.basis and probes.irradiance are given as cluster_level: 0 of clusters with a place that is active, no_level of the rest,
+// whose matrix is not read. active: that of active_levels(); cluster: that of ClusterData.
+std::vector<std::int32_t> active_clusters(const std::vector<std::int32_t>& active, const std::vector<std::int32_t>& cluster, std::size_t clusters);
 
 // [place][direction], as probes.volume reads it, of what probes.irradiance wrote. receiver: that of ClusterData.
 void gather_grid(const SpatialGrid& grid, const std::vector<std::int32_t>& receiver, const Buffer<glm::vec4>& irradiance,

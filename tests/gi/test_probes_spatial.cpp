@@ -233,6 +233,25 @@ TEST_CASE("spatial receivers: clustered a direction at a time, and then the same
     CHECK(by_all.light.texels == by_few.light.texels);
     CHECK(by_all.from_light.texels == by_few.from_light.texels);
     CHECK(by_few.irradiance(0, 0).x > 1);
+    // Clusters without an active place read nothing of their matrix and change nothing.
+    const std::vector<std::int32_t> levels = active_levels(b.spatial.grid, active_places(b.spatial.grid, {thing}), data.receiver);
+    const std::vector<std::int32_t> some = active_clusters(levels, data.cluster, data.clusters.size());
+    const auto idle = std::count(some.begin(), some.end(), no_level);
+    CHECK((idle > 0 && idle < std::ptrdiff_t(some.size())));
+    for (std::size_t i = 0; i < levels.size(); ++i)
+        if (levels[i] >= 0) CHECK(some[std::size_t(data.cluster[i])] == 0);
+    ClusterData untouched = data;
+    for (std::size_t c = 0; c < some.size(); ++c)
+        if (some[c] == no_level) {
+            const glm::ivec4 of = data.clusters[c];
+            std::fill_n(untouched.matrix.begin() + of.x, of.z * data.coefficients * of.w, std::nanf(""));
+        }
+    basis.clusters = &untouched, basis.cluster_level = some.data();
+    run(basis, {}, of_clusters);
+    Buffer<glm::vec4> found, of_some;
+    run(IrradianceInputs{&untouched, some.data(), levels.data(), of_clusters.data()}, {}, found);
+    gather_grid(b.spatial.grid, data.receiver, found, of_some);
+    CHECK(of_some == few);
     // With one place fewer they would not be.
     Buffer<glm::vec4> fewer = few;
     for (std::size_t i = 0; i < fewer.size(); i += 6)

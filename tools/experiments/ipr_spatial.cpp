@@ -39,6 +39,7 @@ class Volume {
     Volume& operator=(const Volume&) = delete;
     Volume(const IprPart& part, frame::Frame frame, const probes::Bake& bake)
         : part_(part), f_(std::move(frame)), bake_(bake), update_(update_buffers(f_.probes, f_.views[1].direct, probes::RunParams{})) {
+        every_.assign(f_.probes.spatial_active.size(), 0), every_cluster_.assign(f_.probes.spatial_levels.size(), 0);
         active_ = probes::active_places(bake_.spatial.grid, probes::dynamic_boxes(part_.scene));
         if (f_.probes.volume.irradiance.empty()) throw InputError("nothing that moves is lit by spatial receivers");
     }
@@ -63,30 +64,30 @@ class Volume {
     Image4 places_picture(const Image4& display, bool all) const;
 
   private:
-    void update_air(const std::vector<std::int32_t>& levels, Buffer<glm::vec4>& grid);
+    void update_air(bool all, Buffer<glm::vec4>& grid);
 
     const IprPart& part_;
     frame::Frame f_;
     const probes::Bake& bake_;
     probes::UpdateBuffers update_;
     std::vector<std::uint8_t> active_;
+    std::vector<std::int32_t> every_, every_cluster_;  // levels with which all are computed
     Buffer<glm::vec4> basis_, irradiance_;
 };
 
-void Volume::update_air(const std::vector<std::int32_t>& levels, Buffer<glm::vec4>& grid) {
+void Volume::update_air(bool all, Buffer<glm::vec4>& grid) {
     frame::ProbeBuffers& p = f_.probes;
+    const std::vector<std::int32_t>&levels = all ? every_ : p.spatial_active, &clusters = all ? every_cluster_ : p.spatial_levels;
     probes::BasisInputs basis = probes::basis_inputs(update_);
-    basis.clusters = &p.spatial, basis.cluster_level = p.spatial_levels.data();
+    basis.clusters = &p.spatial, basis.cluster_level = clusters.data();
     probes::run(basis, part_.options, basis_);
     probes::IrradianceInputs in;
-    in.clusters = &p.spatial, in.cluster_level = p.spatial_levels.data(), in.receiver_level = levels.data(), in.basis = basis_.data();
+    in.clusters = &p.spatial, in.cluster_level = clusters.data(), in.receiver_level = levels.data(), in.basis = basis_.data();
     probes::run(in, part_.options, irradiance_);
     probes::gather_grid(bake_.spatial.grid, p.spatial.receiver, irradiance_, grid);
 }
 
 Volume::Lit Volume::light(bool all) {
-    const std::vector<std::int32_t> every(f_.probes.spatial_active.size(), 0);
-    const std::vector<std::int32_t>& levels = all ? every : f_.probes.spatial_active;
     Lit lit;
     std::vector<double> whole, air;
     Buffer<glm::vec4> grid;
@@ -94,7 +95,7 @@ Volume::Lit Volume::light(bool all) {
         const Clock::time_point start = Clock::now();
         probes::update(update_, part_.options);
         const Clock::time_point middle = Clock::now();
-        update_air(levels, grid);
+        update_air(all, grid);
         if (i > 0) whole.push_back(ms_since(start)), air.push_back(ms_since(middle));  // the first one warms caches
     }
     lit.ms = median(whole), lit.air_ms = median(air);
