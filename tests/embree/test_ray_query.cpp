@@ -10,6 +10,7 @@
 #include <memory>
 
 #include "core/content_hash.h"
+#include "core/isa.h"
 #include "core/parallel.h"
 #include "gi/reference/ray_device.h"
 #include "gi/reference/triangle_test.h"
@@ -204,6 +205,14 @@ std::vector<TestRay> rays_at(const Geometry& g, float extent, float distance, in
     return rays;
 }
 
+// Exact rays to the bit; native ones divide as the processor likes: within four roundings.
+bool agrees(const Hit& hit, const Hit& expected, Rays kind) {
+    if (kind == Rays::exact) return hit == expected;
+    const auto near = [](float a, float b) { return std::fabs(a - b) <= 4 * 0x1p-24f * std::fabs(b); };
+    return near(hit.t, expected.t) && near(hit.u, expected.u) && near(hit.v, expected.v) && hit.normal == expected.normal &&
+           hit.triangle == expected.triangle;
+}
+
 }  // namespace
 
 // The triangle (0,0,0), (4,0,0), (0,2,0) is met at (1, 0.5, 0): u = 1/4, v = 1/4. Its normal is (4,0,0) x (0,2,0) =
@@ -214,7 +223,7 @@ TEST_CASE("rays: a triangle is hit from both sides", "[reference][rays]") {
         const auto query = world.query(kind);
         for (const float side : {1.0f, -1.0f}) {
             const Hit hit = one(*query, {{1, 0.5f, 6 * side}, {0, 0, -2 * side}});
-            CHECK(hit == Hit{3, 0.25f, 0.25f, {0, 0, 8}, 0});
+            CHECK(agrees(hit, {3, 0.25f, 0.25f, {0, 0, 8}, 0}, kind));
             CHECK(one(*query, {{3, 1.5f, 6 * side}, {0, 0, -2 * side}}).triangle == no_hit);
             CHECK(one(*query, {{1, 0.5f, 6 * side}, {0, 0, 2 * side}}).triangle == no_hit);
         }
@@ -256,7 +265,13 @@ TEST_CASE("rays: every width and instruction set gives the same bits", "[referen
     CHECK(hit_count(expected) > 6000);
     // The bits themselves, on which GCC 12 and Clang 14 agree.
     CHECK(content_hash(expected.data(), expected.size() * sizeof(Hit)) == 0x80bef8e4ae521d2f);
-    for (const char* isa : {"isa=sse2", "isa=sse4.2", "isa=avx", "isa=avx2", "isa=avx512"}) {
+    const struct {
+        const char* isa;
+        Isa needs;
+    } sets[] = {{"isa=sse2", Isa::scalar}, {"isa=sse4.2", Isa::sse}, {"isa=avx", Isa::avx2}, {"isa=avx2", Isa::avx2}, {"isa=avx512", Isa::avx512}};
+    const std::vector<Isa> there = supported_isas();
+    for (const auto& [isa, needs] : sets) {
+        if (std::find(there.begin(), there.end(), needs) == there.end()) continue;  // Embree makes no device for it
         INFO(isa);
         const auto query = world.query(Rays::exact, isa);
         CHECK(differences(nearest<1>(*query, rays), expected) == 0);
@@ -348,7 +363,7 @@ TEST_CASE("rays: an empty scene, triangles without area and numbers that are non
         const World world(g);
         const auto query = world.query(kind);
         const Hit hit = one(*query, ray);
-        CHECK(hit == Hit{1, 0.25f, 0.25f, {0, 0, 1}, 4});
+        CHECK(agrees(hit, {1, 0.25f, 0.25f, {0, 0, 1}, 4}, kind));
         for (const TestRay& bad : {TestRay{{nan, 0, 1}, {0, 0, -1}}, TestRay{{0.25f, 0.25f, 1}, {0, nan, -1}},
                                    TestRay{{0.25f, 0.25f, 1}, {0, 0, 0}}, TestRay{{infinity, 0, 0}, {1, 0, 0}}}) {
             CHECK(one(*query, bad).triangle == no_hit);

@@ -170,7 +170,7 @@ TEST_CASE("spatial receivers: places inside of solids and beyond walls are moved
 TEST_CASE("spatial receivers: clustered a direction at a time, and then the same irradiance", "[probes][spatial]") {
     const Scene scene = furnished();
     BakeParams params = with_places(64);
-    params.degree = 3, params.singular_values = 64;
+    params.degree = 3, params.singular_values = 64, params.cluster_receivers = 16;
     BakeGraph graph(scene, params);
     run_all(graph);
     const Bake& b = graph.bake();
