@@ -4,6 +4,7 @@
 #include "core/detmath.glsl"
 #include "core/tap.glsl"
 #include "raster/light.glsl"
+#include "raster/arriving.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
@@ -41,24 +42,6 @@ float lobe_towards(vec3 n, vec3 v, float n_v, float exponent, vec3 w) {
     precise float lobe = (exponent + 2.0) * 0.159154943 * power * facing;
     TAP(lobe, lobe);
     return lobe;
-}
-
-// Of a lamp: irradiance across its rays; w: the direction to it.
-vec3 arriving_from(LightArgs light, vec3 x, out vec3 w) {
-    vec3 axis = light.direction;
-    if (light.directional > 0.0) {
-        w = -axis;
-        return light.intensity;
-    }
-    precise vec3 d = light.position - x;
-    precise float d2 = d.x * d.x + d.y * d.y + d.z * d.z;
-    precise float inverse = 1.0 / sqrt(max(d2, 1e-37));
-    precise vec3 direction = d * inverse;
-    w = direction;
-    precise float cos_axis = -(direction.x * axis.x + direction.y * axis.y + direction.z * axis.z);
-    precise float factor = inverse * inverse;
-    precise vec3 arriving = light_intensity(light, cos_axis, d2) * factor;
-    return arriving;
 }
 
 void relief(ivec2 pixel) {

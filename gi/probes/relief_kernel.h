@@ -14,7 +14,7 @@
 
 #include "core/detmath.h"
 #include "core/number.h"
-#include "raster/light_kernel.h"
+#include "raster/arriving_kernel.h"
 
 namespace plumb::probes {
 
@@ -72,24 +72,6 @@ PLUMB_INLINE F lobe_towards(const vec3<F>& n, const vec3<F>& v, F n_v, F exponen
     return lobe;
 }
 
-// Of a lamp: irradiance across its rays, and where it stands.
-template <class F>
-struct Arriving {
-    vec3<F> irradiance, direction;
-};
-template <class F>
-PLUMB_INLINE Arriving<F> arriving_from(const raster::LightArgs& light, const vec3<F>& x) {
-    const vec3<F> axis{F(light.direction[0]), F(light.direction[1]), F(light.direction[2])};
-    if (light.directional > 0.0f)
-        return {{F(light.intensity[0]), F(light.intensity[1]), F(light.intensity[2])}, {-axis.x, -axis.y, -axis.z}};
-    const vec3<F> d{F(light.position[0]) - x.x, F(light.position[1]) - x.y, F(light.position[2]) - x.z};
-    const F d2 = dot3(d, d);
-    const F inverse = F(1.0f) / sqrt(max(d2, F(1e-37f)));
-    const vec3<F> w = d * inverse;
-    const vec3<F> intensity = raster::light_intensity(light, -dot3(w, axis), d2);
-    return {intensity * (inverse * inverse), w};
-}
-
 template <class F, class Tap>
 PLUMB_INLINE Relief<F> relief(const ReliefView& in, index_t<F> px, index_t<F> py, Tap& tap) {
     using N = number<F>;
@@ -120,7 +102,7 @@ PLUMB_INLINE Relief<F> relief(const ReliefView& in, index_t<F> px, index_t<F> py
     vec3<F> sum = arriving * lobe_towards<F>(n, v, n_v, exponent, l, tap);
     for (int i = 0; i < u.lights; ++i) {
         tap.sample(i);
-        const Arriving<F> lamp = arriving_from<F>(in.lights[i], x);
+        const raster::Arriving<F> lamp = raster::arriving_from<F>(in.lights[i], x);
         tap("w", lamp.direction, "direction to the lamp");
         const F visibility = N::fetch(in.visibility, I(i * u.width * u.height) + pixel);
         tap("visibility", visibility, "VRSM Algorithm 4");

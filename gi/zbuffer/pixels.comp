@@ -6,6 +6,7 @@
 #include "gi/zbuffer/shade_uniforms.glsl"
 #include "raster/barycentric.glsl"
 #include "raster/light.glsl"
+#include "raster/arriving.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 

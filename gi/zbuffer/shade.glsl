@@ -25,24 +25,6 @@ vec3 turned(int object, int first, vec3 v) {
     return normalised(vec3(dot3(objects[row].xyz, v), dot3(objects[row + 1].xyz, v), dot3(objects[row + 2].xyz, v)));
 }
 
-// Of a lamp at x: irradiance across its rays; l: towards it.
-vec3 arriving_from(LightArgs light, vec3 x, out vec3 l) {
-    vec3 axis = light.direction;
-    if (light.directional > 0.0) {
-        l = -axis;
-        return light.intensity;
-    }
-    precise vec3 d = light.position - x;
-    precise float d2 = d.x * d.x + d.y * d.y + d.z * d.z;
-    precise float inverse = 1.0 / sqrt(max(d2, 1e-37));
-    precise vec3 direction = d * inverse;
-    l = direction;
-    precise float cos_axis = -(direction.x * axis.x + direction.y * axis.y + direction.z * axis.z);
-    precise float factor = inverse * inverse;
-    precise vec3 arriving = light_intensity(light, cos_axis, d2) * factor;
-    return arriving;
-}
-
 // max(0, R . V)^n, of the half vector max(0, N . H)^n.
 float lobe_of(vec3 n, float n_l, vec3 l, vec3 v, float exponent) {
     float cosine;

@@ -12,7 +12,7 @@
 
 #include "core/detmath.h"
 #include "core/number.h"
-#include "raster/light_kernel.h"
+#include "raster/arriving_kernel.h"
 #include "raster/surface_kernel.h"
 
 namespace plumb::zbuffer {
@@ -62,24 +62,6 @@ PLUMB_INLINE vec3<F> unit_along(const vec3<F>& d) {
     return raster::normalised(vec3<F>(d.x * scale, d.y * scale, d.z * scale));
 }
 
-// Of a lamp at x: irradiance across its rays, W/m2, and L, unit.
-template <class F>
-struct Arriving {
-    vec3<F> irradiance, direction;
-};
-template <class F>
-PLUMB_INLINE Arriving<F> arriving_from(const raster::LightArgs& light, const vec3<F>& x) {
-    const vec3<F> axis{F(light.direction[0]), F(light.direction[1]), F(light.direction[2])};
-    if (light.directional > 0.0f)
-        return {{F(light.intensity[0]), F(light.intensity[1]), F(light.intensity[2])}, {-axis.x, -axis.y, -axis.z}};
-    const vec3<F> d{F(light.position[0]) - x.x, F(light.position[1]) - x.y, F(light.position[2]) - x.z};
-    const F d2 = dot3(d, d);
-    const F inverse = F(1.0f) / sqrt(max(d2, F(1e-37f)));
-    const vec3<F> w = d * inverse;
-    const vec3<F> intensity = raster::light_intensity(light, -dot3(w, axis), d2);
-    return {intensity * (inverse * inverse), w};
-}
-
 // max(0, R . V)^n, of the half vector max(0, N . H)^n. n need not be a unit vector; n_l = n . l.
 template <class F, class Tap>
 PLUMB_INLINE F lobe_of(const ShadeUniforms& u, const vec3<F>& n, F n_l, const vec3<F>& l, const vec3<F>& v, F exponent, Tap& tap) {
@@ -126,7 +108,7 @@ PLUMB_INLINE Lit<F> lit_by(const ShadeUniforms& u, const raster::LightArgs* ligh
         Lit<F> part{dark, dark};
         for (int k = first; k < min(first + lights_a_part, u.lights); ++k) {
             tap.sample(k);
-            const Arriving<F> a = arriving_from<F>(lights[k], x);
+            const raster::Arriving<F> a = raster::arriving_from<F>(lights[k], x);
             vec3<F> l = a.direction;
             if (u.published != 0 && lights[k].directional > 0.0f) l = turned(world.light, l);
             tap("L", l, "towards the lamp, unit");

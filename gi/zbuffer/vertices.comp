@@ -5,6 +5,7 @@
 #include "core/tap.glsl"
 #include "gi/zbuffer/shade_uniforms.glsl"
 #include "raster/light.glsl"
+#include "raster/arriving.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 

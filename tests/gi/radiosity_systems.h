@@ -136,4 +136,17 @@ inline DenseSystem sphere(int n, float rho) {
     return s;
 }
 
+using Rounding = DenseSystem::Rounding;
+
+inline constexpr Solver all_solvers[] = {Solver::passes,   Solver::shooting,            Solver::gauss_seidel,
+                                         Solver::bicgstab, Solver::conjugate_gradients, Solver::direct};
+
+inline Solution solved(DenseSystem& s, Solver solver, double tolerance = 1e-6, int most = 100000,
+                       Rounding rounding = Rounding::none, const RunOptions& options = {}) {
+    SolveParams params;
+    params.solver = solver, params.tolerance = tolerance, params.most_products = most;
+    const Transport t = s.transport(rounding);
+    return solve(s.system(), t, params, options);
+}
+
 }  // namespace plumb::radiosity

@@ -11,20 +11,9 @@
 using namespace plumb;
 using namespace plumb::radiosity;
 using Catch::Matchers::Contains;
-using Rounding = DenseSystem::Rounding;
 
 namespace {
 
-constexpr Solver all_solvers[] = {Solver::passes,   Solver::shooting,            Solver::gauss_seidel,
-                                  Solver::bicgstab, Solver::conjugate_gradients, Solver::direct};
-
-Solution solved(DenseSystem& s, Solver solver, double tolerance = 1e-9, int most = 100000,
-                Rounding rounding = Rounding::none) {
-    SolveParams params;
-    params.solver = solver, params.tolerance = tolerance, params.most_products = most;
-    const Transport t = s.transport(rounding);
-    return solve(s.system(), t, params);
-}
 Solution passes(DenseSystem& s, int n) { return solved(s, Solver::passes, 0, n); }
 
 // Largest relative difference of an element's channel.

@@ -11,20 +11,8 @@
 using namespace plumb;
 using namespace plumb::radiosity;
 using Catch::Matchers::Contains;
-using Rounding = DenseSystem::Rounding;
 
 namespace {
-
-constexpr Solver all_solvers[] = {Solver::passes,   Solver::shooting,            Solver::gauss_seidel,
-                                  Solver::bicgstab, Solver::conjugate_gradients, Solver::direct};
-
-Solution solved(DenseSystem& s, Solver solver, double tolerance = 1e-6, int most = 1000,
-                Rounding rounding = Rounding::none, const RunOptions& options = {}) {
-    SolveParams params;
-    params.solver = solver, params.tolerance = tolerance, params.most_products = most;
-    const Transport t = s.transport(rounding);
-    return solve(s.system(), t, params, options);
-}
 
 std::string refusal(DenseSystem& s, Solver solver = Solver::bicgstab) {
     try {

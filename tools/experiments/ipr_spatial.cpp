@@ -77,7 +77,8 @@ class Volume {
 
 void Volume::update_air(bool all, Buffer<glm::vec4>& grid) {
     frame::ProbeBuffers& p = f_.probes;
-    const std::vector<std::int32_t>&levels = all ? every_ : p.spatial_active, &clusters = all ? every_cluster_ : p.spatial_levels;
+    const std::vector<std::int32_t>& levels = all ? every_ : p.spatial_active;
+    const std::vector<std::int32_t>& clusters = all ? every_cluster_ : p.spatial_levels;
     probes::BasisInputs basis = probes::basis_inputs(update_);
     basis.clusters = &p.spatial, basis.cluster_level = clusters.data();
     probes::run(basis, part_.options, basis_);
