@@ -53,6 +53,6 @@ if(TARGET plumb_mutants)
     --least-wrong 425 --least-a-stage 7 --least-legal 230)
   set_tests_properties(mutants PROPERTIES LABELS vulkan SKIP_REGULAR_EXPRESSION "SKIPPED: " TIMEOUT 3000)
   # Errors made from the twins' SPIR-V: a sample of each stage that changes with the commit; PLUMB_FULL=1 runs all.
-  add_test(NAME generic_mutants COMMAND plumb_mutants --generic --sample 20 --seed commit)
+  add_test(NAME generic_mutants COMMAND plumb_mutants --generic --sample 8 --seed commit)
   set_tests_properties(generic_mutants PROPERTIES LABELS vulkan SKIP_REGULAR_EXPRESSION "SKIPPED: " TIMEOUT 3000)
 endif()
