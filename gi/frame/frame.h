@@ -156,7 +156,7 @@ struct Frame {
     raster::GBuffer gbuffer;
     // [lights][1, or 6 faces of a point light]; size 0 where none was needed, or nothing can be seen.
     std::vector<std::vector<raster::Rsm>> rsms;
-    // Of shadow.blur: w linear depth, m; [lights][maps], empty images where nothing was drawn. Across: of its first pass.
+    // Of the blurred maps: w linear depth, m; [lights][maps], empty images where nothing was drawn. Across: of its first pass.
     std::vector<std::vector<Image4>> maps_blurred_across, maps_blurred;
     Buffer<float> visibility;  // [lights][height][width]
     Image4 direct, indirect;   // irradiance, W/m2; of method isr indirect's w: accessibility

@@ -15,3 +15,9 @@ endif()
 
 # Eigen's decompositions are the truth that ours are held against.
 target_link_libraries(test_gi PRIVATE Eigen3::Eigen)
+
+# Of one buffer, a shader of raster and one of gi must say the same.
+add_test(NAME gi_numbers_differ COMMAND plumb_twin_layout raster/mixed ${CMAKE_BINARY_DIR}/twins/mixed.h
+  ${CMAKE_BINARY_DIR}/twins/raster.item.vert.spv ${CMAKE_BINARY_DIR}/twins/gi.isr.bounce.comp.spv)
+set_tests_properties(gi_numbers_differ PROPERTIES LABELS unit
+  PASS_REGULAR_EXPRESSION "twin layout: raster/mixed: binding 2 is buffer \"triangles\" of int in one shader")

@@ -1,4 +1,4 @@
-// Depth peeling on a device: the stage gbuffer.layer against its twin, layer after layer.
+// Depth peeling on a device: the stage of layers against its twin, layer after layer.
 #include <catch2/catch.hpp>
 #include <cstring>
 
