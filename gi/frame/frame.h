@@ -129,6 +129,7 @@ struct ProbeBuffers {
     // there after a frame, so that what its stages read can be looked at.
     struct Pipeline {
         Image4 direct, lambda, basis, lightmap;
+        Image4 lambda_2, lambda_3;  // of two and three frames before the next: spatial receivers have one step where the lightmap has three
     };
     Pipeline last, next;
 };

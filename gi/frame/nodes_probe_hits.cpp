@@ -1,6 +1,8 @@
 // What is known of a bake, and what its relight rays meet: materials, emission, levels of detail.
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "gi/frame/filters.h"
 #include "gi/frame/nodes_probes.h"
 #include "gi/probes/atlas_room.h"
@@ -56,6 +58,9 @@ void add_data(Context& c, Nodes& nodes) {
         run.bytes = (p.data.matrix.size() + p.data.u.size()) * sizeof(float);
         run.reason = fmt::format("{} receivers, {} probes, {} clusters, lightmap {} x {}", p.data.count(), p.data.probes,
                                  p.data.clusters.size(), b.atlas.size.x, b.atlas.size.y);
+        for (const std::string& note : p.lod.notes) run.reason += "; " + note;
+        const bool moves = std::any_of(c.scene.meshes.begin(), c.scene.meshes.end(), [](const Mesh& m) { return m.dynamic && !m.triangles.empty(); });
+        if (moves && b.spatial.empty()) run.reason += "; no spatial receivers: what moves gets no indirect light";
     };
     node.leave_out = [&p] { p = {}; };
     nodes.push_back(std::move(node));

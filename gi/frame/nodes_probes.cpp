@@ -68,14 +68,14 @@ void begin_pipeline(Context& c, const RunOptions& options, graph::NodeRun& run) 
     ProbeBuffers made;
     Image4 before;
     run.reason = text_of(run_rounds(c, options, before, made));
-    p.last = {c.direct(1), std::move(made.lambda), std::move(made.basis), std::move(made.lightmap)};
+    p.last = {c.direct(1), made.lambda, std::move(made.basis), std::move(made.lightmap), made.lambda, made.lambda};
     if (c.settings.probe_run.start == probes::Start::converged) return;
-    for (Image4* image : {&p.last.direct, &p.last.lambda, &p.last.basis, &p.last.lightmap})
+    for (Image4* image : {&p.last.direct, &p.last.lambda, &p.last.basis, &p.last.lightmap, &p.last.lambda_2, &p.last.lambda_3})
         std::fill(image->texels.begin(), image->texels.end(), glm::vec4(0));
 }
 
 void read_pipeline(const ProbeBuffers::Pipeline& p, graph::Reads& r) {
-    r.image(p.direct), r.image(p.lambda), r.image(p.basis), r.image(p.lightmap);
+    r.image(p.direct), r.image(p.lambda), r.image(p.basis), r.image(p.lightmap), r.image(p.lambda_2), r.image(p.lambda_3);
 }
 
 void add_rounds(Context& c, Nodes& nodes) {
@@ -162,10 +162,10 @@ void add_latch(Context& c, Nodes& nodes) {
     PlannedNode node = begin_node(c, "pipeline", "", "", 0, {});
     node.listed = false;
     node.reads = [&c, &p](graph::Reads& r) {
-        r.image(c.direct(1)), r.image(p.lambda), r.image(p.basis), r.image(p.lightmap);
+        r.image(c.direct(1)), r.image(p.lambda), r.image(p.basis), r.image(p.lightmap), r.image(p.last.lambda), r.image(p.last.lambda_2);
     };
     node.outputs = [] { return Bundle(); };
-    node.run = [&c, &p](const RunOptions&, graph::NodeRun&) { p.next = {c.direct(1), p.lambda, p.basis, p.lightmap}; };
+    node.run = [&c, &p](const RunOptions&, graph::NodeRun&) { p.next = {c.direct(1), p.lambda, p.basis, p.lightmap, p.last.lambda, p.last.lambda_2}; };
     node.leave_out = [] {};
     nodes.push_back(std::move(node));
 }

@@ -57,6 +57,8 @@ void add_volume(Context& c, Nodes& nodes) {
               [&c, &p] {
                   probes::BasisInputs in = probes::basis_inputs(buffers_of(c));
                   in.clusters = &p.spatial, in.cluster_level = p.spatial_levels.data();
+                  // As old as what the picture finds on the lightmap: of places that are near what moves now no earlier frame need know.
+                  if (pipelined(c)) in.lambda = p.last.lambda_3.data();
                   return in;
               },
               [&p]() -> Image4& { return p.spatial_basis; });

@@ -111,7 +111,7 @@ Convergence converge(UpdateBuffers b, const RunParams& params, const RunOptions&
         const Step s = step_of(*b.irradiance, last, b.data->count());
         if (!std::isfinite(s.sum)) throw InputError(fmt::format("probes: after {} rounds light is not finite", c.rounds));
         if (c.rounds > 1 && s.change > of_rounding * s.sum) c.gain = s.change / before_step;
-        c.left = s.change == 0 ? 0 : c.gain < 1 ? s.change * c.gain / (1 - c.gain) / s.sum : std::numeric_limits<double>::infinity();
+        c.left = s.change == 0 ? 0 : c.rounds > 1 && c.gain < 1 ? s.change * c.gain / (1 - c.gain) / s.sum : std::numeric_limits<double>::infinity();
         growing = c.rounds > 1 && c.gain >= 1 ? growing + 1 : 0;
         if (growing >= growing_rounds) refuse(params, c.rounds, c.gain);
         if (s.change == 0 || (c.rounds > 1 && c.left <= double(params.tolerance))) break;
@@ -123,7 +123,8 @@ Convergence converge(UpdateBuffers b, const RunParams& params, const RunOptions&
 }
 
 std::string text_of(const Convergence& c) {
-    std::string text = fmt::format("{} round{}, gain {:.3f}, {:.2g} % left", c.rounds, c.rounds == 1 ? "" : "s", c.gain, 100 * c.left);
+    std::string text = c.rounds == 1 && c.left > 0 ? "1 round: what others add is not known"
+                                                   : fmt::format("{} round{}, gain {:.3f}, {:.2g} % left", c.rounds, c.rounds == 1 ? "" : "s", c.gain, 100 * c.left);
     const NegativeIrradiance& n = c.negative;
     if (n.negative > 0)
         text += fmt::format(", irradiance below 0 at {} of {} receivers, {:.2g} W/m2 at least", n.negative, n.computed, double(n.least));

@@ -49,7 +49,7 @@ void update(const UpdateBuffers& b, const RunOptions& options);
 struct Convergence {
     int rounds = 0;
     double gain = 0;  // g of the last round whose step is more than rounding: what a round multiplies light by
-    double left = 0;  // what all further rounds would add, of the sum of I; infinite where g is 1 or more
+    double left = 0;  // what all further rounds would add, of the sum of I; infinite where g is 1 or more, and after one round
     NegativeIrradiance negative;  // of the last round
 };
 
