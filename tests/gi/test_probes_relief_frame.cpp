@@ -283,6 +283,13 @@ TEST_CASE("relief: a static lamp in the air", "[probes][relief][IPR 5.2.1.5][ana
     CHECK(of[6 + 2].x > 0);
     lamp.position = {2, 4, 0};
     CHECK(weigh(probes::SpatialWeight::corrected, {lamp})[6 + 2] == glm::vec4(0));
+    // What stands behind the lamp hides nothing of it: 50 W/sr at half a metre.
+    lamp.position = {2, 0.5f, 0};
+    CHECK(weigh(probes::SpatialWeight::corrected, {lamp})[6 + 2].x == Approx(200));
+    // A spot sends nothing beyond its cone: the second place is 22 degrees off its axis.
+    lamp.type = LightType::spot, lamp.position = {0, 4, 3}, lamp.direction = {0, -0.8f, -0.6f}, lamp.cone_inner_deg = 5, lamp.cone_outer_deg = 10;
+    CHECK(weigh(probes::SpatialWeight::corrected, {lamp})[2].x == Approx(2 * 0.8));
+    CHECK(weigh(probes::SpatialWeight::corrected, {lamp})[6 + 2] == glm::vec4(0));
     // As published: 1 - 2 theta / pi, of 45 degrees a half. Lamps add up.
     lamp.type = LightType::directional, lamp.direction = glm::vec3(std::sqrt(0.5f), -std::sqrt(0.5f), 0), lamp.intensity = {3, 3, 3};
     const Buffer<glm::vec4> twice = weigh(probes::SpatialWeight::published, {lamp, lamp});
@@ -323,6 +330,13 @@ TEST_CASE("relief: what moves shadows lamps, and static lamps reach it by the gr
         before += double(moving.indirect.texels[i].x), expected += double(moving.direct.texels[i].x + moving.indirect.texels[i].x);
     }
     CHECK(direct == 0);
+    // A lamp beside it that is none of the static ones lights the quad as ever.
+    Scene two = scene;
+    two.lights.push_back(two.lights[0]);
+    two.lights[1].name = "other";
+    const frame::Frame other = frame_of(two, settings);
+    for (std::size_t i = 0; i < other.direct.size(); ++i)
+        if (is_quad(i)) CHECK(other.direct.texels[i].x == moving.direct.texels[i].x);
     CHECK(indirect > 1.5 * before);
     CHECK(indirect == Approx(expected).epsilon(0.5));  // 27 places: lamps between them are blurred
     // What moves does not change a map that it is not in.
