@@ -49,6 +49,19 @@ TEST_CASE("bake: the same bytes for every instruction set, number of threads, an
         CHECK_FALSE(step.at("name").get<std::string>().find("receivers 0 to") != std::string::npos);  // rank 0 has the first block
 }
 
+TEST_CASE("bake: where something moves there are places in the air, as `render` has them", "[program][IPR 4.1]") {
+    const std::string folder = fresh_folder("bake_dynamic"), scene = scene_in(folder);
+    set_cache(folder + "/cache");
+    const auto places = [&](const std::string& file) {
+        succeed(baked(file, folder + "/a.bake", {"--no-cache", "--set", "probes.degree=1"}));
+        return run({"bake", file, "--verify", folder + "/a.bake"}).out.find("spatial_position") != std::string::npos;
+    };
+    CHECK_FALSE(places(scene));
+    const std::string moving = folder + "/box/moving.toml";
+    write(moving, read(scene) + "\n[[mesh]]\ngenerate = \"shapes\"\nscale = 0.1\ntranslate = [0, 0.5, 0]\ndynamic = true\n");
+    CHECK(places(moving));
+}
+
 TEST_CASE("bake: a file that is cut, changed or of another scene is refused", "[program][malformed]") {
     const std::string folder = fresh_folder("bake_damaged"), scene = scene_in(folder);
     set_cache(folder + "/cache");

@@ -11,6 +11,7 @@
 #include <set>
 
 #include "core/error.h"
+#include "gi/frame/probe_bake.h"
 #include "gi/frame/settings.h"
 #include "gi/probes/debug_layers.h"
 #include "gi/probes/memory.h"
@@ -251,7 +252,7 @@ int bake(const BakeOptions& given) {
     const frame::Settings settings = settings_of(scene, given.scene);
     check_sh_degree(given.sh, settings.probes.degree);
     const std::uint64_t memory = given.memory_gb > 0 ? std::uint64_t(given.memory_gb * 1e9) : memory_there();
-    probes::BakeGraph graph(scene, settings.probes, part, memory);
+    probes::BakeGraph graph(scene, frame::bake_params(scene, settings), part, memory);
     std::unique_ptr<FileStore> store;
     const std::string folder = given.no_cache ? "" : given.store.empty() ? cache_folder() : given.store;
     if (!folder.empty()) {
