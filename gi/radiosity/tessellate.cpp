@@ -20,11 +20,6 @@ void check_length(const char* name, double m) {
     if (!(m > 0 && m < 1e30)) throw InputError(fmt::format("radiosity: {} = {}: expected a length above 0 m", name, m));
 }
 
-void check_count(std::size_t count, std::int64_t most) {
-    if (std::int64_t(count) > most)
-        throw InputError(fmt::format("radiosity: {} triangles after splitting: expected at most {}", count, most));
-}
-
 void check_positions(const Geometry& g) {
     if (g.triangles.empty()) throw InputError("radiosity: the scene has no triangles");
     for (const glm::uvec3& t : g.triangles)
@@ -152,7 +147,7 @@ Scene tessellate(const Scene& scene, const TessellateParams& params) {
     check_length("longest_edge", params.longest_edge);
     TriangleSplit triangles(scene);
     check_positions(triangles.geometry());
-    check_count(triangles.geometry().triangles.size(), params.most_triangles);
+    require_at_most(triangles.geometry().triangles.size(), params.most_triangles);
     while (true) {
         const SurfaceMesh edges = triangles.edges();
         std::vector<char> marked(edges.edge_begin.size() - 1);
@@ -163,7 +158,7 @@ Scene tessellate(const Scene& scene, const TessellateParams& params) {
             any = any || marked[e];
         }
         if (!any) return triangles.take(scene);
-        check_count(triangles.count_after(edges, marked), params.most_triangles);
+        require_at_most(triangles.count_after(edges, marked), params.most_triangles);
         triangles.split(edges, marked);
     }
 }
@@ -212,7 +207,7 @@ Refined refine(const Scene& scene, const Elements& elements, const Buffer<glm::v
     }
     marks.close();
     for (std::size_t t = 0; t < own.size(); ++t) out.beside += !own[t] && marks.any_at(t);
-    check_count(triangles.count_after(edges, marks.edges()), params.most_triangles);
+    require_at_most(triangles.count_after(edges, marks.edges()), params.most_triangles);
     triangles.split(edges, marks.edges());
     out.origin = triangles.origin();
     out.scene = triangles.take(scene);

@@ -1,8 +1,12 @@
 #include "gi/radiosity/triangle_split.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+
+#include "core/error.h"
 
 namespace plumb::radiosity {
 namespace {
@@ -22,13 +26,19 @@ double squared_distance(const glm::vec3& a, const glm::vec3& b) {
 // The same for (a, b) and (b, a).
 glm::vec3 middle_of(const glm::vec3& a, const glm::vec3& b) { return glm::vec3((glm::dvec3(a) + glm::dvec3(b)) * 0.5); }
 
-glm::vec3 unit_middle(const glm::vec3& a, const glm::vec3& b) {
-    const glm::dvec3 sum = glm::dvec3(a) + glm::dvec3(b);
+// The direction of a sum; `other` where it cancels out.
+glm::vec3 unit_or(const glm::dvec3& sum, const glm::vec3& other) {
     const double length = std::sqrt(glm::dot(sum, sum));
-    return length > 1e-6 ? glm::vec3(sum / length) : a;
+    return length > 1e-6 ? glm::vec3(sum / length) : other;
 }
+glm::vec3 unit_middle(const glm::vec3& a, const glm::vec3& b) { return unit_or(glm::dvec3(a) + glm::dvec3(b), a); }
 
 }  // namespace
+
+void require_at_most(std::size_t triangles, std::int64_t most) {
+    if (std::int64_t(triangles) > most)
+        throw InputError(fmt::format("radiosity: {} triangles after splitting: expected at most {}", triangles, most));
+}
 
 TriangleSplit::TriangleSplit(const Scene& scene) : geometry_(flatten(scene)), origin_(geometry_.triangles.size()) {
     for (std::size_t m = 0; m < scene.meshes.size(); ++m)
@@ -73,8 +83,35 @@ std::uint32_t TriangleSplit::middle(std::uint32_t a, std::uint32_t b) {
     return std::uint32_t(g.vertices.size() - 1);
 }
 
-// [half edge]: the vertex in its middle, shared where both ends are.
-std::vector<std::uint32_t> TriangleSplit::middles(const SurfaceMesh& m, const std::vector<char>& marked) {
+std::uint32_t TriangleSplit::mean(const glm::uvec3& of, const glm::dvec3& weights, const glm::vec3& p) {
+    Geometry& g = geometry_;
+    glm::dvec2 uv(0);
+    glm::dvec3 normal(0), tangent(0);
+    for (int k = 0; k < 3; ++k) {
+        const Vertex& v = g.vertices[of[k]];
+        uv += weights[k] * glm::dvec2(v.u, v.v), normal += weights[k] * glm::dvec3(v.normal);
+        if (!g.tangents.empty()) tangent += weights[k] * glm::dvec3(g.tangents[of[k]]);
+    }
+    g.vertices.push_back({p, float(uv.x), unit_or(normal, g.vertices[of[0]].normal), float(uv.y)});
+    if (!g.tangents.empty()) {
+        const glm::vec4 first = g.tangents[of[0]];
+        g.tangents.push_back(glm::vec4(unit_or(tangent, glm::vec3(first)), first.w));
+    }
+    object_.push_back(object_[of[0]]);
+    return std::uint32_t(g.vertices.size() - 1);
+}
+
+std::uint32_t TriangleSplit::on_edge(std::uint32_t a, std::uint32_t b, const glm::vec3& p) {
+    if (a > b) std::swap(a, b);
+    const glm::dvec3 from(geometry_.vertices[a].position), along = glm::dvec3(geometry_.vertices[b].position) - from;
+    const double squared = glm::dot(along, along);
+    const double share = squared > 0 ? std::clamp(glm::dot(glm::dvec3(p) - from, along) / squared, 0.0, 1.0) : 0.5;
+    return mean({a, b, b}, {1 - share, share, 0}, p);
+}
+
+// [half edge]: the new vertex on it, shared where both ends are.
+template <class Make>
+std::vector<std::uint32_t> TriangleSplit::middles(const SurfaceMesh& m, const std::vector<char>& marked, const Make& make) {
     std::vector<std::uint32_t> out(3 * m.count, none);
     const auto vertex = [&](std::uint32_t h) { return geometry_.triangles[h / 3][int(h % 3)]; };
     for (std::size_t e = 0; e < marked.size(); ++e) {
@@ -86,7 +123,7 @@ std::vector<std::uint32_t> TriangleSplit::middles(const SurfaceMesh& m, const st
                 const std::uint32_t k = m.half_edges[j], c = vertex(k), d = vertex(next_half_edge(k));
                 if ((a == c && b == d) || (a == d && b == c)) out[h] = out[k];
             }
-            if (out[h] == none) out[h] = middle(a, b);
+            if (out[h] == none) out[h] = make(a, b, e);
         }
     }
     return out;
@@ -121,8 +158,32 @@ void TriangleSplit::append_parts(std::size_t t, const std::uint32_t* mid, Geomet
 }
 
 void TriangleSplit::split(const SurfaceMesh& m, const std::vector<char>& marked) {
+    split(m, marked, middles(m, marked, [&](std::uint32_t a, std::uint32_t b, std::size_t) { return middle(a, b); }));
+}
+
+void TriangleSplit::split_at(const SurfaceMesh& m, const std::vector<char>& marked, const std::vector<glm::vec3>& at) {
+    split(m, marked, middles(m, marked, [&](std::uint32_t a, std::uint32_t b, std::size_t e) { return on_edge(a, b, at[e]); }));
+}
+
+void TriangleSplit::insert(const std::vector<Inside>& points) {
+    Geometry& g = geometry_;
+    for (const Inside& point : points) {
+        const glm::uvec3 v = g.triangles[point.triangle];
+        const glm::dvec3 a(g.vertices[v.x].position), e1 = glm::dvec3(g.vertices[v.y].position) - a, e2 = glm::dvec3(g.vertices[v.z].position) - a,
+                         d = glm::dvec3(point.at) - a, n = glm::cross(e1, e2);
+        const double area = glm::dot(n, n), beta = glm::dot(glm::cross(d, e2), n) / area, gamma = glm::dot(glm::cross(e1, d), n) / area;
+        const std::uint32_t p = mean(v, {1 - beta - gamma, beta, gamma}, point.at);
+        g.triangles[point.triangle] = {v.x, v.y, p};
+        for (const glm::uvec3& part : {glm::uvec3(v.y, v.z, p), glm::uvec3(v.z, v.x, p)}) {
+            g.triangles.push_back(part);
+            g.material.push_back(g.material[point.triangle]), g.object.push_back(g.object[point.triangle]);
+            origin_.push_back(origin_[point.triangle]);
+        }
+    }
+}
+
+void TriangleSplit::split(const SurfaceMesh& m, const std::vector<char>& marked, const std::vector<std::uint32_t>& mid) {
     const std::size_t count = count_after(m, marked);
-    const std::vector<std::uint32_t> mid = middles(m, marked);
     Geometry parts;
     std::vector<std::uint32_t> origin;
     parts.triangles.reserve(count), parts.material.reserve(count), parts.object.reserve(count), origin.reserve(count);

@@ -9,6 +9,7 @@
 #include "core/error.h"
 #include "core/host_math.h"
 #include "gi/radiosity/contacts.h"
+#include "gi/radiosity/cut_contacts.h"
 #include "gi/radiosity/tessellate.h"
 #include "radiosity_scenes.h"
 
@@ -319,6 +320,15 @@ TEST_CASE("contacts: light leaks under a wall that a floor's triangles do not kn
     CHECK(split > 10);
     CHECK(leak(s, 0.45, 0.5) == 0);
     CHECK(leak(s, 0.4001, 0.5) > 0.1);
+    // Cut along the wall there is no leak at all, without one small triangle.
+    const Cut cut = cut_contacts(with_wall(floor_of(1), 0.4, 3));
+    CHECK(flatten(cut.scene).triangles.size() < 40);
+    CHECK(inspect_contacts(flatten(cut.scene)).contacts == 0);
+    check_closed(flatten(cut.scene));
+    for (const double z : {0.01, 0.3, 0.5, 0.9}) {
+        CHECK(leak(cut.scene, 0.4001, z) == 0);
+        CHECK(leak(cut.scene, 0.3999, z) == 1);
+    }
 
     // Where the floor has edges below the wall there is no leak at all: it is divided there.
     Scene two = floor_of(1);
