@@ -5,43 +5,20 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
-#include <nlohmann/json.hpp>
 
-#include "core/error.h"
 #include "core/host_math.h"
 #include "io/file.h"
+#include "io/glb_parts.h"
 #include "io/image_file.h"
 
 namespace plumb::io {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-enum Component : int { u32 = 5125, f32 = 5126 };
-enum Target : int { no_target = 0, vertices = 34962, indices = 34963 };
-
-constexpr const char* lists[] = {"nodes",    "cameras", "materials", "meshes",     "textures",
-                                 "samplers", "images",  "accessors", "bufferViews"};
-
-// Floats are written as the doubles that they are, which JSON gives in full.
-Json numbers(const glm::vec3& v) { return {double(v.x), double(v.y), double(v.z)}; }
-
-Json columns(const glm::dmat4& m) {
-    Json out = Json::array();
-    for (int i = 0; i < 16; ++i) out.push_back(m[i / 4][i % 4]);
-    return out;
-}
-
-class GlbWriter {
+class GlbWriter : GlbParts {
   public:
-    GlbWriter(const std::string& path, const Scene& scene) : path_(path), scene_(scene) {}
+    GlbWriter(const std::string& path, const Scene& scene) : GlbParts(path), scene_(scene) {}
 
     void write() {
-        json_["asset"] = {{"version", "2.0"}, {"generator", "plumb"}};
-        json_["scene"] = 0;
-        json_["scenes"] = Json::array({{{"nodes", Json::array()}}});
-        for (const char* list : lists) json_[list] = Json::array();
         for (const Material& material : scene_.materials) json_["materials"].push_back(material_json(material));
         for (const Texture& texture : scene_.textures) add_texture(texture);
         for (const Mesh& mesh : scene_.meshes)
@@ -52,82 +29,25 @@ class GlbWriter {
     }
 
   private:
-    [[noreturn]] void fail(const std::string& cause) const {
-        throw InputError(shown(path_), "", "cannot be written: " + cause);
-    }
-
-    // A list of glTF's may not be empty.
-    void write_chunks() {
-        for (const char* list : lists)
-            if (json_[list].empty()) json_.erase(list);
-        if (!extensions_.empty()) json_["extensionsUsed"] = extensions_;
-        if (bytes_ > 0) json_["buffers"] = Json::array({{{"byteLength", bytes_}}});
-        std::string text;
-        try {
-            text = json_.dump();
-        } catch (const Json::exception&) {
-            fail("a name is not UTF-8");
-        }
-        text.append((4 - text.size() % 4) % 4, ' ');
-        const std::size_t total = 12 + 8 + text.size() + (bytes_ > 0 ? 8 + bytes_ : 0);
-        if (total > 0xffffffffu) fail("more than 4 GiB");
-        std::string head = "glTF" + word(2) + word(total) + word(text.size()) + "JSON";
-        std::vector<std::string_view> parts = {head, text};
-        const std::string binary = word(bytes_) + std::string("BIN\0", 4);
-        if (bytes_ > 0) parts.push_back(binary);
-        parts.insert(parts.end(), parts_.begin(), parts_.end());
-        write_file(path_, parts);
-    }
-
-    static std::string word(std::size_t n) {
-        std::string bytes;
-        for (int i = 0; i < 4; ++i) bytes += char(n >> 8 * i & 255);
-        return bytes;
-    }
-
-    void use_extension(const char* name) {
-        if (std::find(extensions_.begin(), extensions_.end(), name) == extensions_.end()) extensions_.push_back(name);
-    }
-
-    // Appends bytes to the buffer, zeros up to a multiple of 4, and returns the index of their view.
-    std::size_t add_view(std::string bytes, int target) {
-        Json view = {{"buffer", 0}, {"byteOffset", bytes_}, {"byteLength", bytes.size()}};
-        if (target != no_target) view["target"] = target;
-        bytes.append((4 - bytes.size() % 4) % 4, '\0');
-        bytes_ += bytes.size();
-        parts_.push_back(std::move(bytes));
-        json_["bufferViews"].push_back(std::move(view));
-        return json_["bufferViews"].size() - 1;
-    }
-
-    template <class T>
-    std::size_t add_accessor(const std::vector<T>& values, const char* type, int component, int target) {
-        std::string bytes(values.size() * sizeof(T), '\0');
-        std::memcpy(bytes.data(), values.data(), bytes.size());
-        const std::size_t view = add_view(std::move(bytes), target);
-        json_["accessors"].push_back(
-            {{"bufferView", view}, {"componentType", component}, {"count", values.size()}, {"type", type}});
-        return json_["accessors"].size() - 1;
+    static Json columns(const glm::dmat4& m) {
+        Json out = Json::array();
+        for (int i = 0; i < 16; ++i) out.push_back(m[i / 4][i % 4]);
+        return out;
     }
 
     Json attributes_json(const Mesh& mesh) {
         const std::size_t n = mesh.vertices.size();
         std::vector<glm::vec3> positions(n), normals(n);
         std::vector<glm::vec2> coordinates(n);
-        glm::vec3 low(mesh.vertices[0].position), high = low;
         for (std::size_t i = 0; i < n; ++i) {
             const Vertex& v = mesh.vertices[i];
             if (!std::isfinite(v.position.x + v.position.y + v.position.z) || !std::isfinite(v.u + v.v) ||
                 !std::isfinite(v.normal.x + v.normal.y + v.normal.z))
                 fail(fmt::format("vertex {} of mesh \"{}\" is not finite", i, printable(mesh.name)));
             positions[i] = v.position, normals[i] = v.normal, coordinates[i] = {v.u, v.v};
-            for (int c = 0; c < 3; ++c)
-                low[c] = std::min(low[c], v.position[c]), high[c] = std::max(high[c], v.position[c]);
         }
         Json out;
-        out["POSITION"] = add_accessor(positions, "VEC3", f32, vertices);
-        json_["accessors"].back()["min"] = numbers(low);
-        json_["accessors"].back()["max"] = numbers(high);
+        out["POSITION"] = add_positions(positions);
         out["NORMAL"] = add_accessor(normals, "VEC3", f32, vertices);
         out["TEXCOORD_0"] = add_accessor(coordinates, "VEC2", f32, vertices);
         if (mesh.tangents.size() == n) out["TANGENT"] = add_accessor(mesh.tangents, "VEC4", f32, vertices);
@@ -173,11 +93,6 @@ class GlbWriter {
         if (mesh.dynamic) node["extras"]["plumb"]["dynamic"] = true;
         if (mesh.share != 1) node["extras"]["plumb"]["share"] = mesh.share;
         add_node(std::move(node));
-    }
-
-    void add_node(Json node) {
-        json_["scenes"][0]["nodes"].push_back(json_["nodes"].size());
-        json_["nodes"].push_back(std::move(node));
     }
 
     Json material_json(const Material& m) {
@@ -273,12 +188,7 @@ class GlbWriter {
         json_["extensions"]["KHR_lights_punctual"]["lights"] = lights;
     }
 
-    const std::string& path_;
     const Scene& scene_;
-    Json json_;
-    std::vector<std::string> extensions_;
-    std::vector<std::string> parts_;  // of the buffer, each a multiple of 4 bytes
-    std::size_t bytes_ = 0;           // of all of them
 };
 
 }  // namespace
