@@ -139,7 +139,7 @@ struct RadiosityBuffers {
     radiosity::Elements elements;
     radiosity::TriangleElements triangles;
     radiosity::FormFactors factors;
-    Buffer<glm::vec4> lamps, sky;   // irradiance
+    Buffer<glm::vec4> lamps, sky;   // irradiance; sky: by small emitters, too
     Buffer<glm::vec4> radiosity;
     Buffer<glm::vec4> irradiance;   // but by lamps
     radiosity::Solved solved;

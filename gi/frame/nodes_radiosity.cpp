@@ -9,6 +9,7 @@
 #include "gi/radiosity/gather.h"
 #include "gi/radiosity/host_stages.h"
 #include "gi/radiosity/lookup.h"
+#include "gi/radiosity/own_light.h"
 #include "gi/radiosity/rows.h"
 
 namespace plumb::frame {
@@ -40,12 +41,13 @@ void add_elements(Context& c, Nodes& nodes) {
     node.reads = [&c](graph::Reads& r) {
         r.source("geometry", c.keys.geometry), r.source("surfaces", c.keys.surfaces), r.source("emission", c.keys.emission);
         radiosity::RadiosityParams p = c.settings.radiosity;
-        r.value(p.kind, p.crease_deg, p.offset, p.inset, p.split);
+        r.value(p.kind, p.crease_deg, p.offset, p.inset, p.split, p.small_emitters);
     };
     node.outputs = [&b] {
         Bundle all;
         lend_list(all, "position", b.elements.position), lend_list(all, "normal", b.elements.normal), lend_list(all, "eye", b.elements.eye);
         lend_list(all, "reflectance", b.elements.reflectance), lend_list(all, "exitance", b.elements.exitance);
+        lend_list(all, "lamp_exitance", b.elements.lamp_exitance);
         lend_list(all, "corners", b.triangles.corners), lend_list(all, "of", b.triangles.of);
         return all;
     };
@@ -94,11 +96,12 @@ void add_rows(Context& c, Nodes& nodes) {
 
 void add_light(Context& c, Nodes& nodes) {
     RadiosityBuffers& b = buffers(c);
-    PlannedNode node = begin(c, radiosity::info_light(), "what lamps and the sky send to elements", {1, 1});
+    PlannedNode node = begin(c, radiosity::info_light(), "what lamps, small emitters and the sky send to elements", {1, 1});
     node.reads = [&c, &b](graph::Reads& r) {
-        read_lists(r, {&b.elements.eye, &b.elements.normal});
+        read_lists(r, {&b.elements.eye, &b.elements.normal, &b.elements.lamp_exitance});
         r.source("lamps", c.keys.paths);
         r.value(c.scene.environment.radiance);
+        if (!c.scene.environment.map.empty()) r.value(c.settings.radiosity.size, c.settings.radiosity.weights);
         for (const RowBlock& block : b.factors.blocks) r.list(block.escaped);
     };
     node.outputs = [&b] {
@@ -108,7 +111,7 @@ void add_light(Context& c, Nodes& nodes) {
     };
     node.run = [&c, &b](const RunOptions& options, graph::NodeRun& run) {
         b.lamps = radiosity::lamps_at(c.scene, b.elements, options);
-        b.sky = radiosity::sky_at(c.scene, b.factors);
+        b.sky = radiosity::own_light(c.scene, b.elements, b.factors, c.settings.radiosity, options);
         run.bytes = 32 * b.lamps.size();
     };
     node.leave_out = [&b] { b.lamps.clear(), b.sky.clear(); };

@@ -289,12 +289,27 @@ class Maker {
     std::vector<Point> foot_;  // [element]: m, below its eye
 };
 
+// Whether something emits, and has at most that share of the scene's area.
+bool emits_from_little(const Elements& e, double share) {
+    double emitting = 0, all = 0;
+    for (std::size_t i = 0; i < e.area.size(); ++i) {
+        all += e.area[i];
+        if (e.exitance[i].x > 0 || e.exitance[i].y > 0 || e.exitance[i].z > 0) emitting += e.area[i];
+    }
+    return emitting > 0 && emitting <= share * all;
+}
+
 }  // namespace
 
 Elements elements_of(const Scene& scene, const ElementParams& params, const RunOptions& options) {
     check(params);
     Maker maker(scene, params, options);
-    return params.kind == Kind::vertices ? maker.vertices() : maker.triangles();
+    Elements e = params.kind == Kind::vertices ? maker.vertices() : maker.triangles();
+    if (emits_from_little(e, params.small_emitters)) {
+        e.lamp_exitance = std::move(e.exitance);
+        e.exitance.assign(e.lamp_exitance.size(), glm::vec4(0));
+    }
+    return e;
 }
 
 }  // namespace plumb::radiosity

@@ -27,6 +27,7 @@ struct ElementParams {
     bool split = true;        // off: published: one element a position, its normal the mean of all around it
     bool of_file = false;     // HEM 5.5: one element a vertex of the file, with the normal that it has there; crease_deg and
                               // split do not count
+    double small_emitters = 0;  // of the scene's area: what emits, and has no more, is taken for lamps (emitters.h)
 };
 
 struct Elements {
@@ -36,7 +37,8 @@ struct Elements {
     Buffer<glm::vec4> position, normal;      // m, on the surface; unit, outwards
     Buffer<glm::vec4> eye;                   // m: where its hemicube stands; w: how far off the surface, m
     Buffer<glm::vec4> reflectance;           // 0..1, xyz
-    Buffer<glm::vec4> exitance;              // W/m2, what it emits
+    Buffer<glm::vec4> exitance;              // W/m2, what it emits, as texels see it
+    Buffer<glm::vec4> lamp_exitance;         // what it emits and texels do not see: lamps' light; empty where there is none
     std::vector<double> area;                // m2: integral of what interpolates it
     double offset_m = 0;                     // at least 2^-18 of the largest coordinate: what rounding leaves of positions
     std::int64_t nearer = 0;                 // elements off whose surface geometry is nearer than twice the offset: they

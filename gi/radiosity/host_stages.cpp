@@ -85,7 +85,7 @@ Solved solve(const FormFactors& factors, const Elements& elements, const Buffer<
 StageInfo info_elements() {
     return step("radiosity.elements", "HEM 4.5.4, 5.5; without a twin: the mesh's vertices, split at creases and moved off their surface, when it changes",
                 {{"scene", "meshes", "", "of all triangles"}}, {{"eye", "buffer f32 x 4", "m", "where each element's hemicube stands"}},
-                {"elements", "crease_deg", "offset", "inset", "split"});
+                {"elements", "crease_deg", "offset", "inset", "split", "small_emitters"});
 }
 
 StageInfo info_rows() {
@@ -94,8 +94,8 @@ StageInfo info_rows() {
 }
 
 StageInfo info_light() {
-    return step("radiosity.light", "HEM 4.5.4 has emitters alone; without a twin: rays from elements to lamps", {elements},
-                {{"lamps", "buffer f32 x 4", "W/m2", "irradiance by lamps"}, {"sky", "buffer f32 x 4", "W/m2", "irradiance by the sky"}}, {});
+    return step("radiosity.light", "HEM 4.5.4 has emitters alone; without a twin: rays from elements to lamps and small emitters", {elements},
+                {{"lamps", "buffer f32 x 4", "W/m2", "irradiance by lamps"}, {"sky", "buffer f32 x 4", "W/m2", "irradiance by the sky and small emitters"}}, {});
 }
 
 StageInfo info_solve() {

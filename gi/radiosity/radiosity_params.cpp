@@ -1,9 +1,5 @@
 #include "gi/radiosity/radiosity_params.h"
 
-#include <cmath>
-
-#include "core/error.h"
-#include "gi/radiosity/tessellate.h"
 
 namespace plumb::radiosity {
 
@@ -13,6 +9,12 @@ std::vector<Field> fields(RadiosityParams& p) {
         {"elements", as_int(p.kind), "", "where irradiance is computed: at vertices, linear between them, or in the middle of triangles (HEM 4.5.4, 6.4)", -unbounded,
          unbounded, {"vertices", "triangles"}, false},
         {"edge", &p.edge, "m", "triangles with longer edges are split; 0: a fortieth of the scene's diagonal (HEM 4.5.4, step 1)", 0, 1e9, {}, false},
+        {"cut", &p.cut, "", "whether surfaces are cut where others stand on them", -unbounded, unbounded, {}, false},
+        {"refine", &p.refine, "", "rounds of splitting triangles on which irradiance changes (HEM 4.5.4)", 0, 16, {}, false},
+        {"refine_tolerance", &p.refine_tolerance, "", "how much irradiance may change on a triangle, of its mean", 0, 1e9, {}, false},
+        {"least_edge", &p.least_edge, "m", "no edge shorter than twice that is split by refine; 0: an eighth of edge", 0, 1e9, {}, false},
+        {"most_triangles", &p.most_triangles, "", "more are refused", 1, 7e8, {}, false},
+        {"small_emitters", &p.small_emitters, "", "share of the scene's area up to which what emits is integrated by outlines and rays, not by texels", 0, 1, {}, false},
         {"size", &p.size, "", "texels of a hemicube's side, an even number (HEM 5.8)", 2, largest_hemicube, {}, false, {Role::along, {8, 16, 32, 64, 128, 256}}},
         {"weights", as_int(p.weights), "", "share of a hemisphere that a texel stands for: its integral, its value in the middle, or as published (HEM 5.5, 5.7)", -unbounded,
          unbounded, {"exact", "centre", "published"}, false},
@@ -23,17 +25,6 @@ std::vector<Field> fields(RadiosityParams& p) {
         {"tolerance", &p.tolerance, "", "estimated error of the solution, of its mean", 1e-7, 1, {}, false},
         {"passes", &p.passes, "", "passes at most (HEM 4.5.4: 4 to 16)", 1, 1e6, {}, false},
     };
-}
-
-Scene drawn_by_radiosity(const Scene& scene, const RadiosityParams& params) {
-    if (!scene.animation.meshes.empty())
-        throw InputError(scene.name + ": method radiosity: meshes move: expected a scene that stands still");
-    glm::vec3 low, high;
-    if (!bounds(flatten(scene), low, high)) return scene;
-    const glm::dvec3 size = glm::dvec3(high) - glm::dvec3(low);
-    TessellateParams split;
-    split.longest_edge = params.edge > 0 ? double(params.edge) : std::sqrt(glm::dot(size, size)) / automatic_edges;
-    return tessellate(scene, split);
 }
 
 }  // namespace plumb::radiosity

@@ -159,7 +159,7 @@ int run_export(const ExportOptions& given) {
     const Maker maker(given, options);
     Scene scene = load(given.scene);
     frame::Settings settings = settings_of(scene, given.scene);
-    scene = drawn(std::move(scene), settings);
+    scene = drawn(std::move(scene), settings, options);
     const std::uint64_t id = export_id(scene, settings, maker);
     if (given.stage != "all") settings = frame::settings_running(settings, given.stage);
     settings.truth = false;

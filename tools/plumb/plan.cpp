@@ -16,7 +16,7 @@ int plan(const SceneOptions& given, const Common& common) {
     const RunOptions options = common.run_options();
     Scene scene = load(given);
     frame::Settings settings = settings_of(scene, given);
-    scene = drawn(std::move(scene), settings);
+    scene = drawn(std::move(scene), settings, options);
     if (!settings.probe_run.file.empty()) add_bake(scene, settings, {options, "", false});  // reads it
     const frame::Plan plan = frame::plan(scene, settings);
     const std::vector<std::string> warnings = frame::warnings(scene, settings);

@@ -184,9 +184,9 @@ std::shared_ptr<const probes::Bake> make_bake(const Scene& scene, const probes::
     return bake;
 }
 
-Scene drawn(Scene scene, const frame::Settings& settings) {
+Scene drawn(Scene scene, const frame::Settings& settings, const RunOptions& options) {
     if (settings.method != frame::Method::radiosity) return scene;
-    return radiosity::drawn_by_radiosity(scene, settings.radiosity);
+    return radiosity::drawn_by_radiosity(scene, settings.radiosity, options);
 }
 
 void add_bake(const Scene& scene, frame::Settings& settings, const BakeWith& with) {

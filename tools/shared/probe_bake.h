@@ -35,7 +35,7 @@ std::vector<graph::NodeRun> run_bake(const probes::BakeGraph& graph, const Scene
 void add_bake(const Scene& scene, frame::Settings& settings, const BakeWith& with);
 
 // A scene as the settings' method draws it: of radiosity with its triangles split.
-Scene drawn(Scene scene, const frame::Settings& settings);
+Scene drawn(Scene scene, const frame::Settings& settings, const RunOptions& options = {});
 
 // Bytes that the system would give; all there are where it does not tell.
 std::uint64_t memory_there();

@@ -34,6 +34,7 @@ constexpr double expectation_slack = 10, warm_up_slack = 2;
 struct Job {
     SweepPoint point;
     std::size_t subject = 0;
+    std::shared_ptr<const Scene> scene;  // as the method draws it
     frame::Settings settings;
     frame::Plan plan;
     double warm_up_ms = 0, expected_ms = 0;
@@ -77,9 +78,9 @@ bool of_method(const std::string& label, const std::string& method) {
                                            label[method.size()] == ' ');
 }
 
-frame::Frame run_once(const Subject& subject, Job& job, const RunOptions& options, double& ms, double& stage_ms) {
+frame::Frame run_once(Job& job, const RunOptions& options, double& ms, double& stage_ms) {
     const auto start = Clock::now();
-    frame::Frame frame = frame::execute(subject.scene, job.settings, job.plan, options);
+    frame::Frame frame = frame::execute(*job.scene, job.settings, job.plan, options);
     ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
     stage_ms = 0;
     for (const frame::StageRun& s : frame.stages)
@@ -91,7 +92,7 @@ void warm_up(const Subject& subject, Job& job, const RunOptions& options, const 
              const ScenePictures* truths) {
     const MemoryPeak memory;
     double stage_ms = 0;
-    const frame::Frame frame = run_once(subject, job, options, job.warm_up_ms, stage_ms);
+    const frame::Frame frame = run_once(job, options, job.warm_up_ms, stage_ms);
     if (sweep.memory == "resident")
         job.point.peak_bytes = memory.peak_bytes().value_or(0);
     else
@@ -117,6 +118,8 @@ std::vector<Job> jobs_of(const SweepRequest& request, const std::vector<Subject>
     for (std::size_t s = 0; s < subjects.size(); ++s) {
         const std::size_t before = jobs.size();
         std::map<std::string, std::shared_ptr<const probes::Bake>> bakes;  // by the parameters that they have
+        std::map<std::string, std::shared_ptr<const Scene>> scenes;        // of radiosity, by the same
+        const std::shared_ptr<const Scene> as_it_is(std::shared_ptr<void>(), &subjects[s].scene);
         std::string refused;
         for (const SweptMethod& curve : swept_methods(subjects[s].settings, request.methods, request.vary))
             for (const SweptSettings& point : points_of(curve)) {
@@ -133,7 +136,13 @@ std::vector<Job> jobs_of(const SweepRequest& request, const std::vector<Subject>
                         add_bake(subjects[s].scene, job.settings, with);
                         bake = job.settings.bake;
                     }
-                    job.plan = frame::plan(subjects[s].scene, job.settings);
+                    job.scene = as_it_is;
+                    if (curve.method == frame::Method::radiosity) {
+                        std::shared_ptr<const Scene>& scene = scenes[json_text(settings_json(job.settings).at("radiosity"))];
+                        if (!scene) scene = std::make_shared<const Scene>(drawn(subjects[s].scene, job.settings, options));
+                        job.scene = scene;
+                    }
+                    job.plan = frame::plan(*job.scene, job.settings);
                 } catch (const InputError& error) {
                     if (refused.empty()) refused = error.what();
                     sweep.left_out.push_back({job.point.scene, curve.name, point.text, error.what()});
@@ -197,13 +206,13 @@ std::vector<std::size_t> order_of(std::size_t count, int round) {
     return order;
 }
 
-void run_in_turns(const std::vector<Subject>& subjects, std::vector<Job>& jobs, int runs, const RunOptions& options) {
+void run_in_turns(std::vector<Job>& jobs, int runs, const RunOptions& options) {
     for (int round = 0; round < runs; ++round)
         for (const std::size_t i : order_of(jobs.size(), round)) {
             Job& job = jobs[i];
             show_progress(fmt::format("run {} of {}: {} {}", round + 1, runs, job.point.method, job.point.settings));
             double ms = 0, stage_ms = 0;
-            const frame::Frame frame = run_once(subjects[job.subject], job, options, ms, stage_ms);
+            const frame::Frame frame = run_once(job, options, ms, stage_ms);
             if (content_hash(frame.radiance) != job.point.picture_hash)
                 throw std::runtime_error(fmt::format("{}: {}, {}: two runs gave different pictures", job.point.scene,
                                                      job.point.method, job.point.settings));
@@ -250,7 +259,7 @@ Sweep run_sweep(const SweepRequest& request, const RunOptions& options, SweepPic
 
     warm_up_all(subjects, jobs, options, sweep, pictures);
     leave_out(jobs, &Job::warm_up_ms, warm_up_slack * request.longest_ms, "took", sweep);
-    run_in_turns(subjects, jobs, request.runs, options);
+    run_in_turns(jobs, request.runs, options);
     show_progress("");
     for (Job& job : jobs) {
         summarise(job.point, job.stage_ms);

@@ -1,0 +1,154 @@
+// Light before it is reflected: small emitters by outlines and rays, and maps of the sky by texels, against closed forms.
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "gi/radiosity/emitters.h"
+#include "gi/radiosity/gather.h"
+#include "gi/radiosity/own_light.h"
+#include "radiosity_scenes.h"
+
+using namespace plumb;
+using namespace plumb::radiosity;
+using namespace plumb::test;
+
+namespace {
+
+constexpr double emitted = 7;
+
+// A floor [0, 4]^2 that looks up, and over its corner at the origin an a x b emitter that looks down from height c.
+Scene floor_and_lamp(double a, double b, double c, int n) {
+    Scene s;
+    s.meshes.push_back(grid({0, 0, 0}, {0, 0, 4}, {4, 0, 0}, 8, 8, add_material(s, 0.5)));
+    s.meshes.push_back(grid({0, c, 0}, {a, 0, 0}, {0, 0, b}, n, n, add_material(s, 0.5, emitted)));
+    return s;
+}
+
+// From a point to a parallel rectangle, a corner of which is right above it (Howell B-4).
+double corner_factor(double a, double b, double c) {
+    const double x = a / c, y = b / c, p = std::sqrt(1 + x * x), q = std::sqrt(1 + y * y);
+    return (x / p * std::atan(y / p) + y / q * std::atan(x / q)) / (2 * M_PI);
+}
+// Of a floor's point anywhere: four rectangles with a corner above it.
+double factor(double x, double z, double a, double b, double c) {
+    const auto signed_corner = [&](double u, double v) { return (u < 0 ? -1 : 1) * (v < 0 ? -1 : 1) * corner_factor(std::fabs(u), std::fabs(v), c); };
+    return signed_corner(a - x, b - z) - signed_corner(-x, b - z) - signed_corner(a - x, -z) + signed_corner(-x, -z);
+}
+
+Elements elements_with(const Scene& s, double share) {
+    ElementParams p;
+    p.small_emitters = share;
+    return elements_of(s, p);
+}
+
+}  // namespace
+
+TEST_CASE("emitters: irradiance below a rectangle is its closed form, where texels miss it by per cent", "[radiosity][analytic]") {
+    for (const int n : {1, 3}) {
+        const Scene s = floor_and_lamp(0.4, 0.3, 1.5, n);
+        const Elements e = elements_with(s, 0.02), by_texels = elements_with(s, 0);
+        REQUIRE(e.lamp_exitance.size() == e.position.size());
+        const Buffer<glm::vec4> sent = emitters_at(s, e, {});
+        Buffer<glm::vec4> gathered;
+        const FormFactors rows = form_factors(by_texels, {}, {});
+        gather(rows, Buffer<glm::vec4>(e.position.size(), glm::vec4(0)), by_texels.exitance, {}, gathered);
+        double worst = 0, worst_of_texels = 0;
+        for (std::size_t i = 0; i < e.position.size(); ++i) {
+            if (e.normal[i].y < 0.9f) continue;
+            const glm::dvec3 eye(e.eye[i]);
+            const double truth = emitted * factor(eye.x, eye.z, 0.4, 0.3, 1.5 - eye.y);
+            worst = std::max(worst, std::fabs(double(sent[i].x) / truth - 1));
+            worst_of_texels = std::max(worst_of_texels, std::fabs(double(gathered[i].x) / truth - 1));
+            CHECK((sent[i].x == sent[i].y && sent[i].x == sent[i].z));
+        }
+        CAPTURE(n, worst, worst_of_texels);
+        CHECK(worst < 1e-5);
+        CHECK(worst_of_texels > 0.02);
+    }
+}
+
+TEST_CASE("emitters: behind a plate there is what rays find of them", "[radiosity][analytic]") {
+    // A plate right below half of the lamp: from far below, half of it is hidden.
+    Scene s = floor_and_lamp(0.2, 0.2, 3, 2);
+    s.meshes.push_back(grid({-1, 2.999, -1}, {0, 0, 3}, {1.1, 0, 0}, 1, 1, 0));
+    const Elements e = elements_with(s, 0.02);
+    const Buffer<glm::vec4> sent = emitters_at(s, e, {});
+    for (std::size_t i = 0; i < e.position.size(); ++i) {
+        const glm::dvec3 eye(e.eye[i]);
+        if (e.normal[i].y < 0.9f || eye.y > 1 || std::fabs(eye.x - 0.1) > 1 || eye.z > 1) continue;
+        CHECK(double(sent[i].x) == Approx(emitted * factor(eye.x, eye.z, 0.2, 0.2, 3 - eye.y) / 2).epsilon(0.1));
+    }
+    // All of it hidden, and from behind.
+    s.meshes.back() = grid({-1, 2.9, -1}, {0, 0, 9}, {9, 0, 0}, 1, 1, 0);
+    const Elements dark = elements_with(s, 0.02);
+    const Buffer<glm::vec4> nothing = emitters_at(s, dark, {});
+    for (std::size_t i = 0; i < nothing.size(); ++i)
+        if (dark.eye[i].y < 1) CHECK(nothing[i].x == 0);
+}
+
+TEST_CASE("emitters: they are lamps up to a share of the area, and what they send is not seen twice", "[radiosity]") {
+    const Scene s = floor_and_lamp(0.4, 0.3, 1.5, 1);  // 0.12 of 16.12 m2
+    const double share = 0.12 / 16.12;
+    for (const double allowed : {0.0, 0.9 * share, 1.1 * share, 1.0}) {
+        const Elements e = elements_with(s, allowed);
+        const bool lamps = allowed > share;
+        CHECK(e.lamp_exitance.empty() == !lamps);
+        double seen = 0, sent = 0;
+        for (std::size_t i = 0; i < e.area.size(); ++i) {
+            seen += e.area[i] * double(e.exitance[i].x);
+            if (lamps) sent += e.area[i] * double(e.lamp_exitance[i].x);
+        }
+        CHECK((lamps ? sent : seen) == Approx(0.12 * emitted).epsilon(1e-6));
+        CHECK((lamps ? seen : sent) == 0);
+    }
+    Scene dark = s;
+    dark.materials[1].emission = glm::vec3(0);
+    const Elements e = elements_with(dark, 1);
+    CHECK(e.lamp_exitance.empty());
+    for (const glm::vec4& h : emitters_at(dark, e, {})) CHECK(h == glm::vec4(0));
+}
+
+TEST_CASE("emitters: the same bits for every number of threads", "[radiosity][bits]") {
+    Scene s = floor_and_lamp(0.4, 0.3, 1.5, 3);
+    s.meshes.push_back(grid({-1, 1, -1}, {0, 0, 3}, {1.2, 0, 0}, 1, 1, 0));
+    const Elements e = elements_with(s, 0.02);
+    RunOptions one, more;
+    one.threads = 1, more.threads = 3;
+    const Buffer<glm::vec4> a = emitters_at(s, e, one), b = emitters_at(s, e, more);
+    for (std::size_t i = 0; i < a.size(); ++i) CHECK(a[i] == b[i]);
+}
+
+TEST_CASE("sky: a map's upper half is pi L of a floor, half of it of a wall, and what hides it takes its share", "[radiosity][sky][analytic]") {
+    Scene s;
+    const int white = add_material(s, 0.5);
+    s.meshes.push_back(grid({0, 0, 0}, {0, 0, 1}, {1, 0, 0}, 1, 1, white));        // looks up
+    s.meshes.push_back(grid({9, 0, 0}, {0, 1, 0}, {0, 0, 1}, 1, 1, white));        // along x
+    s.meshes.push_back(grid({20, 5, 0}, {1, 0, 0}, {0, 0, 1}, 1, 1, white));       // down
+    s.environment.radiance = {2, 1, 0};
+    s.environment.map = Image4(8, 4, glm::vec4(0));
+    for (int x = 0; x < 8; ++x) s.environment.map(x, 0) = s.environment.map(x, 1) = glm::vec4(1, 3, 1, 0);
+    RadiosityParams params;
+    const Elements e = elements_of(s, {});
+    const FormFactors rows = form_factors(e, row_params(params), {});
+    const Buffer<glm::vec4> own = own_light(s, e, rows, params, {});
+    REQUIRE(own.size() == 12);
+    for (std::size_t i = 0; i < own.size(); ++i) {
+        const double share = e.normal[i].y > 0.9f ? 1 : e.normal[i].x > 0.9f ? 0.5 : 0;
+        CAPTURE(i, share);
+        CHECK(double(own[i].x) == Approx(2 * M_PI * share).margin(0.02));  // what little the meshes hide of each other
+        CHECK(double(own[i].y) == Approx(3 * M_PI * share).margin(0.03));
+        CHECK(own[i].z == 0);
+    }
+    // Everywhere alike, it is the sky of that colour.
+    for (glm::vec4& texel : s.environment.map.texels) texel = glm::vec4(1);
+    const Buffer<glm::vec4> even = own_light(s, e, rows, params, {});
+    s.environment.map = {};
+    const Buffer<glm::vec4> constant = own_light(s, e, rows, params, {});
+    for (std::size_t i = 0; i < own.size(); ++i)
+        for (int c = 0; c < 3; ++c) CHECK(even[i][c] == Approx(constant[i][c]).epsilon(1e-6));
+    // The same bits for any number of threads.
+    s.environment.map = Image4(8, 4, glm::vec4(0.3f));
+    s.environment.map(3, 1) = glm::vec4(50);
+    RunOptions one, more;
+    one.threads = 1, more.threads = 3;
+    CHECK(own_light(s, e, rows, params, one) == own_light(s, e, rows, params, more));
+}
