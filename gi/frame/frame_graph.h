@@ -109,6 +109,12 @@ struct Result {
     bool where_seen = false;  // of an item that sees nothing nothing is explained
 };
 
+// A picture of one item, beside its values: what the image's slot would be, and its own bytes.
+struct ItemPicture {
+    Slot slot;
+    Array array;
+};
+
 struct PlannedNode : graph::Node {
     std::string work;            // as rules name it (rules.h): "gather", "isr lit"; empty where the node has no row
     std::vector<Part> parts = {};
@@ -123,6 +129,7 @@ struct PlannedNode : graph::Node {
     bool direct = false;         // it is of what is seen and lit without a bounce, and stands on nothing else
     bool adds = false;           // it adds to the sum of gathers
     std::vector<Result> results = {};
+    std::function<std::vector<ItemPicture>(glm::ivec2 item)> pictures = {};
     // Of a stage without a twin: dispatches of one that reads the same, to look at.
     std::function<std::vector<StageData>()> like = {};
     // What it reads by the names of its stage's ports, where no dispatch says it.

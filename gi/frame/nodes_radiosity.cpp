@@ -2,10 +2,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstring>
 
 #include "gi/frame/frame_graph.h"
 #include "gi/frame/nodes_probes.h"
 #include "gi/probes/lit_hits.h"
+#include "gi/radiosity/explain_row.h"
 #include "gi/radiosity/gather.h"
 #include "gi/radiosity/host_stages.h"
 #include "gi/radiosity/lookup.h"
@@ -64,6 +66,29 @@ void add_elements(Context& c, Nodes& nodes) {
     nodes.push_back(std::move(node));
 }
 
+radiosity::RowExplained explained_row(const Context& c, const RadiosityBuffers& b, int element) {
+    return radiosity::explain_row(b.elements, radiosity::row_params(c.settings.radiosity), b.factors, b.sky, b.radiosity, element);
+}
+
+std::vector<ItemPicture> pictures_of(const radiosity::RowPictures& p) {
+    std::vector<ItemPicture> all;
+    const auto keep = [&](const char* name, const char* unit, const char* meaning, DType dtype, auto& image) {
+        using Texel = std::decay_t<decltype(image.texels[0])>;
+        const int channels = int(sizeof(Texel) / 4);
+        Bundle made;
+        Array& array = add(made, name, dtype, {image.height, image.width, channels});
+        std::memcpy(array.bytes.data(), image.texels.data(), image.size() * sizeof(Texel));
+        all.push_back({{.name = name, .dtype = dtype, .channels = channels, .unit = unit, .meaning = meaning}, array});
+    };
+    keep("triangle", "", "that each texel sees, the top in the middle; -1: none", DType::i32, p.triangle);
+    Image<float> weight(p.weight.width, p.weight.height);
+    for (std::size_t i = 0; i < weight.size(); ++i) weight.texels[i] = p.weight.texels[i].x;
+    keep("weight", "", "share of the hemisphere, weighted by cosine: all add up to 1", DType::f32, weight);
+    keep("radiosity", "W/m2", "of what is seen; backs send none", DType::f32, p.radiosity);
+    keep("brought", "W/m2", "weight times radiosity: all add up to the irradiance but for H0", DType::f32, p.brought);
+    return all;
+}
+
 void add_rows(Context& c, Nodes& nodes) {
     RadiosityBuffers& b = buffers(c);
     PlannedNode node = begin(c, radiosity::info_rows(), "what elements see of each other", {1, 1});
@@ -90,6 +115,11 @@ void add_rows(Context& c, Nodes& nodes) {
         run.reason = fmt::format("{:.1f} MB, {:.2f} bytes a texel", double(run.bytes) * 1e-6,
                                  double(run.bytes) / (3.0 * c.settings.radiosity.size * c.settings.radiosity.size * b.factors.count));
     };
+    node.of_pixels = false;
+    node.size = [&b] { return glm::ivec2(b.elements.count(), 1); };
+    node.explain = [&c, &b](glm::ivec2 at) { return explained_row(c, b, at.x).values; };
+    node.pictures = [&c, &b](glm::ivec2 at) { return pictures_of(explained_row(c, b, at.x).pictures); };
+    node.fill = [] {};
     node.leave_out = [&b] { b.factors = {}; };
     nodes.push_back(std::move(node));
 }

@@ -30,6 +30,7 @@ struct ExplainOptions {
     SceneOptions scene;
     Common common;
     std::string stage, pixel, light, device, spirv, html;
+    int item = -1;  // below 0: the pixel counts
 };
 
 // A value of the picture and the one that the explanation ends with.
@@ -210,7 +211,10 @@ class Report {
     void add_section(const frame::PlannedStage& stage, const ExplainedDispatch& one, const std::string& device,
                      const parity::SideBySide& values, const std::vector<std::string>& notes) {
         const Bundle outputs = made_by(one, stage, scene_, settings_, frame_, options_);
-        page_->add({one.label, source_of(stage.name), one.pixel, one.binding, &one.data, &outputs, values, device, notes});
+        const frame::FrameGraph graph(scene_, settings_, frame_);
+        const frame::PlannedNode& node = graph.node(stage);
+        page_->add({one.label, source_of(stage.name), one.pixel, one.binding, &one.data, &outputs, values, device, notes,
+                    node.pictures ? node.pictures(one.pixel) : std::vector<frame::ItemPicture>{}});
     }
 
     const ExplainOptions& given_;
@@ -225,10 +229,10 @@ class Report {
 
 int explain(const ExplainOptions& given) {
     const RunOptions options = given.common.run_options();
-    const glm::ivec2 pixel = parse_pixel(given.pixel);
+    const glm::ivec2 pixel = given.item < 0 ? parse_pixel(given.pixel) : glm::ivec2(given.item, 0);
     Scene scene = load(given.scene);
     frame::Settings settings = settings_of(scene, given.scene);
-    scene = drawn(std::move(scene), settings);
+    scene = drawn(std::move(scene), settings, options);
     const int light = given.light.empty() ? -1 : find_light(scene, given.light);
     require_explainable(given, pixel, scene, settings);
     frame::plan(scene, settings);  // what cannot be rendered is told before a bake is made for it
@@ -287,8 +291,10 @@ void add_explain(CLI::App& program, Action& action) {
     command->add_option("--stage", given->stage, "a name of `plumb stages`; all but rsm otherwise")->type_name("S");
     command->add_option("--pixel", given->pixel, "from the top left; of the light's map for the stage rsm: the six\n"
                         "of a point light lie side by side, +x -x +y -y +z -z")
-        ->required()
         ->type_name("X,Y");
+    command->add_option("--item", given->item, "in its place of a stage over a list (elements): the number from 0")
+        ->check(number_within(0, 1 << 30))
+        ->type_name("N");
     command->add_option("--light", given->light, "the light, for a stage that runs once a light; the first otherwise")
         ->type_name("NAME");
     add_device_option(*command, given->device);
@@ -310,6 +316,8 @@ void add_explain(CLI::App& program, Action& action) {
         action = [=] {
             if (!given->spirv.empty() && (given->device.empty() || given->stage.empty()))
                 throw InputError("--spirv: expected --device and --stage: where it runs, and in place of what");
+            if (given->pixel.empty() == (given->item < 0)) throw InputError("expected --pixel X,Y, or --item N of a stage over a list");
+            if (given->item >= 0 && given->stage.empty()) throw InputError("--item: expected --stage: which list it is of");
             return explain(*given);
         };
     });

@@ -21,6 +21,7 @@ using page::Page;
 using parity::TwoValues;
 
 constexpr int map_px = 512, frame_px = 312, near_px = 192;  // on the page
+const Samples no_samples;
 constexpr int kept_texels = 512, near_texels = 33;
 
 // ---- Pictures -----------------------------------------------------------------------------------------------------
@@ -344,6 +345,7 @@ void ExplainPage::add(const ExplainedStage& stage) {
     for (const std::string& note : stage.notes) page_.paragraph(note);
     page_.raw("<div class=\"explained\"><div>\n");
     if (stage.binding) pictures(page_, stage, values, samples, key);
+    for (const frame::ItemPicture& p : stage.pictures) figure_of_map(page_, {p.slot, p.array, 0, false, false}, {no_samples, "", {0, 0}, {}, ""});
     page_.raw("</div><div class=\"numbers\">\n");
     const std::vector<std::size_t> rows = listed(samples);
     table_of_samples(page_, values, samples, rows, key);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/binding.h"
+#include "gi/frame/frame_graph.h"
 #include "tools/page/page.h"
 #include "tools/plumb/explain_samples.h"
 
@@ -24,6 +25,7 @@ struct ExplainedStage {
     parity::SideBySide values;
     std::string device;              // empty: ours alone
     std::vector<std::string> notes;  // the checks, or what the device says
+    std::vector<frame::ItemPicture> pictures = {};  // of the item alone
 };
 
 class ExplainPage {

@@ -11,10 +11,12 @@
 #include "gi/frame/kept.h"
 #include "io/file.h"
 #include "tools/plumb/cli.h"
+#include "tools/plumb/coloured_meshes.h"
 #include "tools/plumb/frames.h"
 #include "tools/plumb/pictures.h"
 #include "tools/plumb/sweep_choose.h"
 #include "tools/shared/file_store.h"
+#include "tools/shared/output_place.h"
 #include "tools/shared/outputs.h"
 #include "tools/shared/probe_bake.h"
 #include "tools/shared/progress.h"
@@ -40,7 +42,7 @@ Scene posed(Scene scene, double frame) {
 struct RenderOptions {
     SceneOptions scene;
     Common common;
-    std::string folder = "out", budget;
+    std::string folder = "out", budget, mesh;
     bool dump = false;
     int frames = 0;  // 0: one picture, without a number
     int first = 0;
@@ -86,6 +88,16 @@ std::string files_text(const Outputs& outputs, const std::string& folder) {
     return text;
 }
 
+// Throws InputError for a mesh that could not be written, before anything is rendered.
+void check_mesh(const RenderOptions& given, const frame::Settings& settings) {
+    if (given.mesh.empty()) return;
+    io::require_coloured_name(given.mesh);
+    if (settings.method != frame::Method::radiosity)
+        throw InputError(fmt::format("--mesh: of method radiosity alone: method {} has no colours of vertices", frame::method_name(settings.method)));
+    if (given.frames > 0) throw InputError("--mesh: one mesh of one frame: expected no --frames beside it");
+    require_place(given.mesh);
+}
+
 // Writes run.json, and lets all files appear; returns its text.
 std::string finish(Job& job, Json json) {
     if (!job.chosen.is_null()) json["chosen"] = job.chosen;
@@ -119,6 +131,7 @@ int render_one(Job& job) {
     const Clock::time_point writing = Clock::now();
     write_pictures(scene, plan, frame, picture_name(scene), job.outputs);
     if (given.dump) write_dump(scene, settings, plan, frame, options, job.outputs);
+    if (!given.mesh.empty()) io::write_coloured(given.mesh, coloured_meshes(scene, frame), mesh_scale(settings));
     job.times.write_ms = ms_since(writing);
     job.times.total_ms = ms_since(job.start);
     const RunReport report{scene, settings, options, frame.stages, job.times, peak_bytes(), truth};
@@ -132,6 +145,7 @@ int render_one(Job& job) {
     }
     std::string text = run_text(report) + "\n";
     if (!frame.traced.empty()) text += truth_text(frame, rows, kept.notes()) + "\n";
+    if (!given.mesh.empty()) text += "wrote " + given.mesh + "\n";
     std::fputs((text + files_text(job.outputs, given.folder)).c_str(), stdout);
     return success;
 }
@@ -211,9 +225,10 @@ int render(const RenderOptions& given) {
     frame::Settings settings = settings_of(scene, given.scene);
     // All that can be wrong is found before anything is measured or rendered.
     check_frames(given, scene, settings);
+    check_mesh(given, settings);
     Job job{given, start, {read_ms}, std::move(scene), std::move(settings), nullptr, Outputs(given.folder)};
     if (!given.budget.empty()) choose(job);
-    job.scene = drawn(std::move(job.scene), job.settings);
+    job.scene = drawn(std::move(job.scene), job.settings, given.common.run_options());
     add_bake(job.scene, job.settings, {given.common.run_options(), given.scene.no_cache ? "" : cache_folder(), !given.common.json});
     return given.frames > 0 ? render_frames(job) : render_one(job);
 }
@@ -228,6 +243,10 @@ void add_render(CLI::App& program, Action& action) {
     command->add_option("-o,--output", given->folder, "folder for what is written; \"out\" otherwise")
         ->type_name("DIR");
     command->add_flag("--dump", given->dump, "also write every stage's inputs and outputs, to DIR/dump");
+    command->add_option("--mesh", given->mesh,
+                        "also write the elements of method radiosity as a mesh with colours of vertices: FILE.glb, FILE.obj")
+        ->check(some_word())
+        ->type_name("FILE");
     command->add_option("--frames", given->frames, "that many frames of a scene with keyframes: <scene>.0000.png, ...")
         ->check(number_within(1, 100000))
         ->type_name("N");
@@ -259,6 +278,8 @@ void add_render(CLI::App& program, Action& action) {
         "the G-buffer of a camera at rest, and so on. The pictures are those of N runs with --first F, bit for bit.\n"
         "run.json has \"frames\" in place of \"stages\", each with its stages, what was kept and what that saved, its\n"
         "total_ms without writing it, and write_ms.\n"
+        "--mesh: what leaves each element, W/m2, times tonemap.exposure / pi, linear; GLB also holds it, and irradiance, in W/m2\n"
+        "(io/README.md). Lamps' light is that at the elements, not the shadow maps' of the picture.\n"
         "What was path traced is kept in $PLUMB_CACHE, else $XDG_CACHE_HOME/plumbline, else ~/.cache/plumbline, at\n"
         "most 4 GiB, those used last; the same scene and settings take it from there. Beside it lie the 256 sweeps that\n"
         "--budget used last, and nothing else. --budget: see plumb sweep; run.json says what was \"chosen\". Where no\n"
