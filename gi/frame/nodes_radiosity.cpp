@@ -10,6 +10,7 @@
 #include "gi/radiosity/explain_row.h"
 #include "gi/radiosity/gather.h"
 #include "gi/radiosity/host_stages.h"
+#include "gi/radiosity/lamp_light.h"
 #include "gi/radiosity/lookup.h"
 #include "gi/radiosity/own_light.h"
 #include "gi/radiosity/rows.h"
@@ -140,7 +141,7 @@ void add_light(Context& c, Nodes& nodes) {
         return all;
     };
     node.run = [&c, &b](const RunOptions& options, graph::NodeRun& run) {
-        b.lamps = radiosity::lamps_at(c.scene, b.elements, options);
+        b.lamps = radiosity::lamps_on(c.scene, b.elements, options);
         b.sky = radiosity::own_light(c.scene, b.elements, b.factors, c.settings.radiosity, options);
         run.bytes = 32 * b.lamps.size();
     };

@@ -6,6 +6,7 @@
 #include "gi/radiosity/cut_contacts.h"
 #include "gi/radiosity/gather.h"
 #include "gi/radiosity/host_stages.h"
+#include "gi/radiosity/lamp_light.h"
 #include "gi/radiosity/own_light.h"
 #include "gi/radiosity/tessellate.h"
 
@@ -21,7 +22,7 @@ constexpr double dark = 0.05;                // of the scene's mean: less counts
 Buffer<glm::vec4> irradiance_of(const Scene& scene, const Elements& elements, RadiosityParams params, const RunOptions& options) {
     params.size = std::min(params.size, refining_size), params.tolerance = std::max(params.tolerance, refining_error);
     const FormFactors factors = form_factors(elements, row_params(params), options);
-    const Buffer<glm::vec4> lamps = lamps_at(scene, elements, options);
+    const Buffer<glm::vec4> lamps = lamps_on(scene, elements, options);
     const Buffer<glm::vec4> own = own_light(scene, elements, factors, params, options);
     Buffer<glm::vec4> radiosity, irradiance;
     solve(factors, elements, lamps, own, params, options, radiosity);

@@ -6,6 +6,7 @@
 #include "core/parallel.h"
 #include "core/ray_query.h"
 #include "gi/radiosity/contour.h"
+#include "gi/radiosity/triangle_places.h"
 #include "gi/reference/ray_query.h"
 #include "raster/surfaces.h"
 
@@ -30,12 +31,9 @@ struct Emitter {
     std::vector<Point> places;  // that rays go to
 };
 
-// The k-th of a sequence that fills the triangle evenly (R2: Roberts 2018, folded); the first is its middle.
 Point place_on(const Polygon& p, int k) {
-    double u = 1.0 / 3 + k * 0.7548776662466927, v = 1.0 / 3 + k * 0.5698402909980532;
-    u -= std::floor(u), v -= std::floor(v);
-    if (u + v > 1) u = 1 - u, v = 1 - v;
-    return p[0] + u * (p[1] - p[0]) + v * (p[2] - p[0]);
+    const Point w = triangle_place(k);
+    return w.x * p[0] + w.y * p[1] + w.z * p[2];
 }
 
 std::vector<Emitter> emitters_of(const Elements& e) {

@@ -8,10 +8,10 @@ std::vector<Field> fields(RadiosityParams& p) {
     return {
         {"elements", as_int(p.kind), "", "where irradiance is computed: at vertices, linear between them, or in the middle of triangles (HEM 4.5.4, 6.4)", -unbounded,
          unbounded, {"vertices", "triangles"}, false},
-        {"edge", &p.edge, "m", "triangles with longer edges are split; 0: a fortieth of the scene's diagonal (HEM 4.5.4, step 1)", 0, 1e9, {}, false},
+        {"edge", &p.edge, "m", "triangles with longer edges are split; 0: a twentieth of the scene's diagonal (HEM 4.5.4, step 1)", 0, 1e9, {}, false},
         {"cut", &p.cut, "", "whether surfaces are cut where others stand on them", -unbounded, unbounded, {}, false},
         {"refine", &p.refine, "", "rounds of splitting triangles on which irradiance changes (HEM 4.5.4)", 0, 16, {}, false},
-        {"refine_tolerance", &p.refine_tolerance, "", "how much irradiance may change on a triangle, of its mean", 0, 1e9, {}, false},
+        {"refine_tolerance", &p.refine_tolerance, "", "how much irradiance may differ on a triangle, of its mean", 0, 1e9, {}, false},
         {"least_edge", &p.least_edge, "m", "no edge shorter than twice that is split by refine; 0: an eighth of edge", 0, 1e9, {}, false},
         {"most_triangles", &p.most_triangles, "", "more are refused", 1, 7e8, {}, false},
         {"small_emitters", &p.small_emitters, "", "share of the scene's area up to which what emits is integrated by outlines and rays, not by texels", 0, 1, {}, false},

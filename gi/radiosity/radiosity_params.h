@@ -14,7 +14,7 @@ struct RadiosityParams {
     float edge = 0;                    // m: triangles with longer ones are split before anything is drawn; 0: automatic_edges
     bool cut = true;                   // surfaces where others stand on them
     int refine = 2;                    // rounds of splitting where irradiance changes
-    float refine_tolerance = 0.1f;     // of differences()
+    float refine_tolerance = 0.25f;    // of differences()
     float least_edge = 0;              // m; 0: an eighth of `edge`
     int most_triangles = 4'000'000;
     float small_emitters = 0.02f;      // of the scene's area: up to it, emitters are lamps (emitters.h)
@@ -29,7 +29,7 @@ struct RadiosityParams {
 };
 std::vector<Field> fields(RadiosityParams& params);
 // Edges along a scene's diagonal where nobody says how long they may be.
-inline constexpr double automatic_edges = 40;
+inline constexpr double automatic_edges = 20;
 // A scene as the method draws it: no edge longer than `edge`, cut at contacts, and smaller triangles where light changes. Throws
 // what tessellate() throws; for moving meshes, whose triangles would be others in every frame, InputError.
 Scene drawn_by_radiosity(const Scene& scene, const RadiosityParams& params, const RunOptions& options = {});

@@ -4,6 +4,7 @@
 
 #include "gi/radiosity/emitters.h"
 #include "gi/radiosity/gather.h"
+#include "gi/radiosity/lamp_light.h"
 #include "gi/radiosity/own_light.h"
 #include "radiosity_scenes.h"
 
@@ -151,4 +152,33 @@ TEST_CASE("sky: a map's upper half is pi L of a floor, half of it of a wall, and
     RunOptions one, more;
     one.threads = 1, more.threads = 3;
     CHECK(own_light(s, e, rows, params, one) == own_light(s, e, rows, params, more));
+}
+
+TEST_CASE("lamps: the power that elements get of a spot is what it sends, on a mesh coarser than its cone", "[radiosity][analytic]") {
+    // A cone of 20 degrees from 3 m: a disc of 1.09 m, on triangles of 0.5 m.
+    Scene s;
+    const int white = add_material(s, 0.5);
+    s.meshes.push_back(grid({-2, 0, -2}, {0, 0, 4}, {4, 0, 0}, 8, 8, white));
+    Light spot;
+    spot.name = "spot", spot.position = {0.13f, 3, 0.07f}, spot.direction = {0, -1, 0}, spot.intensity = {5, 1, 0};
+    spot.cone_inner_deg = 19.99f, spot.cone_outer_deg = 20;
+    s.lights.push_back(spot);
+    const double sent = 2 * M_PI * (1 - std::cos(20 * M_PI / 180));  // W for 1 W/sr
+    for (const Kind kind : {Kind::vertices, Kind::triangles}) {
+        ElementParams p;
+        p.kind = kind;
+        const Elements e = elements_of(s, p);
+        const Buffer<glm::vec4> light = lamps_on(s, e, {});
+        double power[3] = {};
+        for (std::size_t i = 0; i < light.size(); ++i)
+            for (int c = 0; c < 3; ++c) power[c] += e.area[i] * double(light[i][c]);
+        CAPTURE(int(kind), power[0] / (5 * sent));
+        CHECK(power[0] == Approx(5 * sent).epsilon(0.02));
+        CHECK(power[1] == Approx(sent).epsilon(0.02));
+        CHECK(power[2] == 0);
+    }
+    // An even light is the same everywhere.
+    s.lights[0].type = LightType::directional;
+    const Elements e = elements_of(s, {});
+    for (const glm::vec4& h : lamps_on(s, e, {})) CHECK(h.x == Approx(5).epsilon(1e-5));
 }

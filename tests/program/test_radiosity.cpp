@@ -79,10 +79,18 @@ TEST_CASE("render --mesh: what could not be written is refused before anything i
     refused({"--mesh", folder + "/a.ply"}, "a.ply: expected a name that ends in .glb or .obj");
     refused({"--mesh", folder + "/none/a.glb"}, "none/a.glb");
     refused({"--mesh", folder + "/a.glb", "--frames", "2"}, "expected no --frames");
+    write(folder + "/dark.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    write(folder + "/dark.toml", "[frame]\nsize = [8, 8]\n[camera]\nposition = [0, 0, 3]\nlook_at = [0, 0, 0]\n[[mesh]]\nfile = \"dark.obj\"\n"
+                                 "[[light]]\nname = \"bulb\"\ntype = \"point\"\nposition = [0, 0, 1]\nintensity = [1, 1, 1]\non = false\n");
+    const Words made = files_in(folder);
+    const Result dark = run(with({"render", folder + "/dark.toml", "-o", folder + "/out"}, {"--mesh", folder + "/a.glb"}));
+    CHECK(dark.exit == 2);
+    CHECK_THAT(dark.err, Contains("there is no mesh"));
+    CHECK(files_in(folder) == made);
     const Result r = run({"render", scene, "--method", "rsm", "-o", folder + "/out", "--mesh", folder + "/a.glb"});
     CHECK(r.exit == 2);
     CHECK_THAT(r.err, Contains("--mesh: of method radiosity alone"));
-    CHECK(files_in(folder) == before);
+    CHECK(files_in(folder) == made);
 }
 
 TEST_CASE("explain: a row of form factors adds up to its element's irradiance", "[program][radiosity]") {

@@ -124,6 +124,8 @@ int render_one(Job& job) {
         return frame::execute(scene, settings, plan, options, bar.callback(), cache.empty() ? nullptr : &kept);
     }();
     job.times.render_ms = ms_since(start);
+    if (!given.mesh.empty() && frame.radiosity.irradiance.empty())
+        throw InputError("--mesh: nothing sends light, so that nothing was solved: there is no mesh");
     const std::vector<TruthRow> rows = compare_layers(frame, given.common.threads);
     const Json truth = frame.traced.empty() ? Json(nullptr) : truth_json(frame, rows, kept.notes());
 
