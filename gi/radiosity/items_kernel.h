@@ -220,28 +220,40 @@ PLUMB_INLINE Item<F> item(const ItemsView& in, index_t<F> column, index_t<F> lin
     return nearest;
 }
 
+// Triangles whose corners there are, in the order in which they are drawn.
+struct DrawList {
+    static constexpr int pad = 16;          // the last ones have no area, so that packets of any width are whole
+    const std::int32_t* corner[3];          // [count]
+    const std::int32_t* number;             // [count]: which triangle it is
+    int count;                              // a multiple of pad
+    static PLUMB_INLINE std::size_t padded(std::size_t triangles) { return (triangles + pad - 1) / pad * pad; }
+};
+
 // Memory that a hemicube is drawn in, floats.
 struct DrawMemory {
-    float *x, *y, *z;        // [vertices]: along u, t, n
-    float* centre;           // [size]: of columns
-    float* nearness;         // [3 size][size]
-    std::int32_t* triangle;  // the same
+    float* turned;       // [vertices][4]: along u, t, n, and which borders of faces it is beyond
+    float* centre;       // [size]: of columns
+    float* nearness;     // [3 size][size]
+    float *b1, *b2;      // the same: barycentrics
+    std::int32_t* seen;  // the same: twice the triangle's number, 1 more where it is its back; -1: none
 
     static PLUMB_INLINE std::size_t padded(std::size_t n) { return (n + 31) / 16 * 16; }
+    static PLUMB_INLINE std::size_t texels(int size) { return padded(std::size_t(rows_of_hemicube(size)) * std::size_t(size)); }
     static PLUMB_INLINE std::size_t floats(int vertices, int size) {
-        return 3 * padded(std::size_t(vertices)) + padded(std::size_t(size)) + 2 * padded(std::size_t(rows_of_hemicube(size)) * std::size_t(size));
+        return 4 * padded(std::size_t(vertices)) + padded(std::size_t(size)) + 4 * texels(size);
     }
     PLUMB_INLINE DrawMemory(float* memory, int vertices, int size) {
-        const std::size_t v = padded(std::size_t(vertices)), texels = padded(std::size_t(rows_of_hemicube(size)) * std::size_t(size));
-        x = memory, y = x + v, z = y + v, centre = z + v, nearness = centre + padded(std::size_t(size));
-        triangle = reinterpret_cast<std::int32_t*>(nearness + texels);
+        turned = memory, centre = turned + 4 * padded(std::size_t(vertices)), nearness = centre + padded(std::size_t(size));
+        b1 = nearness + texels(size), b2 = b1 + texels(size), seen = reinterpret_cast<std::int32_t*>(b2 + texels(size));
     }
 };
 
 struct ItemsKernel {
     using View = ItemsView;
     static constexpr int band = 96;
-    static std::size_t scratch(const View& in, int) { return DrawMemory::floats(in.u.vertices, in.u.width); }
+    static std::size_t scratch(const View& in, int) {
+        return DrawMemory::floats(in.u.vertices, in.u.width) + 4 * DrawList::padded(std::size_t(in.u.triangles));
+    }
     template <class F, class Tap>
     PLUMB_INLINE static Item<F> item(const View& in, index_t<F> column, index_t<F> line, Tap& tap) {
         return radiosity::item<F>(in, column, line, tap);
