@@ -110,7 +110,7 @@ class Drawing {
 
     // Rows [first, last) of the hemicube with that eye, [4][4].
     void draw(const float* vertices, const float* eye, int first, int last) {
-        first_ = first, last_ = last;
+        first_ = first, last_ = last, eye_ = eye;
         const I nothing(-1);
         for (int at = first * size_; at < last * size_; at += N::width)
             N::save(m_.nearness + at, F(0.0f)), std::memcpy(m_.seen + at, &nothing, sizeof nothing);
@@ -137,8 +137,12 @@ class Drawing {
     int first_row(int face) const { return face == 0 ? 0 : size_ + (face - 1) * (size_ / 2); }
     int rows_of(int face) const { return face == 0 ? size_ : size_ / 2; }
 
+    static PLUMB_INLINE Eye<F> eye_of(const float* e) {
+        return {{F(e[0]), F(e[1]), F(e[2])}, {F(e[4]), F(e[5]), F(e[6])}, {F(e[8]), F(e[9]), F(e[10])}, {F(e[12]), F(e[13]), F(e[14])}};
+    }
+
     void turn_vertices(const float* vertices, const float* e) {
-        const Eye<F> eye{{F(e[0]), F(e[1]), F(e[2])}, {F(e[4]), F(e[5]), F(e[6])}, {F(e[8]), F(e[9]), F(e[10])}, {F(e[12]), F(e[13]), F(e[14])}};
+        const Eye<F> eye = eye_of(e);
         for (int i = 0; i < u_.vertices; i += N::width) {
             const vec3<F> p = eye.local(xyz<F>(N::fetch4(vertices, min(N::iota(i), I(u_.vertices - 1)))));
             const I code = code_on<0>(p) | code_on<1>(p) | code_on<2>(p) | code_on<3>(p) | code_on<4>(p);
@@ -201,10 +205,16 @@ class Drawing {
                         min(F(float(last_ - 1 - begin)), to_column(one - bounds.bottom, per, rows))};
         draws = draws & (box.left <= box.right) & (box.top <= box.bottom);
         if (!any(draws)) return;
-        if (!has_planes_) planes_ = planes_of<F>(p[0], p[1], p[2]), inverse_ = one / planes_.volume, has_planes_ = true;
+        if (!has_planes_) make_planes(p, first_triangle);
         const Mask small = draws & ((box.right - box.left + one) * (box.bottom - box.top + one) <= F(float(most_texels_a_lane)));
         if (any(small)) draw_small<face>(small, box, bounds, load_index(list_.number + first_triangle) << 1);
         if (const unsigned large = bits_of(draws & !small)) draw_large<face>(large, box, bounds, first_triangle);
+    }
+
+    PLUMB_INLINE void make_planes(const vec3<F> (&p)[3], int first_triangle) {
+        const auto at = [&](int k) { return N::load(list_.plane[k] + first_triangle); };
+        planes_ = planes_of<F>(p[0], p[1], p[2], {at(0), at(1), at(2)}, {at(3), at(4), at(5)}, eye_of(eye_));
+        inverse_ = F(1.0f) / planes_.volume, has_planes_ = true;
     }
 
     // A lane walks over the texels of its box.
@@ -304,6 +314,7 @@ class Drawing {
     const DrawList list_;
     DrawMemory m_;
     int first_ = 0, last_ = 0;
+    const float* eye_ = nullptr;
     bool has_planes_ = false, has_saved_ = false;
     Planes<F> planes_;
     F inverse_;

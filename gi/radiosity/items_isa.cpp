@@ -6,19 +6,26 @@
 namespace plumb::radiosity {
 namespace {
 
-// Triangles in their order, in memory for 4 padded numbers.
+// Triangles in their order, in memory for 10 padded numbers.
 DrawList list_of(const ItemsView& in, float* memory) {
     const std::size_t padded = DrawList::padded(std::size_t(in.u.triangles));
-    std::int32_t *to = reinterpret_cast<std::int32_t*>(memory), *corner[3] = {to, to + padded, to + 2 * padded}, *number = to + 3 * padded;
+    std::int32_t *to = reinterpret_cast<std::int32_t*>(memory), *corner[3] = {to, to + padded, to + 2 * padded}, *numbers = to + 3 * padded;
+    float* plane = memory + 4 * padded;
     int n = 0;
     for (int i = 0; i < in.u.triangles; ++i) {
         const std::int32_t* of = in.triangles + 4 * std::ptrdiff_t(i);
         if (!has_corners(of, in.u.vertices)) continue;
-        for (int k = 0; k < 3; ++k) corner[k][n] = of[k];
-        number[n++] = i;
+        vec3<float> v[3];
+        for (int k = 0; k < 3; ++k) corner[k][n] = of[k], v[k] = xyz<float>(number<float>::fetch4(in.vertices, of[k]));
+        const vec3<float> normal = normal_of<float>(v[0], v[1], v[2]);
+        for (int k = 0; k < 3; ++k) plane[std::size_t(k) * padded + std::size_t(n)] = normal[k], plane[std::size_t(k + 3) * padded + std::size_t(n)] = v[0][k];
+        numbers[n++] = i;
     }
-    for (; n % DrawList::pad != 0; ++n) corner[0][n] = corner[1][n] = corner[2][n] = number[n] = 0;
-    return {{corner[0], corner[1], corner[2]}, number, n};
+    for (; n % DrawList::pad != 0; ++n) {
+        corner[0][n] = corner[1][n] = corner[2][n] = numbers[n] = 0;
+        for (std::size_t k = 0; k < 6; ++k) plane[k * padded + std::size_t(n)] = 0;
+    }
+    return {{corner[0], corner[1], corner[2]}, numbers, {plane, plane + padded, plane + 2 * padded, plane + 3 * padded, plane + 4 * padded, plane + 5 * padded}, n};
 }
 
 // Sixteen sums, whatever the processor has: lane k has numbers k, k + 16, ...

@@ -54,6 +54,7 @@ std::vector<std::int32_t> drawing_order(const Geometry& g) {
 struct World {
     Buffer<glm::vec4> vertices, eyes;
     Buffer<std::int32_t> corner[3], number;
+    Buffer<float> plane[6];
     Buffer<glm::ivec4> of;
     Buffer<float> weights;
     RowArgs args{};
@@ -68,14 +69,22 @@ World world_of(const Elements& e, const RowParams& params) {
     w.weights.resize(w.weights.size() + row_lanes);
     const std::size_t triangles = e.geometry.triangles.size();
     for (const std::int32_t number : drawing_order(e.geometry)) {
-        for (int k = 0; k < 3; ++k) w.corner[k].push_back(std::int32_t(e.geometry.triangles[std::size_t(number)][k]));
+        const glm::uvec3& t = e.geometry.triangles[std::size_t(number)];
+        const auto at = [&](int k) { return e.geometry.vertices[t[k]].position; };
+        const glm::vec3 normal = normal_of<float>(at(0), at(1), at(2));
+        for (int k = 0; k < 3; ++k) {
+            w.corner[k].push_back(std::int32_t(t[k]));
+            w.plane[k].push_back(normal[k]), w.plane[k + 3].push_back(at(0)[k]);
+        }
         w.number.push_back(number);
     }
     for (auto* list : {&w.corner[0], &w.corner[1], &w.corner[2], &w.number}) list->resize(DrawList::padded(triangles), 0);
+    for (Buffer<float>& list : w.plane) list.resize(DrawList::padded(triangles), 0.0f);
     const float texel = 2.0f / float(params.size);
     w.args.u = {params.size, rows_of_hemicube(params.size), int(w.vertices.size()), int(triangles), texel, texel / 64, {}};
     w.args.eyes = &w.eyes[0].x, w.args.vertices = &w.vertices[0].x;
-    w.args.list = {{w.corner[0].data(), w.corner[1].data(), w.corner[2].data()}, w.number.data(), int(w.number.size())};
+    w.args.list = {{w.corner[0].data(), w.corner[1].data(), w.corner[2].data()}, w.number.data(), {}, int(w.number.size())};
+    for (int k = 0; k < 6; ++k) w.args.list.plane[k] = w.plane[k].data();
     w.args.of = &w.of[0].x, w.args.weights = w.weights.data();
     return w;
 }
