@@ -77,7 +77,7 @@ PLUMB_INLINE vec4<F> gathered(const GatherView& in, index_t<F> px, index_t<F> py
         const I first = N::fetch(in.runs, place), count = select(has, N::fetch(in.runs, place + I(1)), I(0));
         tap("first", first, "element of the run"), tap("count", count, "elements of it");
         for (int k = 0; any(I(k) < count); ++k) {
-            const mask_t<F> there = I(k) < count & in_range(first + I(k), I(in.u.elements));
+            const mask_t<F> there = (I(k) < count) & in_range(first + I(k), I(in.u.elements));
             const F f = weight_at<F>(in, select(there, at + I(k), I(0)));
             const vec3<F> b = xyz<F>(N::fetch4(in.radiosity, select(there, first + I(k), I(0))));
             vec3<F>& lane = sums.lane[k % row_lanes];

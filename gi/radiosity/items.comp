@@ -38,8 +38,7 @@ vec3 minus(vec3 a, vec3 b) {
 }
 
 // In the axes of the hemicube: along u, t, n.
-vec3 local(vec3 p, int first) {
-    vec3 d = minus(p, eyes[first].xyz);
+vec3 along(vec3 d, int first) {
     return vec3(dot_of(d, eyes[first + 1].xyz), dot_of(d, eyes[first + 2].xyz), dot_of(d, eyes[first + 3].xyz));
 }
 
@@ -93,22 +92,26 @@ Item item(ivec2 at) {
     for (int i = 0; i < u.triangles; ++i) {
         ivec4 corner = triangles[i];
         if (min(min(corner.x, corner.y), corner.z) < 0 || max(max(corner.x, corner.y), corner.z) >= u.vertices) continue;
-        vec3 p0 = local(vertices[corner.x].xyz, first);
-        vec3 p1 = local(vertices[corner.y].xyz, first);
-        vec3 p2 = local(vertices[corner.z].xyz, first);
+        vec3 v0 = vertices[corner.x].xyz;
+        vec3 v1 = vertices[corner.y].xyz;
+        vec3 v2 = vertices[corner.z].xyz;
+        vec3 d0 = minus(v0, eyes[first].xyz);
+        vec3 p0 = along(d0, first);
+        vec3 p1 = along(minus(v1, eyes[first].xyz), first);
+        vec3 p2 = along(minus(v2, eyes[first].xyz), first);
         if (!(p0.z > 0.0 || p1.z > 0.0 || p2.z > 0.0)) continue;
         vec3 q0 = turned(p0, face);
         vec3 q1 = turned(p1, face);
         vec3 q2 = turned(p2, face);
         if (!reaches(q0, q1, q2) || !within_bounds(q0, q1, q2, x, y)) continue;
         TAP_SAMPLE(i);
-        vec3 normal = cross_of(minus(p1, p0), minus(p2, p0));
-        float volume = dot_of(normal, p0);
+        vec3 normal = cross_of(minus(v2, v0), minus(v1, v0));  // u, t, n are left-handed
+        float volume = dot_of(normal, d0);
         precise float e0 = plane_at(turned(cross_of(p1, p2), face), x, y);
         precise float e1 = plane_at(turned(cross_of(p2, p0), face), x, y);
         precise float e2 = plane_at(turned(cross_of(p0, p1), face), x, y);
         precise float inverse_volume = 1.0 / volume;
-        precise float nearness = plane_at(turned(normal, face), x, y) * inverse_volume;
+        precise float nearness = plane_at(turned(along(normal, first), face), x, y) * inverse_volume;
         TAP(volume, volume);
         TAP(e, vec3(e0, e1, e2));
         TAP(nearness, nearness);

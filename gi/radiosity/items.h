@@ -38,7 +38,7 @@ inline StageDescription<ItemsView> describe(ItemsKernel) {
         .outputs = {{.name = "triangle", .at = &View::triangle, .meaning = "that the texel sees; -1: none"},
                     {.name = "seen", .at = &View::seen, .meaning = "barycentrics of corners 1 and 2; 1/depth along the face's axis, 1/m; 1: its "
                                                                    "front, -1: its back, 0: nothing", .fixed = 8}},
-        .uniforms = {{"vertices", 1, 1 << 26}, {"triangles", 1, 1 << 26}, {"texel", 2.0 / largest_hemicube, 1}, {"slack", 0, 1}},
+        .uniforms = {{"vertices", 1, 1 << 26}, {"triangles", 1, 1 << 26}, {"texel", 1.9 / largest_hemicube, 1.1}, {"slack", 0, 1}},
         .refuses =
             [](const View&, glm::ivec2 size) {
                 return std::string(size.x % 2 != 0 || size.x < 2 || size.x > largest_hemicube ? "width: an even number of 2 to 1024"
@@ -46,6 +46,8 @@ inline StageDescription<ItemsView> describe(ItemsKernel) {
                                    : size.y / rows_of_hemicube(size.x) < 1                   ? "no hemicube"
                                                                                              : "");
             },
+        .budget = {128, "an edge is known to eps of its corners' distance, in all three axes of the hemicube: of a triangle of 1,000 km, 300 m away, "
+                        "barycentrics beside an edge are (README.md)"},
         .cost = {1, "texels x triangles"},
     };
 }

@@ -5,7 +5,8 @@
 // (Olano and Greer 1997, "Triangle Scan Conversion using 2D Homogeneous Coordinates"):
 //
 //     e_k(x, y) = (P_k+1 x P_k+2) . (x, y, 1)     a texel is covered where the signs of e_0, e_1, e_2 are that of the volume
-//     1/depth   = N . (x, y, 1) / (N . P_0)       N = (P_1 - P_0) x (P_2 - P_0)
+//     1/depth   = N . (x, y, 1) / (N . P_0)       N = (P_1 - P_0) x (P_2 - P_0)      both before anything is turned: of a far
+//                                                 corner turning leaves eps of its distance, across the plane, too
 //     b_k       = e_k / (e_0 + e_1 + e_2)         barycentrics
 //
 // so there is no near plane and nothing is clipped, and of two triangles that share an edge both ask the same number: no
@@ -86,10 +87,8 @@ PLUMB_INLINE F plane_at(const vec3<F>& e, F x, F y) {
 template <class F>
 struct Eye {
     vec3<F> at, u, t, n;
-    PLUMB_INLINE vec3<F> local(const vec3<F>& p) const {
-        const vec3<F> d = raster::minus3(p, at);
-        return {dot3(d, u), dot3(d, t), dot3(d, n)};
-    }
+    PLUMB_INLINE vec3<F> turned(const vec3<F>& d) const { return {dot3(d, u), dot3(d, t), dot3(d, n)}; }
+    PLUMB_INLINE vec3<F> local(const vec3<F>& p) const { return turned(raster::minus3(p, at)); }
 };
 
 PLUMB_INLINE bool has_corners(const std::int32_t* corner, int vertices) {
@@ -103,14 +102,21 @@ struct Planes {
     F volume;  // N . P_0, m3: above 0 where its front is seen
 };
 
+// N, as the scene's axes have it: u, t, n are left-handed, so that it is the other way round.
 template <class F>
-PLUMB_INLINE Planes<F> planes_of(const vec3<F>& p0, const vec3<F>& p1, const vec3<F>& p2) {
+PLUMB_INLINE vec3<F> normal_of(const vec3<F>& v0, const vec3<F>& v1, const vec3<F>& v2) {
+    return raster::cross3(raster::minus3(v2, v0), raster::minus3(v1, v0));
+}
+
+// Of corners as the hemicube's axes have them; the normal and corner 0 as the scene's have them.
+template <class F>
+PLUMB_INLINE Planes<F> planes_of(const vec3<F>& p0, const vec3<F>& p1, const vec3<F>& p2, const vec3<F>& normal, const vec3<F>& v0,
+                                 const Eye<F>& eye) {
     using raster::cross3;
-    using raster::minus3;
     Planes<F> s;
     s.e0 = cross3(p1, p2), s.e1 = cross3(p2, p0), s.e2 = cross3(p0, p1);
-    s.normal = cross3(minus3(p1, p0), minus3(p2, p0));
-    s.volume = dot3(s.normal, p0);
+    s.normal = eye.turned(normal);
+    s.volume = dot3(normal, raster::minus3(v0, eye.at));
     return s;
 }
 
@@ -189,16 +195,16 @@ PLUMB_INLINE Item<F> item(const ItemsView& in, index_t<F> column, index_t<F> lin
     for (int i = 0; i < in.u.triangles; ++i) {
         const std::int32_t* corner = in.triangles + 4 * std::ptrdiff_t(i);
         if (!has_corners(corner, in.u.vertices)) continue;
-        const vec3<F> p0 = eye.local(xyz<F>(N::fetch4(in.vertices, I(corner[0])))),
-                      p1 = eye.local(xyz<F>(N::fetch4(in.vertices, I(corner[1])))),
-                      p2 = eye.local(xyz<F>(N::fetch4(in.vertices, I(corner[2]))));
+        const vec3<F> v0 = xyz<F>(N::fetch4(in.vertices, I(corner[0]))), v1 = xyz<F>(N::fetch4(in.vertices, I(corner[1]))),
+                      v2 = xyz<F>(N::fetch4(in.vertices, I(corner[2])));
+        const vec3<F> p0 = eye.local(v0), p1 = eye.local(v1), p2 = eye.local(v2);
         const mask_t<F> above = (p0.z > zero) | (p1.z > zero) | (p2.z > zero);
         const vec3<F> q0 = turned<F>(p0, at.face), q1 = turned<F>(p1, at.face), q2 = turned<F>(p2, at.face);
         const Bounds<F> b = bounds_of<F>(q0, q1, q2, F(in.u.slack));
         const mask_t<F> within = reaches<F>(q0, q1, q2, above) & (b.left <= at.x) & (at.x <= b.right) & (b.bottom <= at.y) & (at.y <= b.top);
         if (!any(within)) continue;
         tap.sample(i);
-        const Planes<F> s = planes_of<F>(p0, p1, p2);
+        const Planes<F> s = planes_of<F>(p0, p1, p2, normal_of<F>(v0, v1, v2), v0, eye);
         const F e0 = plane_at<F>(turned<F>(s.e0, at.face), at.x, at.y), e1 = plane_at<F>(turned<F>(s.e1, at.face), at.x, at.y),
                 e2 = plane_at<F>(turned<F>(s.e2, at.face), at.x, at.y),
                 plane = plane_at<F>(turned<F>(s.normal, at.face), at.x, at.y);
@@ -220,28 +226,41 @@ PLUMB_INLINE Item<F> item(const ItemsView& in, index_t<F> column, index_t<F> lin
     return nearest;
 }
 
+// Triangles whose corners there are, in the order in which they are drawn.
+struct DrawList {
+    static constexpr int pad = 16;          // the last ones have no area, so that packets of any width are whole
+    const std::int32_t* corner[3];          // [count]
+    const std::int32_t* number;             // [count]: which triangle it is
+    const float* plane[6];                  // [count]: xyz of N and of corner 0, as the scene has them
+    int count;                              // a multiple of pad
+    static PLUMB_INLINE std::size_t padded(std::size_t triangles) { return (triangles + pad - 1) / pad * pad; }
+};
+
 // Memory that a hemicube is drawn in, floats.
 struct DrawMemory {
-    float *x, *y, *z;        // [vertices]: along u, t, n
-    float* centre;           // [size]: of columns
-    float* nearness;         // [3 size][size]
-    std::int32_t* triangle;  // the same
+    float* turned;       // [vertices][4]: along u, t, n, and which borders of faces it is beyond
+    float* centre;       // [size]: of columns
+    float* nearness;     // [3 size][size]
+    float *b1, *b2;      // the same: barycentrics
+    std::int32_t* seen;  // the same: twice the triangle's number, 1 more where it is its back; -1: none
 
     static PLUMB_INLINE std::size_t padded(std::size_t n) { return (n + 31) / 16 * 16; }
+    static PLUMB_INLINE std::size_t texels(int size) { return padded(std::size_t(rows_of_hemicube(size)) * std::size_t(size)); }
     static PLUMB_INLINE std::size_t floats(int vertices, int size) {
-        return 3 * padded(std::size_t(vertices)) + padded(std::size_t(size)) + 2 * padded(std::size_t(rows_of_hemicube(size)) * std::size_t(size));
+        return 4 * padded(std::size_t(vertices)) + padded(std::size_t(size)) + 4 * texels(size);
     }
     PLUMB_INLINE DrawMemory(float* memory, int vertices, int size) {
-        const std::size_t v = padded(std::size_t(vertices)), texels = padded(std::size_t(rows_of_hemicube(size)) * std::size_t(size));
-        x = memory, y = x + v, z = y + v, centre = z + v, nearness = centre + padded(std::size_t(size));
-        triangle = reinterpret_cast<std::int32_t*>(nearness + texels);
+        turned = memory, centre = turned + 4 * padded(std::size_t(vertices)), nearness = centre + padded(std::size_t(size));
+        b1 = nearness + texels(size), b2 = b1 + texels(size), seen = reinterpret_cast<std::int32_t*>(b2 + texels(size));
     }
 };
 
 struct ItemsKernel {
     using View = ItemsView;
     static constexpr int band = 96;
-    static std::size_t scratch(const View& in, int) { return DrawMemory::floats(in.u.vertices, in.u.width); }
+    static std::size_t scratch(const View& in, int) {
+        return DrawMemory::floats(in.u.vertices, in.u.width) + 10 * DrawList::padded(std::size_t(in.u.triangles));
+    }
     template <class F, class Tap>
     PLUMB_INLINE static Item<F> item(const View& in, index_t<F> column, index_t<F> line, Tap& tap) {
         return radiosity::item<F>(in, column, line, tap);

@@ -30,6 +30,7 @@ float dot_of(vec3 a, vec3 b) {
     precise float sum = a.x * b.x + a.y * b.y + a.z * b.z;
     return sum;
 }
+float length2(vec3 v) { return dot_of(v, v); }
 bool in_range(int i, int n) { return i >= 0 && i < n; }
 
 vec4 lookup(ivec2 pixel) {
@@ -37,10 +38,16 @@ vec4 lookup(ivec2 pixel) {
     TAP(triangle, triangle);
     bool has = in_range(triangle, u.triangles);
     int t = has ? triangle : 0;
-    vec3 a = corners[3 * t].xyz;
+    vec3 c0 = corners[3 * t].xyz;
+    vec3 c1 = corners[3 * t + 1].xyz;
+    vec3 c2 = corners[3 * t + 2].xyz;
+    precise float short_edge = length2(minus(c2, c1)) * 7.0;
+    bool next = short_edge < length2(minus(c1, c0)) && short_edge < length2(minus(c0, c2));
+    TAP(next, next ? 1.0 : 0.0);
+    vec3 a = next ? c1 : c0;
     vec3 p = texelFetch(position_image, pixel, 0).xyz;
-    vec3 e1 = minus(corners[3 * t + 1].xyz, a);
-    vec3 e2 = minus(corners[3 * t + 2].xyz, a);
+    vec3 e1 = minus(next ? c2 : c1, a);
+    vec3 e2 = minus(next ? c0 : c2, a);
     vec3 d = minus(p, a);
     vec3 n = cross_of(e1, e2);
     float area = dot_of(n, n);
@@ -60,7 +67,10 @@ vec4 lookup(ivec2 pixel) {
         h[k] = own[in_range(element, u.elements) ? element : 0].xyz;
         TAP(corner, h[k]);
     }
-    precise vec3 mixed = h[0] + (minus(h[1], h[0]) * beta + minus(h[2], h[0]) * gamma);
+    vec3 from = next ? h[1] : h[0];
+    vec3 second = next ? h[2] : h[1];
+    vec3 third = next ? h[0] : h[2];
+    precise vec3 mixed = from + (minus(second, from) * beta + minus(third, from) * gamma);
     vec4 irradiance = vec4(known ? mixed.x : 0.0, known ? mixed.y : 0.0, known ? mixed.z : 0.0, 0.0);
     TAP(irradiance, irradiance.xyz);
     return irradiance;

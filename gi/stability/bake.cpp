@@ -14,6 +14,7 @@
 #include "gi/probes/relief.h"
 #include "gi/probes/share.h"
 #include "gi/stability/lookup.h"
+#include "gi/stability/radiosity.h"
 #include "gi/stability/relight.h"
 #include "gi/probes/volume.h"
 
@@ -128,7 +129,7 @@ void add_volumes(const Scene& scene, std::vector<StageData>& all) {
 bool is_of_bake(const std::string& stage) {
     return std::any_of(stages().begin(), stages().end(),
                        [&](const ListedStage& s) { return s.binding && s.info.name == stage; }) &&
-           (stage.starts_with("probes.") || stage.starts_with("ddgi."));
+           (stage.starts_with("probes.") || stage.starts_with("ddgi.") || stage.starts_with("radiosity."));
 }
 
 bool is_baked(const Case& c) {
@@ -194,19 +195,32 @@ std::vector<StageData> volume_data(const Scene& scene, const RunOptions& options
     return volume.dispatches();
 }
 
-std::vector<Cell> bake_cells(const Scene& scene, const std::string& stage, const Effort& effort) {
-    std::vector<Cell> cells;
+namespace {
+
+// The cells of data of a scene; where `part` refuses it, each stage of that prefix is refused.
+template <class Data>
+void add_cells(const Data& data, const std::string& part, const std::string& prefix, const std::string& stage, const Effort& effort,
+               std::vector<Cell>& cells) {
+    if (!stage.empty() && !stage.starts_with(prefix)) return;
     try {
-        cells = bake_cells(bake_data(scene, effort.run), stage, effort);
+        for (Cell& cell : bake_cells(data(), stage, effort)) cells.push_back(std::move(cell));
     } catch (const InputError& e) {
-        if (std::string(e.what()).compare(0, 6, "atlas:") != 0) throw;
+        if (!std::string(e.what()).starts_with(part)) throw;
         for (const ListedStage& s : stages()) {
-            if (!is_of_bake(s.info.name) || !s.info.name.starts_with("probes.") || (!stage.empty() && stage != s.info.name)) continue;
+            if (!is_of_bake(s.info.name) || !s.info.name.starts_with(prefix) || (!stage.empty() && stage != s.info.name)) continue;
             Cell& cell = cells.emplace_back();
             cell.stage = s.info.name, cell.refused = cell.ok = true, cell.reason = e.what();
         }
     }
-    for (Cell& cell : bake_cells(volume_data(scene, effort.run), stage, effort)) cells.push_back(std::move(cell));
+}
+
+}  // namespace
+
+std::vector<Cell> bake_cells(const Scene& scene, const std::string& stage, const Effort& effort) {
+    std::vector<Cell> cells;
+    add_cells([&] { return bake_data(scene, effort.run); }, "atlas:", "probes.", stage, effort, cells);
+    add_cells([&] { return volume_data(scene, effort.run); }, "ddgi:", "ddgi.", stage, effort, cells);
+    add_cells([&] { return radiosity_data(scene, effort.run); }, "radiosity:", "radiosity.", stage, effort, cells);
     return cells;
 }
 

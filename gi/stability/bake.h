@@ -1,6 +1,6 @@
-// Cells of the stages that no frame has: those of a bake and of its run time (all that are named probes.) and
-// of a volume of DDGI's probes. Their data are those of a small bake or volume of a case's scene, or made by hand.
-// gi/probes/README.md derives the conditions of a bake's.
+// Cells of the stages that no frame of the cases has: those of a bake and of its run time (all that are named probes.), of a volume of
+// DDGI's probes, and of hemicube radiosity (radiosity.h). Their data are those of a small bake, volume or system of a case's scene, or
+// made by hand. gi/probes/README.md derives the conditions of a bake's.
 #pragma once
 
 #include <functional>
@@ -17,7 +17,7 @@ struct TracedBlock;
 
 namespace plumb::stability {
 
-// Whether the stage binds data of a bake, or of a volume.
+// Whether the stage binds data of a bake, of a volume, or of radiosity.
 bool is_of_bake(const std::string& stage);
 
 // Whether a bake sees what the case is about: lights, cameras, frames and edits mean nothing to it.
@@ -45,7 +45,7 @@ void add_update_cases(std::vector<BakeCase>& cases);
 
 // A cell for each stage of the data, or for `stage` alone. What a stage refuses is a cell that is `refused`.
 std::vector<Cell> bake_cells(const std::vector<StageData>& data, const std::string& stage, const Effort& effort);
-// The same of a scene's bake and volume. Where the atlas refuses the scene, each stage of a bake is refused.
+// The same of a scene's bake, volume and radiosity. Where the atlas or radiosity refuses the scene, each of their stages is refused.
 std::vector<Cell> bake_cells(const Scene& scene, const std::string& stage, const Effort& effort);
 
 }  // namespace plumb::stability

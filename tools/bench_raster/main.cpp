@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "tools/bench_raster/experiments.h"
+#include "tools/bench_raster/hemicubes.h"
 
 int main(int argc, char** argv) {
     using namespace plumb;
@@ -22,15 +23,18 @@ int main(int argc, char** argv) {
                    "generated scenes (atrium,city); the first is drawn at many sizes, the "
                    "last with many triangles")
         ->delimiter(',');
-    app.add_option("--what", options.what, "compare,phases,threads,pixels,triangles,memory (all)")
+    app.add_option("--what", options.what, "compare,phases,threads,pixels,triangles,memory (all of these), hemicubes")
         ->delimiter(',')
-        ->check(CLI::IsMember({"compare", "phases", "threads", "pixels", "triangles", "memory"}));
+        ->check(CLI::IsMember({"compare", "phases", "threads", "pixels", "triangles", "memory", "hemicubes"}));
     app.add_option("--csv", csv, "also write every measurement to this file");
     app.add_flag("--quick", options.quick, "one size a scene and short curves: to see that it runs");
     CLI11_PARSE(app, argc, argv);
     try {
         options.against_lavapipe = against == "lavapipe";
         options.isa = parse_isa(isa);
+        if (options.wants("hemicubes")) bench::compare_hemicubes(options);
+        std::erase(options.what, "hemicubes");
+        if (options.what.empty()) return 0;
         const std::vector<bench::Row> rows = bench::run_experiments(options);
         if (!csv.empty()) bench::write_csv(csv, rows);
         return 0;
