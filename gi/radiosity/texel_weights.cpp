@@ -6,18 +6,13 @@
 
 #include "core/error.h"
 #include "core/host_math.h"
+#include "gi/radiosity/plane_weight.h"
 #include "raster/hemicube.h"
 
 namespace plumb::radiosity {
 namespace {
 
 using host::pi;
-
-// What the top weighs between its middle and (x, y): the second derivative by x and y is 1 / (pi (x^2 + y^2 + 1)^2).
-double top_corner(double x, double y) {
-    const double a = std::sqrt(1 + x * x), b = std::sqrt(1 + y * y);
-    return (x / a * host::atan(y / a) + y / b * host::atan(x / b)) / (2 * pi);
-}
 
 // The same of a side: z / (pi (y^2 + z^2 + 1)^2).
 double side_corner(double y, double z) {
@@ -42,7 +37,7 @@ std::vector<double> corners_of(int half, double (*f)(double, double)) {
 // Mirrored texels share one value. The two ways across the top's diagonal differ by rounding: one is taken.
 std::vector<double> exact_top(int size) {
     const int half = size / 2;
-    const std::vector<double> corners = corners_of(half, top_corner);
+    const std::vector<double> corners = corners_of(half, plane_weight);
     auto from_middle = [&](int k) { return k < half ? half - 1 - k : k - half; };
     std::vector<double> weights;
     for (int j = 0; j < size; ++j)
@@ -90,6 +85,12 @@ void check(int size) {
 }
 
 }  // namespace
+
+// Its second derivative by x and y is 1 / (pi (x^2 + y^2 + 1)^2).
+double plane_weight(double x, double y) {
+    const double a = std::sqrt(1 + x * x), b = std::sqrt(1 + y * y);
+    return (x / a * host::atan(y / a) + y / b * host::atan(x / b)) / (2 * pi);
+}
 
 double published_sum(int size) {
     check(size);

@@ -81,6 +81,22 @@ TEST_CASE("formfactor: unit squares by three methods", "[program][radiosity][ana
     }
 }
 
+TEST_CASE("formfactor: one picture in place of a hemicube", "[program][radiosity][HEM 4.5.3][analytic]") {
+    // A plane of 90 degrees sees all of the square at distance 1, and of a wall at 0.5 what is higher than 0.5.
+    const std::string patch = "0.5,0,0.5/0,1,0", side = "0,0,0;0,1,0;0,1,1;0,0,1";
+    const Json above = found({patch, high, "--size", "128", "--view", "90"});
+    REQUIRE(above["projections"].size() == 2);
+    CHECK(above["projections"][0]["projection"] == "plane");
+    CHECK(above["projections"][0]["size"] == 222);
+    for (const Json& p : above["projections"]) CHECK(p["value"].get<double>() == Approx(0.239456470460774).epsilon(0.01));
+    const double whole = found({patch, side, "--size", "2"})["contour"]["value"], low_half = found({patch, "0,0,0;0,0.5,0;0,0.5,1;0,0,1", "--size", "2"})["contour"]["value"];
+    const Json half = found({patch, side, "--size", "256", "--view", "90"});
+    CHECK(half["hemicubes"][0]["value"].get<double>() == Approx(whole).epsilon(0.01));
+    CHECK(half["projections"][0]["value"].get<double>() == Approx(whole - low_half).epsilon(0.02));
+    CHECK_THAT(run({"formfactor", patch, side, "--view", "170", "--size", "32"}).out, Contains("plane 56, 170 deg") && Contains("fish-eye 56, 170 deg"));
+    CHECK_THAT(run({"formfactor", patch, side, "--view", "170", "--size", "32", "--csv"}).out, Contains("\nplane,56,1,0,0.") && Contains("\nfish-eye,56,1,0,0."));
+}
+
 TEST_CASE("formfactor: parts of a scene, and what hides them", "[program][radiosity][analytic]") {
     const std::string scene = three_squares(fresh_folder("formfactor"));
     const Json json = found({"low", "high", "--scene", scene, "--size", "128"});
@@ -165,6 +181,7 @@ TEST_CASE("formfactor: what cannot be is refused in a line", "[program]") {
     for (const char* rays : {"0", "31", "nan", "1e10", "-5"})
         CHECK_THAT(refused({low, high, "--rays", rays}), Contains("--rays"));
     CHECK_THAT(refused({low, high, "--points", "0"}), Contains("--points"));
+    for (const char* view : {"0", "180", "nan", "-90"}) CHECK_THAT(refused({low, high, "--view", view}), Contains("--view"));
     CHECK_THAT(refused({low, high, "--weights", "heavy"}), Contains("expected exact, centre or published"));
     CHECK_THAT(refused({low, high, "--json", "--csv"}), Contains("--csv"));
     CHECK_THAT(refused({low, high, "--rotations"}), Contains("--rotations"));

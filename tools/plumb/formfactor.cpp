@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "gi/radiosity/hemicube_factor.h"
+#include "gi/radiosity/projections.h"
 #include "gi/reference/ray_query.h"
 #include "io/file.h"
 #include "io/scene_file.h"
@@ -23,6 +24,7 @@ struct Given {
     Common common;
     std::int64_t rays = 1 << 18, seed = 1;
     int points = 64;
+    double view_deg = 0;
     bool rotations = false, csv = false;
 };
 
@@ -100,6 +102,14 @@ void draw(const ShapePair& pair, const raster::Surfaces& surfaces, const Given& 
         report.hemicubes.push_back(
             {size, hemicube_form_factor(pair.geometry, &surfaces, points, targets, size, parse_weights(given.weights),
                                         surface_offset(pair.geometry), options)});
+    report.view_deg = given.view_deg;
+    if (given.view_deg == 0) return;
+    for (const auto& [projection, name] : {std::pair(Projection::plane, "plane"), std::pair(Projection::fish_eye, "fish-eye")})
+        for (const int size : sizes) {
+            const ProjectionParams p{projection, size_of_equal_texels(size), given.view_deg, false};
+            report.projections.push_back(
+                {name, p.size, projected_form_factor(pair.geometry, &surfaces, points, targets, p, surface_offset(pair.geometry), options)});
+        }
 }
 
 int rotations(const Given& given) {
@@ -186,6 +196,11 @@ void add_formfactor(CLI::App& program, Action& action) {
     command->add_option("--weights", given->weights, "of a hemicube's texels: exact, centre or published (HEM 5.6)")
         ->check(some_word())
         ->type_name("W");
+    command->add_option("--view", given->view_deg,
+                        "beside hemicubes, one picture of that angle, as a plane and through a fish-eye, of as many texels (HEM 4.5.3); "
+                        "1 to 179.9 degrees")
+        ->check(number_within(1, 179.9))
+        ->type_name("DEG");
     command->add_option("--seed", given->seed, "of rays and points, 0 to 65535; 1 otherwise")
         ->check(number_within(0, 65535))
         ->type_name("N");

@@ -50,6 +50,8 @@ std::vector<Line> lines_of(const FormFactorReport& r) {
                          r.at_points});
     for (const FormFactorReport::Row& row : r.hemicubes)
         lines.push_back({fmt::format("hemicube {}", row.size), fmt::format("{:.8f}", row.value), "", row.value});
+    for (const FormFactorReport::Projected& p : r.projections)
+        lines.push_back({fmt::format("{} {}, {:g} deg", p.name, p.size, r.view_deg), fmt::format("{:.8f}", p.value), "", p.value});
     lines.push_back({fmt::format("rays, {}", r.ray_count), fmt::format("{:.8f}", r.rays.value),
                      fmt::format("{:.1e}", r.rays.standard_error), r.rays.value});
     return lines;
@@ -127,6 +129,7 @@ std::string form_factor_csv(const FormFactorReport& r) {
     if (r.with_contour) add("contour", 0, 0, 0, r.contour.value, r.contour.error);
     add("lambert", 0, r.points, 0, r.at_points, 0);
     for (const FormFactorReport::Row& row : r.hemicubes) add("hemicubes", row.size, r.points, 0, row.value, 0);
+    for (const FormFactorReport::Projected& p : r.projections) add(p.name, p.size, r.points, 0, p.value, 0);
     add("rays", 0, 0, r.ray_count, r.rays.value, r.rays.standard_error);
     return text;
 }
@@ -147,6 +150,12 @@ Json form_factor_json(const FormFactorReport& r) {
                                      {"weights", r.weights},
                                      {"value", row.value},
                                      {"sigmas_from_rays", (row.value - r.rays.value) / ray_error(r, r.rays)}});
+    for (const FormFactorReport::Projected& p : r.projections)
+        json["projections"].push_back({{"projection", p.name},
+                                       {"size", p.size},
+                                       {"view_deg", r.view_deg},
+                                       {"value", p.value},
+                                       {"sigmas_from_rays", (p.value - r.rays.value) / ray_error(r, r.rays)}});
     json["rays"] = {{"count", r.ray_count},
                     {"batches", r.batches},
                     {"value", r.rays.value},

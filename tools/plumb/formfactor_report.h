@@ -26,6 +26,13 @@ struct FormFactorReport {
         double value;
     };
     std::vector<Row> hemicubes;
+    struct Projected {
+        std::string name;  // plane, fish-eye
+        int size;
+        double value;
+    };
+    std::vector<Projected> projections;  // as many texels as each hemicube; empty where none were asked for
+    double view_deg = 0;                 // of them
     std::string weights;
 
     // judge() sets them.
