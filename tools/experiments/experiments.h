@@ -13,6 +13,7 @@ void add_probes(CLI::App& experiment, Action& action);
 void add_probe_ladder(CLI::App& experiment, Action& action);
 void add_ddgi(CLI::App& experiment, Action& action);
 void add_ipr(CLI::App& experiment, Action& action);
+void add_hemicube(CLI::App& experiment, Action& action);
 void add_indirect_shadow(CLI::App& experiment, Action& action);
 
 }  // namespace plumb::cli

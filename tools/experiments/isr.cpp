@@ -2,9 +2,7 @@
 #include "tools/experiments/isr.h"
 
 #include <fmt/format.h>
-#include <stdlib.h>
 
-#include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -12,6 +10,7 @@
 #include "core/parallel.h"
 #include "io/file.h"
 #include "tools/experiments/experiments.h"
+#include "tools/shared/machine_load.h"
 #include "tools/shared/outputs.h"
 #include "tools/shared/sweep.h"
 #include "tools/shared/sweep_subject.h"
@@ -25,12 +24,6 @@ struct IsrOptions {
     Common common;
     std::string folder, truths, size = "192x144", time_size = "1024x768";
 };
-
-// Mean of a minute; NaN where the system does not tell.
-double machine_load() {
-    double load = 0;
-    return getloadavg(&load, 1) == 1 ? load : std::numeric_limits<double>::quiet_NaN();
-}
 
 std::string command_line(const IsrOptions& given) {
     const IsrRequest r, &now = given.request;

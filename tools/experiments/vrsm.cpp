@@ -2,11 +2,9 @@
 #include "tools/experiments/vrsm.h"
 
 #include <fmt/format.h>
-#include <stdlib.h>
 
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -17,6 +15,7 @@
 #include "io/scene_file.h"
 #include "io/scenes/generate.h"
 #include "tools/experiments/experiments.h"
+#include "tools/shared/machine_load.h"
 #include "tools/shared/outputs.h"
 #include "tools/shared/sweep.h"
 
@@ -29,12 +28,6 @@ struct VrsmOptions {
     Common common;
     std::string folder, rays = "native";
 };
-
-// Mean of a minute; NaN where the system does not tell.
-double machine_load() {
-    double load = 0;
-    return getloadavg(&load, 1) == 1 ? load : std::numeric_limits<double>::quiet_NaN();
-}
 
 // The atrium's three views, in place of the thesis' A, B and C, and the Cornell box.
 std::vector<Scene> own_scenes(const std::string& folder) {

@@ -6,7 +6,7 @@ namespace plumb::cli {
 
 void add_experiment(CLI::App& program, Action& action) {
     CLI::App* command =
-        program.add_subcommand("experiment", "repeat what is known or published: closed-forms, one-bounce, vrsm, isr, probes, probe-ladder, ddgi, ipr, indirect-shadow");
+        program.add_subcommand("experiment", "repeat what is known or published: closed-forms, one-bounce, vrsm, isr, probes, probe-ladder, ddgi, ipr, hemicube, indirect-shadow");
     command->require_subcommand(1);
     command->footer(
         "Experiments:\n"
@@ -18,6 +18,7 @@ void add_experiment(CLI::App& program, Action& action) {
         "  plumb experiment probe-ladder SCENE --html page.html\n"
         "  plumb experiment ddgi SCENE -o out\n"
         "  plumb experiment ipr SCENE -o out\n"
+        "  plumb experiment hemicube -o out\n"
         "  plumb experiment indirect-shadow SCENE -o out\n"
         "plumb experiment NAME --help tells more.");
     add_closed_forms(*command, action);
@@ -28,6 +29,7 @@ void add_experiment(CLI::App& program, Action& action) {
     add_probe_ladder(*command, action);
     add_ddgi(*command, action);
     add_ipr(*command, action);
+    add_hemicube(*command, action);
     add_indirect_shadow(*command, action);
 }
 
