@@ -73,6 +73,7 @@ IprSheet measure_local(const HemicubeRequest& request, const RunOptions& options
         add(fmt::format("C.{}", k + 1), techniques[k], s);
     }
     Scene normals = scene;
+    std::erase_if(normals.meshes, [](const Mesh& m) { return m.name == "sphere" || m.name == "torus"; });
     normals.camera.position = {-0.2, 0.55, 0.1}, normals.camera.look_at = {-1, 0.25, -0.9}, normals.camera.fov_y_deg = 60;
     set(normals, "zbuffer", "technique", std::string("CAD"));
     set(normals, "zbuffer", "normals", true);
