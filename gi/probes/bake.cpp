@@ -36,6 +36,8 @@ TransportParams transport_params(const BakeParams& p, bool sky) {
     t.published_weight = p.weighting == Weighting::published;
     t.escape = p.escapes == Escapes::automatic ? (sky ? Escape::sky : Escape::nothing)
                                              : Escape(int(p.escapes) - 1);
+    t.fitted = p.gather == Gather::fitted && !t.published_weight && (t.escape == Escape::nothing || t.escape == Escape::sky);
+    t.relight_rays = p.relight_rays;
     return t;
 }
 

@@ -20,6 +20,7 @@
 
 #include "gi/graph/graph.h"
 #include "gi/probes/bake_params.h"
+#include "gi/probes/fit.h"
 #include "gi/probes/flat_clusters.h"
 #include "gi/probes/relight.h"
 #include "gi/probes/spatial.h"
@@ -122,6 +123,7 @@ class BakeGraph {
     graph::Node spatial_clusters_node();
     int of_part(int blocks) const { return (blocks - part_.index + part_.count - 1) / part_.count; }
     TracedBlock trace(bool spatial, int first, const RayQuery& query, const RunOptions& options) const;
+    Fit& fit(const RunOptions& options);
     void check_memory();
     std::vector<const graph::Node*> add_blocks();
     void read_rays(graph::Reads& reads) const;
@@ -130,6 +132,7 @@ class BakeGraph {
     std::uint64_t memory_limit_;
     Bake bake_;
     std::unique_ptr<World> world_;
+    std::unique_ptr<Fit> fit_;
     std::deque<graph::Node> nodes_;
     std::vector<const graph::Node*> first_;
     double seconds_of_rays_ = 0;

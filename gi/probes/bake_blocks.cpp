@@ -38,6 +38,16 @@ TracedBlock BakeGraph::traced(int receiver, const RayQuery& query, const RunOpti
     return trace(false, receiver / block_receivers * block_receivers, query, options);
 }
 
+// Made when a block first asks for it.
+Fit& BakeGraph::fit(const RunOptions& options) {
+    if (!fit_) {
+        RunOptions quiet = options;
+        quiet.progress = {};
+        fit_ = std::make_unique<Fit>(transport_scene(bake_, world_->args(), query(), world_->offset), bake_.transport, bake_.radius.radius_m, quiet);
+    }
+    return *fit_;
+}
+
 void BakeGraph::check_memory() {
     bytes_ = bytes_needed(bake_, part_, thread_count(0));
     require_memory(fmt::format("{} receivers and {} probes", bake_.receivers.count(), bake_.placement.probes.size()), bytes_, memory_limit_,
@@ -111,11 +121,12 @@ graph::Node BakeGraph::coefficients_node(int block, bool spatial) {
         slice(supports.probe, std::size_t(supports.overlaps)), slice(supports.weight, std::size_t(supports.overlaps));
         if (spatial) r.value(b.params.spatial_weight);
         r.list(b.placement.probes);
-        const auto& [rays, degree, distribution, escape, published] = b.transport;
-        r.value(rays, degree, distribution, escape, published);
+        const auto& [rays, degree, distribution, escape, published, fitted, relight] = b.transport;
+        r.value(rays, degree, distribution, escape, published, fitted);
+        if (fitted) r.value(relight), r.memory(&b.radius.radius_m, sizeof b.radius.radius_m);
         read_rays(r);
     };
-    node.run = [=, this, &b, &counts](const RunOptions& options, graph::NodeRun& run) {
+    node.run = [=, this, &b, &supports, &counts](const RunOptions& options, graph::NodeRun& run) {
         const auto start = std::chrono::steady_clock::now();
         RunOptions tracing = options;
         // Rays take nearly all of a block's time.
@@ -124,6 +135,7 @@ graph::Node BakeGraph::coefficients_node(int block, bool spatial) {
         seconds_of_rays_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
         tracing.progress = {};
         block_coefficients(traced, b.transport, tracing, alpha);
+        if (b.transport.fitted) fit(options).coefficients(traced, supports, tracing, alpha);
         counts = traced.counts;
         run.bytes = std::size_t(count) * row * sizeof(float);
         run.reason = fmt::format("{} rays; {} escaped, {} met backs, {} what no probe sees", counts.traced, counts.escaped,

@@ -23,6 +23,8 @@ std::vector<Field> fields(BakeParams& p) {
          {"automatic", "nothing", "same_direction", "visible_probes", "all_probes", "sky"}},
         {"weighting", as_int(p.weighting), "", "of rays by their length (IPR 5.1.3.2); published depends on the unit of length",
          -unbounded, unbounded, {"none", "published"}},
+        {"gather", as_int(p.gather), "", "how receivers gather from probes: fitted, so that they err least, where rays that meet nothing ask the sky or "
+         "nobody and weigh by nothing else; interpolated: IPR (9)", -unbounded, unbounded, {"fitted", "interpolated"}},
         {"singular_values", &p.singular_values, "", "kept of a cluster's transport (IPR 3.2.4.2)", 4, 64, {}},
         {"threshold", &p.threshold, "", "1 - sqrt(share of the kept singular values) below which a cluster is accepted", 0, 1, {}},
         {"cluster_receivers", &p.cluster_receivers, "", "a cluster has fewer (IPR 3.2.4)", 2, 4096, {}},

@@ -14,6 +14,7 @@ namespace plumb::probes {
 // What rays that meet nothing bring: as Escape has it, or what suits the scene.
 enum class Escapes : int { automatic, nothing, same_direction, visible_probes, all_probes, sky };
 enum class Weighting : int { none, published };
+enum class Gather : int { fitted, interpolated };
 
 // fields() says what each means. Of the thesis' choices three are others: there a receiver has 10 probes and 512 rays, and probes are
 // as many as a density of 0.02 / m3 asks for. More probes, fewer of them a receiver, and 128 rays have a third of the error for
@@ -32,6 +33,7 @@ struct BakeParams {
     Distribution distribution = Distribution::cosine;
     Escapes escapes = Escapes::automatic;
     Weighting weighting = Weighting::none;
+    Gather gather = Gather::interpolated;
     int singular_values = 32;
     float threshold = 0.005f;
     int cluster_receivers = 1024;

@@ -61,7 +61,7 @@ StageInfo info_rays() {
                 {geometry, receivers, probes},
                 {{"seen", "buffer f32 x 4", "m", "[ray][receiver] what was met"},
                  {"visible", "buffer i32", "", "[ray][receiver] which probes see it as well"}},
-                {"receiver_rays", "distribution", "escapes", "rays"});
+                {"receiver_rays", "distribution", "escapes", "gather", "rays"});
 }
 
 StageInfo info_clusters() {

@@ -37,6 +37,7 @@ struct ReceiverRaysView {
     const float* directions;      // [rays][4]: unit, z along the normal
     const float* supporting;      // [slots][width][4]: xyz the probe, m; w its weight, 0: none
     float* seen;                  // out: [rays][width][4]: xyz what the ray met, m, w 1; or its direction, w 0
+    float* normals;               // out: [rays][width][4]: unit, of what the ray met; null: not asked
     std::int32_t* visible;        // out: [rays][width]: bit i: probe i sees it, too
     float* lengths;               // out: [rays][width], m
 };
@@ -145,6 +146,7 @@ RayCounts receiver_rays(const ReceiverRaysView& in, const RayQuery& query, int f
             const I at = I(ray * in.width) + receiver;
             N::store4(in.seen, at,
                       vec4<F>(select3<F>(hit.found, met.point, direction), select(hit.found, F(1.0f), F(0.0f))), active);
+            if (in.normals) N::store4(in.normals, at, vec4<F>(met.normal, F(0.0f)), active);
             N::store(in.lengths, at, select(hit.found, hit.t, F(escaped_length)), active);
             store_lanes<F>(in.visible + std::ptrdiff_t(ray) * in.width + x, bits, in.width - x);
             const mask_t<F> escaped = active & !hit.found, back = active & hit.found & !met.front;

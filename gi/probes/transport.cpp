@@ -38,6 +38,7 @@ void trace(const TransportScene& scene, const TransportParams& params, const Rec
     view.normal = &receivers.normal[std::size_t(block.first)].x;
     view.directions = &scene.directions[0].x;
     view.supporting = &block.supporting[0].x;
+    if (!block.normals.empty()) view.normals = &block.normals[0].x;
     view.seen = &block.seen[0].x, view.visible = block.visible.data(), view.lengths = block.lengths.data();
     std::mutex mutex;
     dispatch(options.isa, [&](auto isa) {
@@ -58,7 +59,9 @@ TracedBlock trace_block(const TransportScene& scene, const TransportParams& para
     block.first = first, block.count = count;
     block.rays = int(scene.directions.size()), block.slots = supports.overlaps;
     const std::size_t pairs = std::size_t(block.rays) * std::size_t(count);
+    block.factors = scene.factors;
     block.seen.resize(pairs), block.visible.resize(pairs), block.lengths.resize(pairs), block.shares.resize(pairs);
+    if (params.fitted) block.normals.resize(pairs);
     lend_supporting(scene, supports, block);
     trace(scene, params, receivers, options, block);
     ShareInputs in;

@@ -18,6 +18,8 @@ struct TransportParams {
     Distribution distribution = Distribution::cosine;
     Escape escape = Escape::nothing;
     bool published_weight = false;  // by the ray's length, IPR 5.1.3.2
+    bool fitted = false;            // fit.h; of the probes' first relight_rays
+    int relight_rays = 512;
 };
 
 // What all receivers share.
@@ -35,9 +37,11 @@ struct TracedBlock {
     int first = 0, count = 0, rays = 0, slots = 0;
     Buffer<glm::vec4> supporting;      // [slots][count]: xyz the probe, m; w its weight, 0: none
     Buffer<glm::vec4> seen;            // [rays][count]
+    Buffer<glm::vec4> normals;         // [rays][count]: of what was met, unit; empty unless the transport is fitted
     std::vector<std::int32_t> visible; // [rays][count]
     Buffer<float> lengths;             // [rays][count]
     Buffer<float> shares;              // [rays][count], probes.share
+    Buffer<float> factors;             // [rays], sr
     RayCounts counts;
 };
 // Traces, and weighs what was met.

@@ -43,7 +43,7 @@ struct Box {
 
     static probes::BakeParams params() {
         probes::BakeParams p;
-        p.placement.overlaps = 10, p.placement.least = 8, p.receiver_rays = 512;
+        p.placement.overlaps = 10, p.placement.least = 8, p.receiver_rays = 512, p.gather = probes::Gather::interpolated;
         p.lightmap_size = 309, p.placement.count = 78;  // 65,520 receivers: column P4 of `plumb experiment probes`
         return p;
     }

@@ -32,6 +32,7 @@ constexpr int quick_share = 64;  // of the thesis' receivers in table 5.1
 probes::BakeParams published_choices(probes::BakeParams p) {
     p.placement.overlaps = 10, p.placement.least = 8;
     p.receiver_rays = 512, p.relight_rays = 512, p.degree = 7, p.singular_values = 32, p.threshold = 0.005f;
+    p.gather = probes::Gather::interpolated;
     return p;
 }
 

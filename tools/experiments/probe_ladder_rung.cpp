@@ -103,6 +103,10 @@ const LadderPlaced& LadderMeasure::placed_of(const probes::Bake& b) {
 const LadderTransport& LadderMeasure::transport_of(const probes::Bake& b) {
     std::uint64_t key = content_hash(&b.radius.radius_m, sizeof b.radius.radius_m, std::uint64_t(b.params.receiver_rays));
     key = hash_of(b, content_hash(&b.params.placement.overlaps, sizeof(int), key));
+    if (b.transport.fitted) {
+        const int of_fit[] = {b.params.degree, b.params.relight_rays};
+        key = content_hash(of_fit, sizeof of_fit, key);
+    }
     std::unique_ptr<LadderTransport>& t = transports_[key];
     if (!t)
         t = std::make_unique<LadderTransport>(transport_in_double(world_, checked_, b.placement.probes, b.radius.radius_m,

@@ -7,6 +7,7 @@
 #include "core/host_math.h"
 #include "core/parallel.h"
 #include "core/sh.h"
+#include "gi/probes/fit.h"
 #include "gi/probes/sky_probe.h"
 #include "tools/experiments/probe_ladder.h"
 
@@ -44,6 +45,17 @@ struct ReceiverSums {
     }
 };
 
+void put_fit(probes::Fit& fit, const probes::TracedBlock& block, const probes::TransportParams& params, const RunOptions& options,
+             LadderTransport& out) {
+    const std::size_t coefficients = std::size_t(sh::count(params.degree)), slots = std::size_t(block.slots);
+    std::vector<float> alpha(std::size_t(block.count) * slots * coefficients);
+    probes::block_coefficients(block, params, options, alpha.data());
+    fit.coefficients(block, out.supports, options, alpha.data());
+    for (std::size_t row = 0; row < std::size_t(block.count) * slots; ++row)
+        for (std::size_t j = 0; j < all_harmonics; ++j)
+            out.alpha[(std::size_t(block.first) * slots + row) * all_harmonics + j] = j < coefficients ? double(alpha[row * coefficients + j]) : 0;
+}
+
 }  // namespace
 
 LadderTransport transport_in_double(const LadderWorld& world, const CheckedReceivers& checked, const Buffer<glm::vec4>& probes,
@@ -64,6 +76,9 @@ LadderTransport transport_in_double(const LadderWorld& world, const CheckedRecei
     scene.surfaces = world.args(), scene.query = world.query.get(), scene.offset = world.offset, scene.probes = &probes;
     scene.directions = probes::receiver_directions(params.rays, params.distribution);
     scene.factors = probes::ray_factors(scene.directions, params.distribution);
+    // A fit is of floats, as the bake has it, and of its degree alone.
+    std::unique_ptr<probes::Fit> fit;
+    if (params.fitted) fit = std::make_unique<probes::Fit>(scene, params, radius_m, options);
     constexpr int block_size = 256;
     for (int first = 0; first < checked.count(); first += block_size) {
         const int count = std::min(block_size, checked.count() - first);
@@ -73,6 +88,7 @@ LadderTransport transport_in_double(const LadderWorld& world, const CheckedRecei
         parallel_bands(count, 4, options, [&](int from, int to) {
             for (int i = from; i < to; ++i) sums(i);
         });
+        if (fit) put_fit(*fit, block, params, options, t);
     }
     return t;
 }

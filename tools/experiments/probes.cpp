@@ -173,7 +173,8 @@ int probes_experiment(const ProbesOptions& given) {
     const RunOptions options = given.common.run_options();
     SceneOptions as_published = given.scene;
     const std::vector<std::string> thesis = {"probes.overlaps=10", "probes.receiver_rays=512", "probes.relight_rays=512",
-                                             "probes.degree=7", "probes.singular_values=32", "probes.threshold=0.005"};
+                                             "probes.degree=7", "probes.singular_values=32", "probes.threshold=0.005",
+                                             "probes.gather=interpolated"};
     as_published.sets.insert(as_published.sets.begin(), thesis.begin(), thesis.end());
     const Scene scene = load(as_published);
     const probes::BakeParams params = settings_of(scene, as_published).probes;
