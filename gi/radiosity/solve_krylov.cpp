@@ -223,13 +223,27 @@ Solution solve_bicgstab(Problem& problem, const SolveParams& params) {
 
 namespace {
 
-// K = (A F + F^T A) / 2, one decoding of all rows a product. Rows are shared out to a fixed number of bands, whose sums
-// are added in their order.
+// K = (A F + F^T A) / 2 + diag(e), one decoding of all rows a product. Rows are shared out to a fixed number of bands, whose sums
+// are added in their order. e makes the sums of K's rows those of A F: averaged alone, rows of elements that others see larger than
+// these see them would sum to more than one, and light would grow with each reflection.
 class AveragedRows {
   public:
-    explicit AveragedRows(Problem& problem) : problem_(problem), sums_(std::min(bands, problem.count)) {}
+    explicit AveragedRows(Problem& problem) : problem_(problem), sums_(std::min(bands, problem.count)), kept_(std::size_t(problem.count), 0.0) {
+        Channels ones(std::size_t(problem.count), glm::dvec3(1)), k;
+        std::vector<double> row_sums(std::size_t(problem.count), 0.0);
+        averaged(ones, k, row_sums.data());
+        if (problem.transport.row_sums) row_sums = *problem.transport.row_sums;
+        for (int i = 0; i < problem.count; ++i) kept_[std::size_t(i)] = problem.area[i] * row_sums[std::size_t(i)] - k[i].x;
+    }
 
     void times(const Channels& x, Channels& y) {
+        averaged(x, y, nullptr);
+        for (int i = 0; i < problem_.count; ++i) y[i] += kept_[std::size_t(i)] * x[i];
+    }
+
+  private:
+    // row_sums: of F, where they are asked for.
+    void averaged(const Channels& x, Channels& y, double* row_sums) {
         const int n = problem_.count, band = (n + bands - 1) / bands;
         y.assign(std::size_t(n), glm::dvec3(0));
         for (Channels& sum : sums_) sum.assign(std::size_t(n), glm::dvec3(0));
@@ -238,6 +252,8 @@ class AveragedRows {
             std::vector<float> row;
             for (int i = first; i < last; ++i) {
                 problem_.row(i, row);
+                if (row_sums)
+                    for (const float f : row) row_sums[i] += double(f);
                 const glm::dvec3 out = 0.5 * problem_.area[i] * x[i];
                 glm::dvec3 in(0);
                 for (int j = 0; j < n; ++j) {
@@ -252,10 +268,10 @@ class AveragedRows {
         problem_.products += 1;
     }
 
-  private:
     static constexpr int bands = 16;
     Problem& problem_;
     std::vector<Channels> sums_;
+    std::vector<double> kept_;  // e, m2: what an element keeps, or returns
 };
 
 }  // namespace

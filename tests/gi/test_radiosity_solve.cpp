@@ -246,6 +246,36 @@ TEST_CASE("radiosity: manufactured solutions on random rows", "[radiosity]") {
     }
 }
 
+TEST_CASE("radiosity: averaged rows keep a closed room's energy", "[radiosity][analytic]") {
+    // Rows that sum to one and are far from reciprocal: light is even where all emits and reflects alike, whatever they are, and what is
+    // emitted is absorbed.
+    const int n = 40;
+    for (const float rho : {0.5f, 0.99f, 0.999999f}) {
+        DenseSystem s(n);
+        for (int i = 0; i < n; ++i) {
+            s.area[i] = 0.1 + hashed_share(i, 1, 3);
+            double sum = 0;
+            for (int j = 0; j < n; ++j) sum += s.at(i, j) = hashed_share(i, j, 5);
+            for (int j = 0; j < n; ++j) s.at(i, j) /= sum;
+        }
+        s.reflect(rho);
+        s.exitance.assign(std::size_t(n), glm::vec4(1, 0, 0, 0));
+        s.exitance[7].y = 1;
+        const Transport t = s.transport(Rounding::floats_about_mean);
+        SolveParams params;
+        params.solver = Solver::conjugate_gradients, params.tolerance = 1e-6;
+        const Solution x = solve(s.system(), t, params);
+        CAPTURE(rho, x.why);
+        CHECK(x.converged);
+        double power = 0;
+        for (int i = 0; i < n; ++i) {
+            CHECK(x.radiosity[i].x * (1 - double(rho)) == Approx(1).epsilon(2e-6));
+            power += s.area[i] * x.radiosity[i].y * (1 - double(rho));
+        }
+        CHECK(power == Approx(s.area[7]).epsilon(1e-5));
+    }
+}
+
 TEST_CASE("radiosity: fine meshes come to the continuous solution, not to the table", "[radiosity][analytic]") {
     DenseSystem s = cube_of_patches(10, 0.5f);
     s.transport();
