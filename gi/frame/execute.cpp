@@ -64,13 +64,13 @@ void forget(Context& c, const Plan& plan) {
 
 // kept: null where nothing is kept.
 void execute_in(KeptMemory& memory, const Scene& scene, const Settings& settings, const Plan& plan,
-                const RunOptions& options, const Progress& progress, reference::Store* store, const KeptStages* kept) {
+                const RunOptions& options, const Progress& progress, const Stores& stores, const KeptStages* kept) {
     FrameGraph graph(scene, settings, plan, memory);
     Context& c = graph.context();
     if (kept) c.keys = scene_keys(scene, settings), c.bake_key = memory.bake_key.of(settings.bake);
     memory.world.update(scene, settings, kept ? &c.keys : nullptr);
-    c.tracer = std::make_unique<Tracer>(scene, settings, memory.world.geometry, store, &memory.world.paths);
-    c.keeps = kept != nullptr, c.isa = options.isa;
+    c.tracer = std::make_unique<Tracer>(scene, settings, memory.world.geometry, stores.traced, &memory.world.paths);
+    c.rows = stores.rows, c.keeps = kept != nullptr, c.isa = options.isa;
     memory.irradiance.resize(c.lights.size()), memory.irradiance_error.resize(c.lights.size());
     graph.make_room();
     forget(c, plan);
@@ -88,19 +88,19 @@ void execute_in(KeptMemory& memory, const Scene& scene, const Settings& settings
 }  // namespace
 
 Frame execute(const Scene& scene, const Settings& settings, const Plan& plan, const RunOptions& options,
-              const Progress& progress, reference::Store* store) {
+              const Progress& progress, const Stores& stores) {
     FpEnvironment environment;
     KeptMemory memory;
-    execute_in(memory, scene, settings, plan, options, progress, store, nullptr);
+    execute_in(memory, scene, settings, plan, options, progress, stores, nullptr);
     return std::move(memory.frame);
 }
 
 const Frame& execute(const Scene& scene, const Settings& settings, const Plan& plan, const RunOptions& options,
-                     KeptStages& kept, const Progress& progress, reference::Store* store) {
+                     KeptStages& kept, const Progress& progress, const Stores& stores) {
     FpEnvironment environment;
     KeptMemory& memory = kept.memory();
     try {
-        execute_in(memory, scene, settings, plan, options, progress, store, &kept);
+        execute_in(memory, scene, settings, plan, options, progress, stores, &kept);
     } catch (...) {
         memory = KeptMemory();
         throw;

@@ -139,6 +139,7 @@ struct RadiosityBuffers {
     radiosity::Elements elements;
     radiosity::TriangleElements triangles;
     radiosity::FormFactors factors;
+    int rows_found = 0;             // blocks of them that the store had
     Buffer<glm::vec4> lamps, sky;   // irradiance; sky: by small emitters, too
     Buffer<glm::vec4> radiosity;
     Buffer<glm::vec4> irradiance;   // but by lamps
@@ -180,10 +181,17 @@ struct Frame {
 
 using graph::Progress;
 
-// The picture does not depend on the options. Path traced layers that `store` keeps are taken from it, the others are
-// kept there. kept.h has one that also keeps what every other stage made, for the frame after.
+// What was made before and is kept in files; null: nothing is.
+struct Stores {
+    reference::Store* traced = nullptr;  // path traced layers
+    graph::Store* rows = nullptr;        // radiosity's rows; must outlive the frame where they do not fit into memory
+    Stores(reference::Store* t = nullptr, graph::Store* r = nullptr) : traced(t), rows(r) {}
+};
+
+// The picture does not depend on the options. What the stores keep is taken from there, and kept there where it is made.
+// kept.h has one that also keeps what every other stage made, for the frame after.
 Frame execute(const Scene& scene, const Settings& settings, const Plan& plan, const RunOptions& options,
-              const Progress& progress = {}, reference::Store* store = nullptr);
+              const Progress& progress = {}, const Stores& stores = {});
 
 // The plan with what only the run could leave out.
 Plan plan_after_run(const Plan& plan, const Frame& frame);

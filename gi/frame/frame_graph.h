@@ -45,6 +45,7 @@ struct Context {
     std::unique_ptr<Tracer> tracer = {};
     SceneKeys keys = {};            // where keys are asked for
     std::uint64_t bake_key = 0;     // as well
+    graph::Store* rows = nullptr;   // Stores::rows
     Isa isa = Isa::scalar;
     bool keeps = false;             // of an execution: what each gather makes is wanted again
     std::vector<std::string> summed = {};  // labels of gathers that have added to the sum themselves

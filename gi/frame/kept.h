@@ -30,6 +30,6 @@ class KeptStages {
 // As execute() of frame.h, bit for bit, but a stage whose key is that of what is kept does not run. The frame lies in
 // `kept` until the next call; after an exception nothing is kept.
 const Frame& execute(const Scene& scene, const Settings& settings, const Plan& plan, const RunOptions& options,
-                     KeptStages& kept, const Progress& progress = {}, reference::Store* store = nullptr);
+                     KeptStages& kept, const Progress& progress = {}, const Stores& stores = {});
 
 }  // namespace plumb::frame

@@ -10,6 +10,7 @@
 #include "gi/radiosity/explain_row.h"
 #include "gi/radiosity/gather.h"
 #include "gi/radiosity/host_stages.h"
+#include "gi/radiosity/kept_rows.h"
 #include "gi/radiosity/lamp_light.h"
 #include "gi/radiosity/lookup.h"
 #include "gi/radiosity/own_light.h"
@@ -90,38 +91,63 @@ std::vector<ItemPicture> pictures_of(const radiosity::RowPictures& p) {
     return all;
 }
 
+// Runs one(), whose refusals then name the scene.
+template <class One>
+auto of_scene(const Context& c, One one) {
+    try {
+        return one();
+    } catch (const InputError& error) {
+        throw InputError(fmt::format("{}: {}", c.scene.name, error.what()));
+    }
+}
+
+std::string rows_text(const RadiosityBuffers& b, const radiosity::RadiosityParams& p) {
+    if (b.factors.count == 0) return "there are no elements";
+    const int blocks = b.factors.block_count();
+    const double bytes = double(b.factors.all_bytes());
+    return fmt::format("{}{:.1f} MB{}, {:.2f} bytes a texel{}", b.rows_found == 0 ? "" : b.rows_found == blocks ? "kept: they lie in the store; " : "",
+                       bytes * 1e-6, b.factors.further ? fmt::format(", {:.1f} of them read from disk for each product", bytes * 1e-6 - double(b.factors.bytes()) * 1e-6) : "",
+                       bytes / (3.0 * p.size * p.size * b.factors.count),
+                       b.rows_found > 0 && b.rows_found < blocks ? fmt::format("; {} of {} files were in the store", b.rows_found, blocks) : "");
+}
+
 void add_rows(Context& c, Nodes& nodes) {
     RadiosityBuffers& b = buffers(c);
     PlannedNode node = begin(c, radiosity::info_rows(), "what elements see of each other", {1, 1});
+    // What elements reflect and emit is not in it.
     node.reads = [&c, &b](graph::Reads& r) {
-        read_lists(r, {&b.elements.eye, &b.elements.normal, &b.triangles.corners});
-        r.list(b.triangles.of);
-        r.value(c.settings.radiosity.size, c.settings.radiosity.weights);
+        r.edge(radiosity::info_elements().name);
+        if (r.hashes()) r.value(radiosity::rows_key(b.elements, radiosity::row_params(c.settings.radiosity)), c.settings.radiosity.memory_mb);
     };
     node.outputs = [&b] {
         Bundle all;
+        lend(all, "escaped", {std::int64_t(b.factors.escaped.size()), 1}, b.factors.escaped.data());
+        lend(all, "sums", {std::int64_t(b.factors.sums.size()), 1}, b.factors.sums.data());
         for (const RowBlock& block : b.factors.blocks) {
             const std::string at = fmt::format("{}", block.first);
             lend(all, "rows " + at, {block.count, 4}, &block.rows[0].x);
             lend(all, "scale " + at, {block.count, 1}, block.scale.data());
-            lend(all, "escaped " + at, {block.count, 1}, block.escaped.data());
             if (!block.runs.empty()) lend(all, "runs " + at, {std::int64_t(block.runs.size()), 2}, &block.runs[0].x);
             lend(all, "weights " + at, {std::int64_t(block.weights.size()), 1}, block.weights.data());
         }
         return all;
     };
     node.run = [&c, &b](const RunOptions& options, graph::NodeRun& run) {
-        b.factors = radiosity::form_factors(b.elements, radiosity::row_params(c.settings.radiosity), options);
+        const radiosity::RadiosityParams& p = c.settings.radiosity;
+        radiosity::RowsMade made = of_scene(c, [&] {
+            return radiosity::rows_within(b.elements, radiosity::row_params(p), {options, std::uint64_t(p.memory_mb) * 1'000'000, c.rows});
+        });
+        b.factors = std::move(made.factors), b.rows_found = made.found;
         run.bytes = b.factors.bytes();
-        run.reason = fmt::format("{:.1f} MB, {:.2f} bytes a texel", double(run.bytes) * 1e-6,
-                                 double(run.bytes) / (3.0 * c.settings.radiosity.size * c.settings.radiosity.size * b.factors.count));
+        run.kept = made.found > 0 && made.found == b.factors.block_count();
+        run.reason = rows_text(b, p);
     };
     node.of_pixels = false;
     node.size = [&b] { return glm::ivec2(b.elements.count(), 1); };
     node.explain = [&c, &b](glm::ivec2 at) { return explained_row(c, b, at.x).values; };
     node.pictures = [&c, &b](glm::ivec2 at) { return pictures_of(explained_row(c, b, at.x).pictures); };
     node.fill = [] {};
-    node.leave_out = [&b] { b.factors = {}; };
+    node.leave_out = [&b] { b.factors = {}, b.rows_found = 0; };
     nodes.push_back(std::move(node));
 }
 
@@ -133,7 +159,7 @@ void add_light(Context& c, Nodes& nodes) {
         r.source("lamps", c.keys.paths);
         r.value(c.scene.environment.radiance);
         if (!c.scene.environment.map.empty()) r.value(c.settings.radiosity.size, c.settings.radiosity.weights);
-        for (const RowBlock& block : b.factors.blocks) r.list(block.escaped);
+        r.list(b.factors.escaped);
     };
     node.outputs = [&b] {
         Bundle all;
@@ -154,8 +180,9 @@ void add_solve(Context& c, Nodes& nodes) {
     PlannedNode node = begin(c, radiosity::info_solve(), "light is reflected again and again", {1, 1});
     node.reads = [&c, &b](graph::Reads& r) {
         read_lists(r, {&b.elements.reflectance, &b.elements.exitance, &b.lamps, &b.sky});
-        for (const RowBlock& block : b.factors.blocks) r.list(block.weights), r.list(block.scale);
-        r.value(c.settings.radiosity.tolerance, c.settings.radiosity.passes);
+        r.list(b.factors.sums);
+        const radiosity::RadiosityParams& p = c.settings.radiosity;
+        r.value(p.solver, p.tolerance, p.passes, p.memory_mb);
     };
     node.outputs = [&b] {
         Bundle all;
@@ -163,15 +190,13 @@ void add_solve(Context& c, Nodes& nodes) {
         return all;
     };
     node.run = [&c, &b](const RunOptions& options, graph::NodeRun& run) {
-        try {
-            b.solved = radiosity::solve(b.factors, b.elements, b.lamps, b.sky, c.settings.radiosity, options, b.radiosity);
-        } catch (const InputError& error) {
-            throw InputError(fmt::format("{}: {}", c.scene.name, error.what()));
-        }
+        b.solved = of_scene(c, [&] {
+            return radiosity::solve(b.factors, b.elements, b.lamps, b.sky, c.settings.radiosity, options, b.radiosity);
+        });
         run.bytes = 16 * b.radiosity.size();
         run.reason = text_of(b.solved);
     };
-    node.leave_out = [&b] { b.radiosity.clear(); };
+    node.leave_out = [&b] { b.radiosity.clear(), b.solved = {}; };
     nodes.push_back(std::move(node));
 }
 
@@ -196,7 +221,7 @@ void add_gather(Context& c, Nodes& nodes) {
     node.dispatches = [&b] { return some_blocks(b); };
     node.reads = [&b](graph::Reads& r) {
         read_lists(r, {&b.sky, &b.radiosity});
-        for (const RowBlock& block : b.factors.blocks) r.list(block.weights), r.list(block.scale);
+        r.list(b.factors.sums);
     };
     node.outputs = [&b, &binding] {
         Bundle all;
@@ -208,12 +233,15 @@ void add_gather(Context& c, Nodes& nodes) {
         run.bytes = 16 * b.irradiance.size();
     };
     node.explain = [&b, &binding](glm::ivec2 at) {
-        const RowBlock& block = b.factors.blocks.at(std::size_t(at.x / radiosity::rows_of_block));
-        radiosity::GatherInputs in{&block, &b.sky, &b.radiosity};
-        in.decoded = true;
-        const StageData data = data_of(in);
-        const int own = at.x - block.first;
-        return plumb::explain(binding, data, {own % data.size.x, own / data.size.x});
+        std::vector<TapValue> values;
+        b.factors.with_block(at.x / radiosity::rows_of_block, [&](const RowBlock& block) {
+            radiosity::GatherInputs in{&block, &b.sky, &b.radiosity};
+            in.decoded = true;
+            const StageData data = data_of(in);
+            const int own = at.x - block.first;
+            values = plumb::explain(binding, data, {own % data.size.x, own / data.size.x});
+        });
+        return values;
     };
     node.leave_out = [&b] { b.irradiance.clear(); };
     node.fill = [] {};

@@ -57,10 +57,10 @@ void gather(const FormFactors& f, const Buffer<glm::vec4>& own, const Buffer<glm
             Buffer<glm::vec4>& irradiance) {
     irradiance.resize(radiosity.size());
     const Buffer<float> planes = planes_of(radiosity);
-    for (const RowBlock& block : f.blocks) {
+    f.each_block([&](const RowBlock& block) {
         GatherInputs in{&block, &own, &radiosity, &planes};
         run(stage<GatherKernel>(), data_of(in), options, &irradiance[std::size_t(block.first)].x);
-    }
+    });
 }
 
 }  // namespace plumb::radiosity

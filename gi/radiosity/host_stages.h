@@ -5,6 +5,8 @@
 
 #include "core/stage.h"
 #include "gi/radiosity/radiosity_params.h"
+#include "gi/radiosity/solve_audit.h"
+#include "gi/radiosity/solve_choose.h"
 
 namespace plumb::radiosity {
 
@@ -18,16 +20,28 @@ Buffer<glm::vec4> lamps_at(const Scene& scene, const Elements& elements, const R
 // The same by the sky, of a colour everywhere: pi times its radiance times the share of texels that see nothing.
 Buffer<glm::vec4> sky_at(const Scene& scene, const FormFactors& factors);
 
+// Both must outlive it.
+Transport transport_of(const FormFactors& factors, const Elements& elements);
+
+// Before any row is made: what solves the elements' system, what that is expected to take, and why. By their count, their largest
+// reflectance and the tolerance alone, so that it is the same on every machine; what the parameters ask for is what it says.
+Recommendation solver_for(const Elements& elements, const RadiosityParams& params);
+
 struct Solved {
-    int passes = 0;
-    double radius = 0;  // estimated: by what each pass shrinks what is left
-    double error = 0;   // estimated, of the mean radiosity
+    Solver solver = Solver::passes;
+    std::string reason;    // for that solver
+    Solution solution;
+    float tolerance = 0;   // that it was to meet; 0: none
 };
+// "bicgstab: 18 products with all rows, radius 0.64, residual 2.1e-06, estimated error 5.8e-06: converged"
 std::string text_of(const Solved& solved);
 
-// B = M + rho (lamps + sky + F B), by passes from black (HEM 4.5.4), until the estimated error is below the tolerance. Throws
-// InputError where that takes more passes than are allowed, or diverges.
+// B = M + rho (lamps + sky + F B). Throws InputError that names the solver, its estimated error and the tolerance, where that is not
+// met; and what solve() of solve.h throws.
 Solved solve(const FormFactors& factors, const Elements& elements, const Buffer<glm::vec4>& lamps, const Buffer<glm::vec4>& sky,
              const RadiosityParams& params, const RunOptions& options, Buffer<glm::vec4>& radiosity);
+// Where its power goes.
+Audit audit_of(const Solved& solved, const FormFactors& factors, const Elements& elements, const Buffer<glm::vec4>& lamps,
+               const Buffer<glm::vec4>& sky, const RunOptions& options);
 
 }  // namespace plumb::radiosity

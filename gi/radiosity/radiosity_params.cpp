@@ -22,8 +22,12 @@ std::vector<Field> fields(RadiosityParams& p) {
         {"offset", &p.offset, "", "how far off its surface an element looks from, of the scene's diagonal (HEM 4.5.3: one unit)", 0, 0.1, {}, false},
         {"inset", &p.inset, "", "whether an element on a border looks from within its surface, too; off: along the normal alone (HEM 5.6)", -unbounded, unbounded, {}, false},
         {"split", &p.split, "", "whether vertices are split at creases; off: a mean normal at each position (HEM 5.6)", -unbounded, unbounded, {}, false},
-        {"tolerance", &p.tolerance, "", "estimated error of the solution, of its mean", 1e-7, 1, {}, false},
-        {"passes", &p.passes, "", "passes at most (HEM 4.5.4: 4 to 16)", 1, 1e6, {}, false},
+        {"solver", as_int(p.solver), "", "how light that is reflected on and on is solved for; auto: by what each is expected to take (README.md, Solvers)", -unbounded,
+         unbounded, {"auto", "passes", "shooting", "gauss_seidel", "bicgstab", "conjugate_gradients", "direct"}, false},
+        {"tolerance", &p.tolerance, "", "estimated relative error of the solution; 0: as many passes as `passes` says, from black", 0, 1, {}, false},
+        {"passes", &p.passes, "", "passes, or products with all rows, at most (HEM 4.5.4: 4 to 16)", 1, 1e6, {}, false},
+        {"memory_mb", &p.memory_mb, "MB", "that rows of form factors may take in memory; further ones are read from the cache, and change no bit", 1, 1 << 20, {}, false},
+        {"audit", &p.audit, "", "whether run.json says where all power goes, which reads all rows once more", -unbounded, unbounded, {}, false},
     };
 }
 

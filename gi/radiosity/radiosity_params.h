@@ -9,6 +9,9 @@
 
 namespace plumb::radiosity {
 
+// How the system is solved: as recommend() (solve_choose.h) says, or by the Solver of that name, which is one less.
+enum class SolverChoice : int { automatic, passes, shooting, gauss_seidel, bicgstab, conjugate_gradients, direct };
+
 struct RadiosityParams {
     Kind kind = Kind::vertices;
     float edge = 0;                    // m: triangles with longer ones are split before anything is drawn; 0: automatic_edges
@@ -24,8 +27,11 @@ struct RadiosityParams {
     float offset = 1e-4f;              // of the scene's diagonal
     bool inset = true;
     bool split = true;
-    float tolerance = 1e-4f;           // estimated error of what is solved, of its mean
-    int passes = 1000;                 // at most
+    SolverChoice solver = SolverChoice::automatic;
+    float tolerance = 1e-4f;           // estimated relative error of what is solved; 0: as many passes as `passes` says
+    int passes = 1000;                 // products with all rows, at most
+    int memory_mb = 2048;              // that rows may take in memory; further ones are read from the store
+    bool audit = true;                 // the run's report says where all power goes
 };
 std::vector<Field> fields(RadiosityParams& params);
 // Edges along a scene's diagonal where nobody says how long they may be.

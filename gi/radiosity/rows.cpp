@@ -57,7 +57,11 @@ struct World {
     Buffer<float> plane[6];
     Buffer<glm::ivec4> of;
     Buffer<float> weights;
+    double all = 0, all_floats = 0;  // sum of texels' weights, in double and as floats
     RowArgs args{};
+
+    // Of a row through whose texels that share of all is lost: floats round weights, and sums of them.
+    double row_sum(const RowShares& lost) const { return all * std::max(0.0, 1 - (lost.escaped + lost.back) / all_floats); }
 };
 
 World world_of(const Elements& e, const RowParams& params) {
@@ -65,7 +69,10 @@ World world_of(const Elements& e, const RowParams& params) {
     for (const Vertex& v : e.geometry.vertices) w.vertices.push_back(glm::vec4(v.position, 0));
     for (const glm::uvec3& t : e.of) w.of.push_back(glm::ivec4(glm::ivec3(t), 0));
     w.eyes = eyes_of(e.eye, e.normal);
-    for (const double weight : texel_weights(params.size, params.weights)) w.weights.push_back(float(weight));
+    for (const double weight : texel_weights(params.size, params.weights)) {
+        w.weights.push_back(float(weight));
+        w.all += weight, w.all_floats += double(w.weights.back());
+    }
     w.weights.resize(w.weights.size() + row_lanes);
     const std::size_t triangles = e.geometry.triangles.size();
     for (const std::int32_t number : drawing_order(e.geometry)) {
@@ -112,8 +119,8 @@ std::pair<int, int> kept_from(const std::vector<std::uint16_t>& of, int from, in
     return {first, next(first, 0xffff)};
 }
 
-// Appends the row whose shares m.share holds.
-void append(RowMemory& m, int n, double escaped, double back, Isa isa, RowBlock& block) {
+// Appends the row whose shares m.share holds; their sum, where it is known better than floats tell, or below 0.
+void append(RowMemory& m, int n, const RowShares& lost, double sum, Isa isa, RowBlock& block) {
     const RowSums sums =
         dispatch(isa, [&](auto of) { return RowMaker<decltype(of)::value>::halve(m.share.data(), n, {m.half.data(), m.kept.data()}); });
     const glm::ivec2 start(int(block.runs.size()), int(block.weights.size()));
@@ -126,20 +133,22 @@ void append(RowMemory& m, int n, double escaped, double back, Isa isa, RowBlock&
         std::tie(first, end) = next;
     }
     block.rows.push_back({start.x, int(block.runs.size()) - start.x, start.y, int(block.weights.size()) - start.y});
-    block.scale.push_back(sums.halves > 0 ? float(sums.shares / sums.halves) : 0.0f);
-    block.escaped.push_back(float(escaped)), block.back.push_back(float(back));
+    if (sum < 0) sum = sums.shares;
+    block.scale.push_back(sums.halves > 0 ? float(sum / sums.halves) : 0.0f);
+    block.sum.push_back(sums.halves > 0 ? sum : 0);
+    block.escaped.push_back(float(lost.escaped)), block.back.push_back(float(lost.back));
     ++block.count;
 }
 
 // Rows [first, end), in memory of their size.
 RowBlock make_block(const World& world, int n, int first, int end, Isa isa, RowMemory& m, RowBlock& room) {
     room.first = first, room.count = 0;
-    room.rows.clear(), room.runs.clear(), room.weights.clear(), room.scale.clear(), room.escaped.clear(), room.back.clear();
+    room.rows.clear(), room.runs.clear(), room.weights.clear(), room.scale.clear(), room.sum.clear(), room.escaped.clear(), room.back.clear();
     for (int i = first; i < end; ++i) {
         std::fill(m.share.begin(), m.share.end(), 0.0f);
         const RowShares shares =
             dispatch(isa, [&](auto of) { return RowMaker<decltype(of)::value>::run(world.args, i, m.share.data(), m.drawing.data()); });
-        append(m, n, shares.escaped, shares.back, isa, room);
+        append(m, n, shares, world.row_sum(shares), isa, room);
     }
     room.weights.insert(room.weights.end(), row_lanes, Half{0});
     return room;
@@ -148,7 +157,7 @@ RowBlock make_block(const World& world, int n, int first, int end, Isa isa, RowM
 }  // namespace
 
 std::size_t RowBlock::bytes() const {
-    return rows.size() * sizeof rows[0] + runs.size() * sizeof runs[0] + weights.size() * sizeof(Half) + 12 * scale.size();
+    return rows.size() * sizeof rows[0] + runs.size() * sizeof runs[0] + weights.size() * sizeof(Half) + 20 * scale.size();
 }
 
 std::size_t FormFactors::bytes() const {
@@ -157,26 +166,61 @@ std::size_t FormFactors::bytes() const {
     return all;
 }
 
+std::size_t FormFactors::all_bytes() const { return bytes() + (further ? further->bytes() : 0); }
+
+int FormFactors::block_count() const { return blocks_of(count); }
+
+void FormFactors::with_block(int block, const std::function<void(const RowBlock&)>& look) const {
+    if (std::size_t(block) < blocks.size())
+        look(blocks[std::size_t(block)]);
+    else
+        further->with_block(block, look);
+}
+
+void FormFactors::each_block(const std::function<void(const RowBlock&)>& look) const {
+    for (int block = 0; block < block_count(); ++block) with_block(block, look);
+}
+
 void FormFactors::add_row(int i, std::vector<float>& dense) const {
-    const RowBlock& b = blocks[std::size_t(i / rows_of_block)];
-    const glm::ivec4 row = b.rows[std::size_t(i - b.first)];
-    const float scale = b.scale[std::size_t(i - b.first)];
-    const Half* weight = b.weights.data() + row.z;
-    for (int r = 0; r < row.y; ++r) {
-        const glm::ivec2 run = b.runs[std::size_t(row.x + r)];
-        for (int k = 0; k < run.y; ++k) dense[std::size_t(run.x + k)] += scale * half_to_float(*weight++);
-    }
+    with_block(i / rows_of_block, [&](const RowBlock& b) {
+        const glm::ivec4 row = b.rows[std::size_t(i - b.first)];
+        const float scale = b.scale[std::size_t(i - b.first)];
+        const Half* weight = b.weights.data() + row.z;
+        for (int r = 0; r < row.y; ++r) {
+            const glm::ivec2 run = b.runs[std::size_t(row.x + r)];
+            for (int k = 0; k < run.y; ++k) dense[std::size_t(run.x + k)] += scale * half_to_float(*weight++);
+        }
+    });
+}
+
+void FormFactors::add_facts(const RowBlock& block) {
+    escaped.insert(escaped.end(), block.escaped.begin(), block.escaped.end());
+    sums.insert(sums.end(), block.sum.begin(), block.sum.end());
+    for (const glm::ivec4& row : block.rows) longest = std::max(longest, row.w);
 }
 
 void pack(const DenseRow& row, RowBlock& block) {
     RowMemory m(int(row.share.size()));
     std::copy(row.share.begin(), row.share.end(), m.share.begin());
-    append(m, int(row.share.size()), row.escaped, row.back, best_isa(), block);
+    append(m, int(row.share.size()), {row.escaped, row.back}, row.sum, best_isa(), block);
 }
 
-std::uint64_t bytes_expected(int elements, int size) {
-    const std::uint64_t n = std::uint64_t(elements), seen = std::min<std::uint64_t>(n, std::uint64_t(rows_of_hemicube(size)) * std::uint64_t(size) * 3);
-    return n * (2 * seen + 28);
+namespace {
+
+constexpr std::uint64_t bytes_of_row = 36;  // beside runs and weights
+
+std::uint64_t most_seen(int elements, int size) {
+    return std::min<std::uint64_t>(std::uint64_t(elements), std::uint64_t(rows_of_hemicube(size)) * std::uint64_t(size) * 3);
+}
+
+}  // namespace
+
+std::uint64_t bytes_expected(int elements, int size) { return std::uint64_t(elements) * (2 * most_seen(elements, size) + bytes_of_row); }
+
+std::uint64_t bytes_at_most(int elements, int size) {
+    const std::uint64_t n = std::uint64_t(elements), seen = most_seen(elements, size);
+    const std::uint64_t weights = std::min(n, seen * shortest_gap), runs = std::min(seen, n / (1 + shortest_gap) + 1);
+    return n * (2 * weights + 8 * runs + bytes_of_row) + std::uint64_t(blocks_of(elements)) * 2 * row_lanes;
 }
 
 FormFactors form_factors(const Elements& elements, const RowParams& params, const RunOptions& options, std::uint64_t limit) {
@@ -187,17 +231,25 @@ FormFactors form_factors(const Elements& elements, const RowParams& params, cons
                                      n, params.size, double(expected) * 1e-6, double(limit) * 1e-6));
     FormFactors f;
     f.count = n;
-    if (n == 0) return f;
+    f.blocks = row_blocks(elements, params, options, 0, blocks_of(n));
+    for (const RowBlock& block : f.blocks) f.add_facts(block);
+    return f;
+}
+
+std::vector<RowBlock> row_blocks(const Elements& elements, const RowParams& params, const RunOptions& options, int first, int last) {
+    std::vector<RowBlock> blocks(std::size_t(last - first));
+    if (blocks.empty()) return blocks;
+    const int n = elements.count();
     const World world = world_of(elements, params);
-    f.blocks.resize(std::size_t((n + rows_of_block - 1) / rows_of_block));
-    parallel_bands(int(f.blocks.size()), 1, options, [&](int first, int last) {
+    parallel_bands(last - first, 1, options, [&](int from, int to) {
         RowMemory memory(n, DrawMemory::floats(world.args.u.vertices, params.size));
         RowBlock room;
-        for (int b = first; b < last; ++b)
-            f.blocks[std::size_t(b)] =
-                make_block(world, n, b * rows_of_block, std::min(n, (b + 1) * rows_of_block), options.isa, memory, room);
+        for (int b = from; b < to; ++b) {
+            const int row = (first + b) * rows_of_block;
+            blocks[std::size_t(b)] = make_block(world, n, row, std::min(n, row + rows_of_block), options.isa, memory, room);
+        }
     });
-    return f;
+    return blocks;
 }
 
 }  // namespace plumb::radiosity

@@ -31,7 +31,9 @@ struct Transport {
     // Row i, `count` numbers; called by several threads at once.
     std::function<void(int i, std::vector<float>& row)> row;
     const std::vector<double>* area = nullptr;  // m2, each 0 or more
-    // The same as gather() with less rounding; may be empty. gather() limits the error to about 6e-8 / (1 - radius).
+    // Of each irradiance, what gather() is expected to lose: sums in floats lose 2^-24 an addition, and signs differ.
+    double gather_loss = 0x1p-24;
+    // The same as gather() with less rounding; may be empty. gather() limits the error to about gather_loss / (1 - radius).
     std::function<void(const Buffer<glm::dvec4>& b, Buffer<glm::dvec4>& h, const RunOptions&)> gather_double;
     // Of each row; may be null. With them gather() is asked for what differs from the mean alone, and that limit is gone
     // where light is nearly the same everywhere, as it is where the radius is near one.

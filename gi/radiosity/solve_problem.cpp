@@ -116,7 +116,7 @@ void Problem::gather(const Channels& b, Channels& h) {
     for (int i = 0; i < count; ++i) in[i] = glm::vec4(glm::vec3(scale * differing[i]), 0);
     transport.gather(in, out, options);
     for (int i = 0; i < count; ++i) h[i] = glm::dvec3(out[i]) / scale, differing[i] = reflectance[i] * h[i];
-    rounding = 0x1p-24 * norm(differing);
+    rounding = transport.gather_loss * norm(differing);
     if (transport.row_sums)
         for (int i = 0; i < count; ++i) h[i] += (*transport.row_sums)[i] * mean;
     require_finite(h);

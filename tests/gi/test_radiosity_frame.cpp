@@ -47,7 +47,7 @@ TEST_CASE("radiosity: a closed room that emits M and reflects rho everywhere has
             const frame::Frame f = frame_of(scene, settings);
             double worst = 0;
             for (const glm::vec4& h : f.indirect.texels) worst = std::max(worst, std::fabs(h.x * (1 - rho) / 2 - 1.0));
-            CAPTURE(rho, int(kind), worst, f.radiosity.solved.passes);
+            CAPTURE(rho, int(kind), worst, f.radiosity.solved.solution.products);
             CHECK(worst < 1e-5);
         }
     }
@@ -108,8 +108,8 @@ TEST_CASE("radiosity: the same bits for every instruction set and number of thre
 TEST_CASE("radiosity: passes that are too few, and rows that need too much memory, are refused with the number", "[radiosity][bad input]") {
     const Scene scene = room(0.9f, 1);
     frame::Settings settings = frame::settings_of(scene);
-    settings.radiosity.passes = 3;
-    CHECK_THROWS_WITH(frame_of(scene, settings), Catch::Contains("after 3 passes"));
+    settings.radiosity.solver = radiosity::SolverChoice::passes, settings.radiosity.passes = 3;
+    CHECK_THROWS_WITH(frame_of(scene, settings), Catch::Contains("not converged after 3 products"));
     const radiosity::Elements e = radiosity::elements_of(scene, {});
     CHECK_THROWS_WITH(radiosity::form_factors(e, {}, {}, 100), Catch::Contains("at most 0.0 are allowed"));
 }
