@@ -114,6 +114,11 @@ std::string rows_text(const RadiosityBuffers& b, const radiosity::RadiosityParam
 void add_rows(Context& c, Nodes& nodes) {
     RadiosityBuffers& b = buffers(c);
     PlannedNode node = begin(c, radiosity::info_rows(), "what elements see of each other", {1, 1});
+    // A vertex for two triangles, as in any large mesh.
+    const double elements = c.settings.radiosity.kind == radiosity::Kind::triangles ? c.triangles : c.triangles / 2;
+    const int size = c.settings.radiosity.size;
+    node.plan.work = elements * 3 * size * size, node.plan.work_unit = "texels";
+    node.plan.expected_ms = 1e3 * radiosity::row_seconds(int(elements), std::size_t(c.triangles), size);
     // What elements reflect and emit is not in it.
     node.reads = [&c, &b](graph::Reads& r) {
         r.edge(radiosity::info_elements().name);

@@ -23,6 +23,9 @@ struct RowPlan {
 // fit and there is no store.
 RowPlan plan_rows(int elements, int size, std::uint64_t memory, bool has_store);
 
+// What making all rows is expected to take on one core, s: an order of magnitude.
+double row_seconds(int elements, std::size_t triangles, int size);
+
 struct RowsWith {
     RunOptions options;
     std::uint64_t memory = ~std::uint64_t(0);  // bytes that rows may take there

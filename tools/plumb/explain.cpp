@@ -18,6 +18,7 @@
 #include "tools/shared/file_store.h"
 #include "tools/shared/probe_bake.h"
 #include "tools/shared/progress.h"
+#include "tools/shared/radiosity_report.h"
 #include "tools/shared/reports.h"
 #include "tools/shared/scene_command.h"
 #include "tools/shared/table.h"
@@ -240,9 +241,10 @@ int explain(const ExplainOptions& given) {
     const frame::Plan plan = up_to(frame::plan(scene, settings), scene, settings, given.stage);
     std::unique_ptr<DeviceExplainer> device;
     if (!given.device.empty()) device = std::make_unique<DeviceExplainer>(given.device, given.spirv);
+    const std::unique_ptr<FileStore> rows = row_files(settings, given.scene.no_cache);
     const frame::Frame frame = [&] {
         ProgressBar bar(plan);
-        return frame::execute(scene, settings, plan, options, bar.callback());
+        return frame::execute(scene, settings, plan, options, bar.callback(), {nullptr, rows.get()});
     }();
 
     // Explain: hold each stage's last value against the picture, or all of them against the device's.

@@ -23,6 +23,7 @@
 #include "tools/shared/outputs.h"
 #include "tools/shared/probe_bake.h"
 #include "tools/shared/progress.h"
+#include "tools/shared/radiosity_report.h"
 #include "tools/shared/reports.h"
 #include "tools/shared/scene_command.h"
 #include "tools/shared/sweep.h"
@@ -173,10 +174,11 @@ int run_export(const ExportOptions& given) {
     Outputs outputs(given.folder);
 
     // Render what the stages read, then write one after the other: a big frame's inputs are not held twice.
+    const std::unique_ptr<FileStore> row_store = row_files(settings, given.scene.no_cache);
     frame::Frame frame = [&] {
         const frame::Plan needed = needed_by(plan, scene, settings, given.stage);
         ProgressBar bar(needed);
-        return frame::execute(scene, settings, needed, options, bar.callback());
+        return frame::execute(scene, settings, needed, options, bar.callback(), {nullptr, row_store.get()});
     }();
     io::Manifest manifest;
     manifest.file = given.folder + "/manifest.toml";

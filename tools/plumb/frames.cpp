@@ -50,6 +50,7 @@ Json frames_json(const FramesReport& report) {
                      {"write_ms", f.write_ms},
                      {"saved_ms", reuse_of(f.stages).saved_ms}};
         if (!f.truth.is_null()) json["truth"] = f.truth;
+        if (!f.radiosity.is_null()) json["radiosity"] = f.radiosity;
         frames.push_back(std::move(json));
     }
     const Reuse all = reuse_of(report.frames);

@@ -14,6 +14,7 @@ struct FrameRun {
     double ms = 0;         // of making the frame, with its plan and its keys
     double write_ms = 0;   // of encoding and writing its files
     Json truth = nullptr;  // truth_json(), where something was path traced
+    Json radiosity = nullptr;  // radiosity_json(), of that method
 };
 
 struct FramesReport {

@@ -15,6 +15,7 @@
 #include "tools/shared/file_store.h"
 #include "tools/shared/probe_bake.h"
 #include "tools/shared/progress.h"
+#include "tools/shared/radiosity_report.h"
 #include "tools/shared/reference_files.h"
 #include "tools/shared/reports.h"
 #include "tools/shared/scene_command.h"
@@ -79,10 +80,11 @@ int graph(const GraphOptions& given) {
     const frame::Plan plan = frame::plan(scene, settings);
     const std::string cache = given.scene.no_cache ? "" : cache_folder();
     ReferenceFiles references(cache);
+    const std::unique_ptr<FileStore> rows = row_files(settings, given.scene.no_cache);
     frame::KeptStages kept;
     const frame::Frame& frame = [&]() -> const frame::Frame& {
         ProgressBar bar(plan);
-        return frame::execute(scene, settings, plan, options, kept, bar.callback(), cache.empty() ? nullptr : &references);
+        return frame::execute(scene, settings, plan, options, kept, bar.callback(), {cache.empty() ? nullptr : &references, rows.get()});
     }();
     frame::FrameGraph made(scene, settings, plan, kept.memory());
     made.context().keeps = true;

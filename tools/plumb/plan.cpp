@@ -1,10 +1,12 @@
 // plumb plan: what a render would do.
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "gi/frame/refusals.h"
 #include "tools/plumb/cli.h"
 #include "tools/shared/probe_bake.h"
+#include "tools/shared/radiosity_report.h"
 #include "tools/shared/reports.h"
 #include "tools/shared/scene_command.h"
 
@@ -19,16 +21,20 @@ int plan(const SceneOptions& given, const Common& common) {
     scene = drawn(std::move(scene), settings, options);
     if (!settings.probe_run.file.empty()) add_bake(scene, settings, {options, "", false});  // reads it
     const frame::Plan plan = frame::plan(scene, settings);
+    std::optional<RadiosityPlan> radiosity;
+    if (settings.method == frame::Method::radiosity) radiosity = plan_radiosity(scene, settings, options);
     const std::vector<std::string> warnings = frame::warnings(scene, settings);
     if (common.json) {
         Json json = plan_json(scene, settings, plan);
         json["warnings"] = warnings;
+        if (radiosity) json["radiosity"] = radiosity_plan_json(*radiosity);
         std::fputs(json_text(json).c_str(), stdout);
     } else {
         print_notes(scene);
         for (const std::string& warning : warnings) std::printf("warning: %s\n", warning.c_str());
         if (!warnings.empty()) std::printf("\n");
         std::fputs(plan_text(plan).c_str(), stdout);
+        if (radiosity) std::fputs(radiosity_plan_text(*radiosity).c_str(), stdout);
     }
     return success;
 }

@@ -20,6 +20,7 @@
 #include "tools/shared/outputs.h"
 #include "tools/shared/probe_bake.h"
 #include "tools/shared/progress.h"
+#include "tools/shared/radiosity_report.h"
 #include "tools/shared/reference_files.h"
 #include "tools/shared/reports.h"
 #include "tools/shared/scene_command.h"
@@ -74,6 +75,11 @@ void warn(const frame::Frame& frame) {
     for (const std::string& warning : truth_warnings(frame)) std::fprintf(stderr, "plumb: %s\n", warning.c_str());
 }
 
+// What is wrong with kept rows, since `told`.
+void warn(const FileStore* rows, std::size_t& told) {
+    for (; rows && told < rows->notes().size(); ++told) std::fprintf(stderr, "plumb: %s\n", rows->notes()[told].c_str());
+}
+
 // The committed files, a line each; those of a dump in one.
 std::string files_text(const Outputs& outputs, const std::string& folder) {
     std::string text;
@@ -119,15 +125,17 @@ int render_one(Job& job) {
     // Render.
     const std::string cache = given.scene.no_cache ? "" : cache_folder();
     ReferenceFiles kept(cache);
+    const std::unique_ptr<FileStore> rows_kept = row_files(settings, given.scene.no_cache);
     const frame::Frame frame = [&] {
         ProgressBar bar(plan);
-        return frame::execute(scene, settings, plan, options, bar.callback(), cache.empty() ? nullptr : &kept);
+        return frame::execute(scene, settings, plan, options, bar.callback(), {cache.empty() ? nullptr : &kept, rows_kept.get()});
     }();
     job.times.render_ms = ms_since(start);
     if (!given.mesh.empty() && frame.radiosity.irradiance.empty())
         throw InputError("--mesh: nothing sends light, so that nothing was solved: there is no mesh");
     const std::vector<TruthRow> rows = compare_layers(frame, given.common.threads);
     const Json truth = frame.traced.empty() ? Json(nullptr) : truth_json(frame, rows, kept.notes());
+    const Json solved = radiosity_json(frame, settings, options, rows_kept.get());
 
     // Write.
     const Clock::time_point writing = Clock::now();
@@ -136,16 +144,18 @@ int render_one(Job& job) {
     if (!given.mesh.empty()) io::write_coloured(given.mesh, coloured_meshes(scene, frame), mesh_scale(settings));
     job.times.write_ms = ms_since(writing);
     job.times.total_ms = ms_since(job.start);
-    const RunReport report{scene, settings, options, frame.stages, job.times, peak_bytes(), truth};
+    const RunReport report{scene, settings, options, frame.stages, job.times, peak_bytes(), truth, solved};
     const std::string json = finish(job, run_json(report));
 
     // Tell.
     warn(frame);
+    std::size_t told = 0;
+    warn(rows_kept.get(), told);
     if (given.common.json) {
         std::fputs(json.c_str(), stdout);
         return success;
     }
-    std::string text = run_text(report) + "\n";
+    std::string text = run_text(report) + radiosity_text(solved) + "\n";
     if (!frame.traced.empty()) text += truth_text(frame, rows, kept.notes()) + "\n";
     if (!given.mesh.empty()) text += "wrote " + given.mesh + "\n";
     std::fputs((text + files_text(job.outputs, given.folder)).c_str(), stdout);
@@ -163,6 +173,8 @@ int render_frames(Job& job) {
     if (!given.common.json) print_notes(scene);
     const std::string cache = given.scene.no_cache ? "" : cache_folder();
     ReferenceFiles references(cache);
+    const std::unique_ptr<FileStore> rows_kept = row_files(settings, given.scene.no_cache);
+    std::size_t told = 0;
     frame::KeptStages kept;
     std::vector<FrameRun> runs;
     for (int f = given.first; f < given.first + given.frames; ++f) {
@@ -172,16 +184,18 @@ int render_frames(Job& job) {
         const frame::Frame& frame = [&]() -> const frame::Frame& {
             ProgressBar bar(plan);
             return frame::execute(scene, settings, plan, options, kept, bar.callback(),
-                                  cache.empty() ? nullptr : &references);
+                                  {cache.empty() ? nullptr : &references, rows_kept.get()});
         }();
         FrameRun& run = runs.emplace_back(FrameRun{f, frame.stages, ms_since(start)});
         if (!frame.traced.empty())
             run.truth = truth_json(frame, compare_layers(frame, given.common.threads), references.notes());
+        run.radiosity = radiosity_json(frame, settings, options, rows_kept.get());
         const Clock::time_point writing = Clock::now();
         write_pictures(scene, plan, frame, frame_name(picture_name(scene), f), job.outputs);
         run.write_ms = ms_since(writing);
         job.times.render_ms += run.ms, job.times.write_ms += run.write_ms;
         warn(frame);
+        warn(rows_kept.get(), told);
     }
     job.times.total_ms = ms_since(job.start);
     const FramesReport report{scene, settings, options, runs, job.times, peak_bytes()};
@@ -283,9 +297,10 @@ void add_render(CLI::App& program, Action& action) {
         "--mesh: what leaves each element, W/m2, times tonemap.exposure / pi, linear; GLB also holds it, and irradiance, in W/m2\n"
         "(io/README.md). Lamps' light is that at the elements, not the shadow maps' of the picture.\n"
         "What was path traced is kept in $PLUMB_CACHE, else $XDG_CACHE_HOME/plumbline, else ~/.cache/plumbline, at\n"
-        "most 4 GiB, those used last; the same scene and settings take it from there. Beside it lie the 256 sweeps that\n"
-        "--budget used last, and nothing else. --budget: see plumb sweep; run.json says what was \"chosen\". Where no\n"
-        "setting fits, the fastest is rendered, and a warning says so.");
+        "most 4 GiB, those used last; the same scene and settings take it from there. Beside it lie bakes of probes and\n"
+        "rows of radiosity, at most 16 GiB each, and the 256 sweeps that --budget used last. --budget: see plumb sweep;\n"
+        "run.json says what was \"chosen\". Where no setting fits, the fastest is rendered, and a warning says so.\n"
+        "Of the method radiosity run.json says under \"radiosity\" how it was solved, with its curve, and where all power goes.");
     command->callback([given, &action] { action = [=] { return render(*given); }; });
 }
 

@@ -133,6 +133,7 @@ Json run_json(const RunReport& run) {
     add_times(run.times, json);
     json["peak_bytes"] = run.peak_bytes;
     if (!run.truth.is_null()) json["truth"] = run.truth;
+    if (!run.radiosity.is_null()) json["radiosity"] = run.radiosity;
     return json;
 }
 

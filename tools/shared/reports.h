@@ -39,6 +39,7 @@ struct RunReport {
     RunTimes times;
     std::size_t peak_bytes = 0;  // of the whole program
     Json truth = nullptr;        // truth_json(), where something was path traced
+    Json radiosity = nullptr;    // radiosity_json(), of that method
 };
 Json run_json(const RunReport& run);
 Json stage_runs_json(const std::vector<frame::StageRun>& stages);
