@@ -106,7 +106,8 @@ struct Plate {
     bool curved;               // its surface differs with the mesh, and so does the truth
 };
 struct Setting {
-    int n, size;  // quads along a wall; hemicube
+    int n, size;           // quads along a wall; hemicube
+    bool outlined = true;  // the lamp's light by its outline and rays (emitters.h), in place of texels that see it
 };
 
 class PlateMaker {
@@ -127,7 +128,9 @@ class PlateMaker {
     Scene scene_of(const Setting& s) const {
         Scene scene = io::generate_scene(plate_.scene, {std::int64_t(plate_.triangles_of_one * s.n * s.n), 1}, place);
         scene.frame_size = request_.size, scene.method = "radiosity";
-        set(scene, "radiosity", "edge", 1e6);  // no mesh but the scene's own
+        // No mesh but the scene's own.
+        set(scene, "radiosity", "edge", 1e6), set(scene, "radiosity", "refine", 0.0), set(scene, "radiosity", "cut", false);
+        if (!s.outlined) set(scene, "radiosity", "small_emitters", 0.0);
         set(scene, "radiosity", "size", double(s.size));
         return scene;
     }
@@ -144,7 +147,7 @@ class PlateMaker {
         if (truth_.irradiance.empty() || (plate_.curved && s.n != truth_n_)) truth_ = trace_pixels(scene, f.gbuffer, request_, options_), truth_n_ = s.n;
         const compare::Plane own = compare::luminances(f.indirect);
         const IprErrors errors = ipr_errors(own, truth_.mean, truth_.error, truth_.compared);
-        IprSheetRow row{fmt::format("{} x {} quads a wall, hemicube {}", s.n, s.n, s.size), first ? "the plate's mesh, a guess" : "", {}, {}};
+        IprSheetRow row{fmt::format("{} x {} quads a wall, hemicube {}{}", s.n, s.n, s.size, s.outlined ? ", lamp by its outline" : ""), first ? "the plate's mesh, a guess" : "", {}, {}};
         row.values = {double(f.radiosity.elements.count()), double(f.radiosity.triangles.of.size()), seconds[seconds.size() / 2],
                       1e-3 * milliseconds(f, "radiosity.rows"), 1e-3 * milliseconds(f, "radiosity.solve"), first ? plate_.goal_same : plate_.goal_fine};
         row.values.push_back(first ? std::optional(plate_.thesis_seconds) : std::nullopt);
@@ -189,8 +192,8 @@ std::vector<IprSheet> measure_plates(const HemicubeRequest& request, const RunOp
     std::vector<IprSheet> sheets = {measure_local(request, options)};
     const Plate empty{"plate C.9", "an empty box", "hemicube_box", 12, thesis_c9_seconds, 0.15, 1, false};
     const Plate shapes{"plate C.10", "a box with a sphere and a torus, its lamp (100.4, 96.8, 90.0)", "hemicube_shapes", 49.8, thesis_c10_seconds, 0.6, 4, true};
-    std::vector<Setting> of_empty = {{10, 64}, {20, 64}, {40, 64}, {10, 256}, {20, 256}}, of_shapes = {{10, 64}, {20, 64}, {30, 64}, {10, 256}, {20, 256}};
-    if (request.quick) of_empty = {{5, 16}, {10, 16}}, of_shapes = {{5, 16}};
+    std::vector<Setting> of_empty = {{10, 64, false}, {10, 64}, {20, 64}, {30, 64}, {40, 64}, {10, 256, false}}, of_shapes = {{10, 64, false}, {10, 64}, {20, 64}, {30, 64}, {10, 256, false}};
+    if (request.quick) of_empty = {{5, 16, false}, {10, 16}}, of_shapes = {{5, 16, false}};
     sheets.push_back(PlateMaker(empty, request, options, tell).run(of_empty));
     sheets.push_back(PlateMaker(shapes, request, options, tell).run(of_shapes));
     return sheets;
