@@ -11,9 +11,9 @@ using namespace plumb::test;
 
 namespace {
 
-probes::Bake bake_of(const Scene& scene, probes::Gather gather, RunOptions options = {}, int rays = 256) {
+probes::Bake bake_of(const Scene& scene, probes::Gather gather, RunOptions options = {}, int rays = 256, int overlaps = 10) {
     probes::BakeParams params = small();
-    params.gather = gather, params.receiver_rays = rays;
+    params.gather = gather, params.receiver_rays = rays, params.placement.overlaps = overlaps;
     probes::BakeGraph graph(scene, params);
     run_all(graph, options);
     return graph.release();
@@ -85,12 +85,13 @@ TEST_CASE("fitted transport: the same bits on every instruction set, on any numb
     const Scene scene = furnished();
     RunOptions options;
     options.isa = Isa::scalar, options.threads = 1;
-    const probes::Bake expected = bake_of(scene, probes::Gather::fitted, options, 64);
+    const probes::Bake expected = bake_of(scene, probes::Gather::fitted, options, 64, 3);
     for (const Isa isa : supported_isas())
         for (const int threads : {1, 3}) {
+            if (threads == 1 && isa == Isa::scalar) continue;
             options.isa = isa, options.threads = threads;
             INFO(isa_name(isa) << ", " << threads << " threads");
-            CHECK(bake_of(scene, probes::Gather::fitted, options, 64).alpha == expected.alpha);
+            CHECK(bake_of(scene, probes::Gather::fitted, options, 64, 3).alpha == expected.alpha);
         }
 }
 
