@@ -1,4 +1,5 @@
 // Rows of form factors: what hemicubes see, summed and packed, against sums over the items of each texel.
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -43,6 +44,8 @@ Sums sums_of(const Elements& e, int size) {
                       &eyes[0].x, &vertices[0].x, &triangles[0].x, nullptr, nullptr};
     Sums sums;
     NoTap tap;
+    double all = 0, all_floats = 0;
+    for (const double weight : weights) all += weight, all_floats += double(float(weight));
     for (int i = 0; i < e.count(); ++i) {
         DenseRow& row = sums.rows.emplace_back();
         row.share.assign(std::size_t(e.count()), 0.0f);
@@ -61,6 +64,8 @@ Sums sums_of(const Elements& e, int size) {
                 row.share[of.y] += weight * item.seen.x;
                 row.share[of.z] += weight * item.seen.y;
             }
+        // What floats lose of weights, and of sums of them, is not lost of the row.
+        row.sum = all * std::max(0.0, 1 - (row.escaped + row.back) / all_floats);
     }
     return sums;
 }
@@ -71,7 +76,7 @@ bool same_list(const T& a, const T& b) {
 }
 bool same_rows(const RowBlock& a, const RowBlock& b) {
     return a.first == b.first && a.count == b.count && same_list(a.rows, b.rows) && same_list(a.runs, b.runs) && same_list(a.weights, b.weights) &&
-           same_list(a.scale, b.scale) && same_list(a.escaped, b.escaped) && same_list(a.back, b.back);
+           same_list(a.scale, b.scale) && same_list(a.sum, b.sum) && same_list(a.escaped, b.escaped) && same_list(a.back, b.back);
 }
 
 RowBlock packed(const std::vector<float>& share) {
