@@ -168,10 +168,11 @@ RowsMade rows_within(const Elements& elements, const RowParams& params, const Ro
     };
 
     for (int index = 0; index < blocks;) {
-        if (std::optional<RowBlock> block = maker->find(index)) {
-            taker.take(std::move(*block)), ++made.found, ++index;
-        } else {
-            const int last = std::min(blocks, index + batch);
+        // Those from `index` on that the store has not, and the one after them that it has.
+        std::optional<RowBlock> found = maker->find(index);
+        int last = index;
+        while (!found && ++last < blocks && last - index < batch) found = maker->find(last);
+        if (last > index) {
             for (RowBlock& b : maker->make(index, last, [&](double done) { progress(index + done * (last - index)); })) {
                 const int own = b.first / rows_of_block;
                 if (taker.take(std::move(b)) || maker->find(own)) continue;
@@ -179,8 +180,9 @@ RowsMade rows_within(const Elements& elements, const RowParams& params, const Ro
                                              "expected room for {:.1f} MB in the cache, or a larger memory_mb", elements.count(),
                                              megabytes(with.memory), megabytes(plan.most)));
             }
-            index = last;
         }
+        if (found) taker.take(std::move(*found)), ++made.found, ++last;
+        index = last;
         progress(index);
     }
     if (taker.further > 0) made.factors.further = std::make_shared<ReadRows>(maker, room, taker.further);

@@ -194,6 +194,16 @@ TEST_CASE("radiosity: rows that were damaged in the store are made again", "[rad
         CHECK(store.kept == 4);
         CHECK(hashes_of(made.factors) == truth);
     }
+    // One of them alone: no other is made for it.
+    int looked = 0;
+    store.damage = [&](Bundle& b) {
+        if (++looked == 2) b.arrays.clear();
+    };
+    store.kept = 0;
+    const RowsMade one = rows_within(e, small, {{}, ~std::uint64_t(0), &store});
+    CHECK(one.found == 3);
+    CHECK(store.kept == 1);
+    CHECK(hashes_of(one.factors) == truth);
     // Damaged while they are read for each product: the one that is asked for is made again.
     store.damage = nullptr;
     const RowsMade part = rows_within(e, small, {{}, little, &store});
