@@ -147,7 +147,7 @@ void add_rows(Context& c, Nodes& nodes) {
         run.kept = made.found > 0 && made.found == b.factors.block_count();
         run.reason = rows_text(b, p);
     };
-    node.of_pixels = false;
+    node.of_pixels = false, node.by_name = true;
     node.size = [&b] { return glm::ivec2(b.elements.count(), 1); };
     node.explain = [&c, &b](glm::ivec2 at) { return explained_row(c, b, at.x).values; };
     node.pictures = [&c, &b](glm::ivec2 at) { return pictures_of(explained_row(c, b, at.x).pictures); };

@@ -21,6 +21,7 @@ constexpr double dark = 0.05;                // of the scene's mean: less counts
 // What is interpolated on triangles: irradiance but by lamps, which shadow maps bring to the picture.
 Buffer<glm::vec4> irradiance_of(const Scene& scene, const Elements& elements, RadiosityParams params, const RunOptions& options) {
     params.size = std::min(params.size, refining_size), params.tolerance = std::max(params.tolerance, refining_error);
+    params.solver = SolverChoice::automatic, params.passes = RadiosityParams{}.passes;
     const FormFactors factors = form_factors(elements, row_params(params), options);
     const Buffer<glm::vec4> lamps = lamps_on(scene, elements, options);
     const Buffer<glm::vec4> own = own_light(scene, elements, factors, params, options);
@@ -46,7 +47,13 @@ Scene drawn_by_radiosity(const Scene& scene, const RadiosityParams& params, cons
     by.least_edge = params.least_edge > 0 ? double(params.least_edge) : least_of_edge * edge;
     for (int round = 0; round < params.refine; ++round) {
         const Elements elements = elements_of(drawn, element_params(params), options);
-        Refined finer = refine(drawn, elements, irradiance_of(drawn, elements, params, options), by);
+        Buffer<glm::vec4> irradiance;
+        try {
+            irradiance = irradiance_of(drawn, elements, params, options);
+        } catch (const InputError& error) {
+            throw InputError(scene.name + ": " + error.what());
+        }
+        Refined finer = refine(drawn, elements, irradiance, by);
         if (finer.different + finer.at_contacts + finer.beside == 0) break;
         drawn = std::move(finer.scene);
     }

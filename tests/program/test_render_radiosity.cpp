@@ -13,7 +13,7 @@ namespace {
 
 // 1,135 elements, with hemicubes of few texels.
 Words of_radiosity(const std::string& command, const std::string& scene, const Words& more = {}) {
-    Words words = {command, scene, "--method", "radiosity", "--size", "40x30", "--set", "radiosity.edge=0.3", "--set", "radiosity.size=10"};
+    Words words = {command, scene, "--method", "radiosity", "--size", "40x30", "--set", "radiosity.edge=0.3", "--set", "radiosity.refine=0", "--set", "radiosity.size=10"};
     words.insert(words.end(), more.begin(), more.end());
     return words;
 }
@@ -185,5 +185,7 @@ TEST_CASE("render: what the method radiosity cannot serve is one line with the n
     CHECK_THAT(asks("render", {"radiosity.solver=passes", "radiosity.passes=2"}),
                Contains("small.toml: radiosity: passes: not converged after 2 products") && Contains("tolerance = 0.0001"));
     CHECK_THAT(asks("render", {"radiosity.solver=direct", "radiosity.memory_mb=3"}), Contains("small.toml: radiosity: direct:") && Contains("GB"));
+    // What meshes are refined by is solved as it may, however the picture is.
+    CHECK_THAT(asks("render", {"radiosity.refine=1", "radiosity.solver=passes", "radiosity.passes=2"}), Contains("small.toml: radiosity: passes: not converged after 2 products"));
     CHECK_FALSE(fs::exists(out));
 }

@@ -106,8 +106,11 @@ struct Checker {
             item.x %= side;
         }
         if (!array || array->bytes.empty()) return {};
-        const std::size_t channels = array->shape.size() == 3 ? std::size_t(array->shape[2]) : 1;
-        const std::size_t at = std::size_t(item.y) * std::size_t(array->shape[1]) + std::size_t(item.x);
+        // A list has a row an item; an image, rows of them.
+        const glm::ivec2 size = node.size();
+        const bool list = array->shape.size() == 2 && array->shape[0] == std::int64_t(size.x) * size.y;
+        const std::size_t channels = list ? std::size_t(array->shape[1]) : array->shape.size() == 3 ? std::size_t(array->shape[2]) : 1;
+        const std::size_t at = std::size_t(item.y) * std::size_t(list ? size.x : array->shape[1]) + std::size_t(item.x);
         const auto* values = reinterpret_cast<const float*>(array->bytes.data()) + at * channels + std::size_t(result.channel);
         return {values, values + result.count};
     }
