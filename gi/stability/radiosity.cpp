@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/host_math.h"
 #include "gi/lend.h"
 #include "gi/radiosity/elements.h"
 #include "gi/radiosity/gather.h"
@@ -156,7 +157,7 @@ BakeCase of_reflectance(const std::string& name, float rho) {
 Scene million_to_one() {
     Scene scene = box();
     for (int k = 0; k < 4; ++k) {
-        const float side = std::pow(0.1f, float(k)), x = -0.9f + 0.4f * float(k);
+        const float side = float(host::pow(0.1, double(k))), x = -0.9f + 0.4f * float(k);
         scene.meshes.push_back(quad("quad", {glm::vec3(x, -0.5f, side), {x + side, -0.5f, side}, {x + side, -0.5f, 0}, {x, -0.5f, 0}}, 0));
     }
     return scene;
