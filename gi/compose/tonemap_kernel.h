@@ -42,12 +42,14 @@ PLUMB_INLINE F filmic_curve(F x) {
 
 // A power about middle grey, 0.18: in logarithms a line of slope `contrast` through it.
 //
-// differs: IPR figure A.1 has a contrast and prints no formula.
+// differs: IPR figure A.1 has a contrast and prints no formula. Below 2^-100 it is black: a gamma would lift what is left of
+// a number there, and that may be none of its digits.
 template <class F>
 PLUMB_INLINE F contrasted(F x, float contrast) {
     if (contrast == 1.0f) return x;
     x = min(max(x, F(0.0f)), F(1e10f));
-    return F(0.18f) * detmath::pow(x * F(5.55555534f), F(contrast));
+    const F y = F(0.18f) * detmath::pow(x * F(5.55555534f), F(contrast));
+    return select(y < F(0x1p-100f), F(0.0f), y);
 }
 
 template <class F>

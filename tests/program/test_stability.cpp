@@ -91,6 +91,8 @@ TEST_CASE("stability: no stage leaves its budget in any case, whatever the numbe
                                            "probes.coefficients: hits 2^61 m from a probe",
                                            "probes.coefficients: a hit that is no number"});
     CHECK(cases.size() == Json::parse(run({"stability", "--list", "--json"}).out)["cases"].size());
+    // One pixel does not meet what a power makes of the darkest ones.
+    CHECK(run({"stability", "--stage", "tonemap"}).exit == 0);
     for (const char* one : {"offset 1e3", "fan of 4096"}) {
         Json alone = cells_of({"--threads", "1", "--case", one}), of_table = Json::array();
         for (const Json& cell : table)
