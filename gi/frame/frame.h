@@ -43,6 +43,7 @@ struct Plan {
     std::vector<PlannedStage> stages;  // in the order in which they run
     raster::GBufferWants gbuffer;      // the buffers that are computed; the others are 0
     std::vector<PlannedMaps> maps;     // [lights]
+    std::vector<int> unseen;           // dynamic meshes, ascending, for which no spatial receiver is computed
     std::vector<Rule> run_rules;       // those that the run has to ask; none without pruning
 };
 
@@ -111,8 +112,11 @@ struct ProbeBuffers {
     Image4 uv;                               // of the frame's pixels
     // Of dynamic meshes; empty where there are none, or no spatial receivers.
     probes::ClusterData spatial;
+    std::vector<probes::Box> spatial_readers;    // what reads it
     std::vector<std::int32_t> spatial_active;    // [places]: 0 near what moves, else -1
     std::vector<std::int32_t> spatial_levels;    // of its clusters: 0 with a place near what moves, else none
+    probes::AirLevels air;                       // its levels of detail; empty without
+    std::vector<std::int32_t> air_active;        // [places]: the coarsest level where they are computed, else -1
     Image4 spatial_basis, spatial_irradiance;
     Buffer<glm::vec4> bounced, grid;             // [place][direction], W/m2: without static lamps, and with them
     Buffer<glm::vec4> static_light;              // the same of static lamps alone; empty without any

@@ -6,6 +6,7 @@
 #include "gi/frame/filters.h"
 #include "gi/frame/nodes_probes.h"
 #include "gi/probes/atlas_room.h"
+#include "gi/probes/basis_kernel.h"
 #include "gi/probes/hit_surfaces.h"
 #include "gi/probes/shadow_rays.h"
 
@@ -108,6 +109,22 @@ void add_surfaces(Context& c, int view, Nodes& nodes) {
     nodes.push_back(std::move(node));
 }
 
+// Of spatial receivers; none where nothing reads them.
+void take_air_levels(Context& c, probes::AirLevels levels, graph::NodeRun& run) {
+    ProbeBuffers& p = c.frame.probes;
+    const probes::SpatialGrid& grid = bake_of(c).spatial.grid;
+    p.air = std::move(levels);
+    if (p.air.place.empty())
+        p.air = probes::air_levels(grid, {}, {}, {}, int(p.spatial.clusters.size()));
+    std::vector<std::uint8_t> computed;
+    for (const std::int32_t level : p.air.place) computed.push_back(level != probes::no_level ? 1 : 0);
+    p.air_active = probes::active_levels(grid, computed, p.spatial.receiver, p.lod.levels - 1);
+    const auto read = probes::active_places(grid, p.spatial_readers);
+    const auto n = probes::air_counts(p.lod, bake_of(c), p.air);
+    run.reason += fmt::format(", {} places in the air for {} that are read, by clusters of levels 0 to {}: {}", std::count(computed.begin(), computed.end(), 1),
+                              std::count(read.begin(), read.end(), 1), p.lod.levels - 1, fmt::join(n.clusters.begin(), n.clusters.begin() + p.lod.levels, ", "));
+}
+
 // Levels of detail of clusters and probes, and of the hits' lookups.
 void add_levels(Context& c, Nodes& nodes) {
     ProbeBuffers& p = c.frame.probes;
@@ -126,6 +143,7 @@ void add_levels(Context& c, Nodes& nodes) {
         const View v = view();
         r.value(v.eye, v.forward, pipelined(c), c.settings.pruning);
         r.list(p.data.matrix), r.image(p.place);
+        if (has_volume(c)) r.list(p.spatial_readers);
     };
     node.outputs = [&p] {
         Bundle b;
@@ -133,11 +151,16 @@ void add_levels(Context& c, Nodes& nodes) {
         lend(b, "basis_level", {std::int64_t(p.basis_level.size()), 1}, p.basis_level.data());
         lend(b, "probe_level", {std::int64_t(p.probe_level.size()), 1}, p.probe_level.data());
         lend(b, "place", p.placed);
+        const auto list = [&b](const char* name, const std::vector<std::int32_t>& values) {
+            lend(b, name, {std::int64_t(values.size())}, values.data());
+        };
+        list("air_level", p.air.cluster), list("air_place", p.air.place), list("air_active", p.air_active);
         return b;
     };
     node.run = [&c, &p, view](const RunOptions& options, graph::NodeRun& run) {
         const View v = view();
-        const probes::Levels levels = probes::levels_at(p.lod, bake_of(c), p.boxes, glm::vec3(v.eye), glm::vec3(v.forward), options);
+        probes::Levels levels = probes::levels_at(p.lod, bake_of(c), p.boxes, glm::vec3(v.eye), glm::vec3(v.forward), options,
+                                                  has_volume(c) ? probes::air_reads(bake_of(c).spatial.grid, p.spatial_readers) : probes::AirReads());
         p.cluster_level = levels.cluster, p.probe_level = levels.probe;
         // In a pipeline the next frame's receivers read the basis.
         p.basis_level = pipelined(c) || !c.settings.pruning ? p.cluster_level : probes::basis_levels(p.data, p.cluster_level);
@@ -146,9 +169,10 @@ void add_levels(Context& c, Nodes& nodes) {
         for (std::size_t i = 0; i < levels.hit.size(); ++i) p.placed.texels[i].z = float(levels.hit[i]);
         const probes::LodCounts counts = probes::lod_counts(p.lod, bake_of(c), levels);
         run.reason = fmt::format("{} of {} receivers are computed", counts.receivers, p.data.count());
+        if (has_volume(c)) take_air_levels(c, std::move(levels.air), run);
     };
     node.explain = [=, &binding](glm::ivec2 at) { return plumb::explain(binding, clusters(), at); };
-    node.leave_out = [&p] { p.placed = {}; };
+    node.leave_out = [&p] { p.placed = {}, p.air = {}, p.air_active.clear(); };
     node.fill = [] {};
     node.results = {};
     nodes.push_back(std::move(node));
@@ -159,6 +183,7 @@ void add_levels(Context& c, Nodes& nodes) {
 void add_probe_hits(Context& c, int view, Nodes& nodes) {
     add_data(c, nodes);
     add_surfaces(c, view, nodes);
+    if (has_volume(c)) add_active(c, nodes);
     if (c.settings.lod.levels > 1) add_levels(c, nodes);
 }
 

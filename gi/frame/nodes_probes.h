@@ -23,7 +23,9 @@ probes::UpdateBuffers buffers_of(Context& c);
 // A step of the host's: it draws no pixels and is asked for by no name.
 PlannedNode begin_host(Context& c, const StageInfo& info, const std::string& why, glm::ivec2 size);
 
-// The update of spatial receivers near dynamic meshes; what pixels read of them is in nodes_relief.cpp.
+// Which spatial receivers something reads, before levels of detail are chosen.
+void add_active(Context& c, Nodes& nodes);
+// Their update; what pixels read of them is in nodes_relief.cpp.
 void add_volume(Context& c, Nodes& nodes);
 
 // The node of a stage of the lightmap's update. size(bake): of its domain. inputs(): its typed inputs.

@@ -299,6 +299,16 @@ double passes_needed(double rho, double error) { return std::ceil(host::log(erro
 
 namespace {
 
+// A fit counts on what stands for directions that nobody asks (gi/probes/fit.h).
+void check_unasked(const Scene& scene, const Settings& settings) {
+    if (settings.probe_run.unasked != probes::Unasked::black) return;
+    if (!settings.bake && !settings.probe_run.file.empty()) return;
+    const bool fitted = settings.bake ? settings.bake->transport.fitted : probes::transport_params(settings.probes, probes::sends_light(scene.environment)).fitted;
+    if (fitted)
+        throw InputError("[probes] unasked = black: the bake's gather = fitted takes from probes what stands for directions that nobody asks: "
+                         "expected unasked = nearest, or gather = interpolated");
+}
+
 // What is asked before a stage runs that no image or map tells.
 void check_parameters(const Scene& scene, const Settings& settings) {
     try {
@@ -307,6 +317,7 @@ void check_parameters(const Scene& scene, const Settings& settings) {
         if (!lights_probes(settings)) return;
         probes::validate(settings.lod);
         check_static_lamps(scene, settings);
+        check_unasked(scene, settings);
         // Of what is known now: where a bake is made its parameters are, the scene's diagonal is not asked for.
         const probes::BakeParams& baked = settings.bake ? settings.bake->params : settings.probes;
         constexpr double no_diagonal = 1e-6;

@@ -109,6 +109,13 @@ bool nothing_moves(const PlanFacts& known, const Work&) {
     return std::none_of(known.scene.meshes.begin(), known.scene.meshes.end(), [](const Mesh& m) { return m.dynamic && !m.triangles.empty(); });
 }
 
+// Nothing but its own pixels reads the air about what moves: indirect shadows do, and static surfaces that ask where light comes from.
+bool mesh_unseen(const PlanFacts& known, const Work& work) {
+    const probes::Box box = probes::box_of(known.scene.meshes[std::size_t(work.index)]);
+    return known.tame && known.settings.probe_run.indirect_shadow == probes::IndirectShadow::off &&
+           !may_see(known.scene, grown({glm::dvec3(box.low), glm::dvec3(box.high)}, known.slack)) && !relief_use(known.scene, known.settings).fixed;
+}
+
 bool relief_off(const PlanFacts& known, const Work&) { return known.settings.probe_run.relief == probes::ReliefOf::off; }
 
 // What moves has its normal maps in the G-buffer, and its light from the grid along them.
@@ -221,6 +228,7 @@ const std::vector<Rule>& rules() {
         {"no-emission", {"camera"}, "emission", "no emission: nothing emits", no_emission},
         {"depth-alone", {"rsm"}, "light", "depth alone: no gather reads the light", light_unread},
         {"face-blind", {"rsm"}, "face", "sees nothing", face_blind},
+        {"mesh-unseen", {"probes"}, "mesh", "is not in view", mesh_unseen},
         {"nothing-covered", of_screen, "", "no pixel sees a surface", nullptr, nothing_covered},
         {"map-dark", {"gather"}, "", "the light's map holds no flux", nullptr, map_dark},
         {"tile-empty", {"shadow", "gather", "filter", "direct", "isr", "isr access", "isr lit"}, "tile", "sees no surface", nullptr, tile_empty},

@@ -49,9 +49,9 @@ struct Work {
                         // "truth.direct", "truth.indirect"; of method isr "isr" (radiosity and gathers), "isr access",
                         // "isr lit" (what both go through) and "isr view" (what other cameras see); "probes" (the lightmap
                          // and what reads it), "relief" (normal maps and highlights), "probes shadow" (what dynamic meshes hide)
-    std::string part;   // empty: all of it; else "albedo", "emission", "light" of a map, "face", "tile"
+    std::string part;   // empty: all of it; else "albedo", "emission", "light" of a map, "face", "tile", "mesh": spatial receivers near it
     int light = -1;     // index into Scene::lights; -1: of none
-    int index = -1;     // of the face, or of the tile, row by row
+    int index = -1;     // of the face, of the tile, row by row, or of the mesh
 };
 
 struct Rule {

@@ -9,6 +9,7 @@
 #include "core/fields.h"
 #include "core/isa.h"
 #include "gi/probes/level.h"
+#include "gi/probes/lod_air.h"
 #include "gi/probes/stand_in.h"
 
 namespace plumb::probes {
@@ -24,7 +25,7 @@ enum class HitLevel : int {
 enum class ProbeLevel : int {
     centre,    // its position
     radius,    // as published: its position, nearer by its radius
-    clusters,  // as fine as the finest cluster that it supports: all that is read of it is computed
+    clusters,  // as fine as the finest cluster that it supports, on surfaces or in the air: all that is read of it is computed
 };
 
 // fields() says what each means.
@@ -85,10 +86,11 @@ struct Levels {
     std::vector<std::int32_t> cluster;  // [clusters]
     std::vector<std::int32_t> probe;    // [probes]
     std::vector<std::int32_t> hit;      // [probes][rays]: to look up the lightmap in; empty without levels of detail
+    AirLevels air;                      // empty where nothing reads it, and without levels of detail
 };
-// Throws InputError for a view that has none.
+// reads: of the bake's grid in the air. Throws InputError for a view that has none.
 Levels levels_at(const Lod& lod, const Bake& bake, const LodBoxes& boxes, const glm::vec3& eye, const glm::vec3& forward,
-                 const RunOptions& options);
+                 const RunOptions& options, const AirReads& reads = {});
 
 // Whether a receiver is computed (IPR 4.2.3); its level is that of receiver_levels(), run_data.h.
 constexpr bool is_computed(int receiver_level, int cluster_level) { return receiver_level >= cluster_level; }
@@ -105,6 +107,9 @@ struct LodCounts {
     std::int64_t bytes = 0;                                // that the three read and write at least, in floats
 };
 LodCounts lod_counts(const Lod& lod, const Bake& bake, const Levels& levels);
+
+// The same of the air, whose lambda are the surfaces': no probes, rays and lambda_terms.
+LodCounts air_counts(const Lod& lod, const Bake& bake, const AirLevels& levels);
 
 // Charts whose receivers are all missing in a level: what lies on them is 0 there.
 std::array<int, most_levels> charts_missing(const Bake& bake, int levels);

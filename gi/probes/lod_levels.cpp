@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/error.h"
+#include "gi/probes/basis_kernel.h"
 #include "gi/probes/bake.h"
 #include "gi/probes/lod.h"
 #include "gi/probes/sky_probe.h"
@@ -59,15 +60,13 @@ std::vector<std::int32_t> levels_of(const Buffer<glm::vec4>& low, const Buffer<g
     return levels;
 }
 
-// As fine as the finest cluster that reads it; of a probe that none reads the last level.
-std::vector<std::int32_t> levels_by_clusters(const Bake& bake, const std::vector<std::int32_t>& cluster_levels, int levels) {
-    std::vector<std::int32_t> of(bake.placement.probes.size(), levels - 1);
+// Makes each probe as fine as the finest of these clusters that reads it.
+void refine_by_clusters(const FlatClusters& flat, const std::vector<std::int32_t>& cluster_levels, std::vector<std::int32_t>& of) {
     for (std::size_t c = 0; c < cluster_levels.size(); ++c)
-        for (std::int32_t k = bake.flat.first_probe[c]; k < bake.flat.first_probe[c + 1]; ++k) {
-            std::int32_t& level = of[std::size_t(bake.flat.probes[std::size_t(k)])];
+        for (std::int32_t k = flat.first_probe[c]; k < flat.first_probe[c + 1]; ++k) {
+            std::int32_t& level = of[std::size_t(flat.probes[std::size_t(k)])];
             level = std::min(level, cluster_levels[c]);
         }
-    return of;
 }
 
 }  // namespace
@@ -99,7 +98,7 @@ LodBoxes lod_boxes(const Bake& bake, Unasked unasked) {
 }
 
 Levels levels_at(const Lod& lod, const Bake& bake, const LodBoxes& boxes, const glm::vec3& eye, const glm::vec3& forward,
-                 const RunOptions& options) {
+                 const RunOptions& options, const AirReads& reads) {
     Levels of;
     if (lod.off()) {
         of.cluster.assign(boxes.cluster_low.size(), 0), of.probe.assign(boxes.probe_low.size(), 0);
@@ -111,8 +110,11 @@ Levels levels_at(const Lod& lod, const Bake& bake, const LodBoxes& boxes, const 
         of.hit.assign(boxes.hit.size(), lod.levels - 1);
     else
         of.hit = levels_of(boxes.hit, boxes.hit, rule, options);
+    if (!reads.cell.empty())
+        of.air = air_levels(bake.spatial.grid, reads, levels_of(reads.low, reads.high, rule, options), bake.spatial.flat.cluster_of, bake.spatial.flat.count());
     if (lod.probe_level == ProbeLevel::clusters) {
-        of.probe = levels_by_clusters(bake, of.cluster, lod.levels);
+        of.probe.assign(bake.placement.probes.size(), lod.levels - 1);  // of a probe that none reads
+        refine_by_clusters(bake.flat, of.cluster, of.probe), refine_by_clusters(bake.spatial.flat, of.air.cluster, of.probe);
     } else {
         rule.margins = glm::vec4(lod.probe_level == ProbeLevel::radius ? 1 : 0);
         of.probe = levels_of(boxes.probe_low, boxes.probe_high, rule, options);
@@ -121,9 +123,31 @@ Levels levels_at(const Lod& lod, const Bake& bake, const LodBoxes& boxes, const 
     return of;
 }
 
+namespace {
+
+// Clusters and receivers. computed(receiver, level of its cluster).
+template <class Computed>
+void count_clusters(const Lod& lod, const FlatClusters& flat, const std::vector<std::int32_t>& levels, Computed computed, LodCounts& n) {
+    for (std::size_t c = 0; c < levels.size(); ++c) {
+        const int level = levels[c], rank = flat.rank[c];
+        if (level >= lod.levels) continue;
+        ++n.clusters[std::size_t(level)];
+        const std::int64_t probes = flat.first_probe[c + 1] - flat.first_probe[c];
+        n.basis_terms += probes * lod.coefficients[std::size_t(level)] * rank;
+        for (std::int32_t i = flat.first_receiver[c]; i < flat.first_receiver[c + 1]; ++i) {
+            if (!computed(std::size_t(flat.receivers[std::size_t(i)]), level)) continue;
+            ++n.receivers;
+            n.irradiance_terms += rank;
+        }
+    }
+    // Radiance of each ray, a matrix and a row of U for each term, an irradiance for each receiver.
+    n.bytes = 16 * n.rays + 4 * (n.basis_terms + n.irradiance_terms) + 16 * n.receivers;
+}
+
+}  // namespace
+
 LodCounts lod_counts(const Lod& lod, const Bake& bake, const Levels& levels) {
     LodCounts n;
-    const FlatClusters& flat = bake.flat;
     const std::vector<std::int32_t> shown = receiver_levels(bake, lod.levels);
     for (const std::int32_t level : levels.probe) {
         const std::size_t k = std::size_t(level);
@@ -131,19 +155,13 @@ LodCounts lod_counts(const Lod& lod, const Bake& bake, const Levels& levels) {
         n.rays += lod.rays[k];
         n.lambda_terms += std::int64_t(lod.rays[k]) * lod.coefficients[k];
     }
-    for (std::size_t c = 0; c < levels.cluster.size(); ++c) {
-        const int level = levels.cluster[c], rank = flat.rank[c];
-        ++n.clusters[std::size_t(level)];
-        const std::int64_t probes = flat.first_probe[c + 1] - flat.first_probe[c];
-        n.basis_terms += probes * lod.coefficients[std::size_t(level)] * rank;
-        for (std::int32_t i = flat.first_receiver[c]; i < flat.first_receiver[c + 1]; ++i) {
-            if (!is_computed(shown[std::size_t(flat.receivers[std::size_t(i)])], level)) continue;
-            ++n.receivers;
-            n.irradiance_terms += rank;
-        }
-    }
-    // Radiance of each ray, a matrix and a row of U for each term, an irradiance for each receiver.
-    n.bytes = 16 * n.rays + 4 * (n.basis_terms + n.irradiance_terms) + 16 * n.receivers;
+    count_clusters(lod, bake.flat, levels.cluster, [&](std::size_t i, int level) { return is_computed(shown[i], level); }, n);
+    return n;
+}
+
+LodCounts air_counts(const Lod& lod, const Bake& bake, const AirLevels& levels) {
+    LodCounts n;
+    count_clusters(lod, bake.spatial.flat, levels.cluster, [&](std::size_t i, int) { return levels.place[i % levels.place.size()] != no_level; }, n);
     return n;
 }
 

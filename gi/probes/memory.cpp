@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "core/error.h"
+#include "core/sh.h"
 #include "gi/probes/cluster_tree.h"
 #include "gi/probes/svd_loops.h"
 
@@ -50,17 +51,6 @@ OfClusters of_clusters(const Bake& b, int receivers, const Receivers& of, const 
     return {2 * once + c.lists * 4 + c.clusters * 1024 + std::uint64_t(receivers) * 16, c.workspace};
 }
 
-// What fit.h holds: of each probe what its rays met and their weights; of a block the products of pairs of probes; of a thread a matrix
-// of all probes of a receiver, its factor, and one pair's covariances.
-std::uint64_t of_fit(const Bake& b, int threads) {
-    if (!b.transport.fitted) return 0;
-    const std::uint64_t probes = b.placement.probes.size(), rays = std::uint64_t(b.params.relight_rays), slots = std::uint64_t(b.supports.overlaps);
-    const std::uint64_t width = std::uint64_t(padded(b.coefficients())), size = slots * width;
-    const std::uint64_t pairs = std::min(probes * (probes + 1) / 2, std::uint64_t(block_receivers) * slots * (slots + 1) / 2);
-    return probes * rays * (width * sizeof(double) + 64) + pairs * width * width * sizeof(double) +
-           std::uint64_t(threads) * sizeof(double) * (2 * size * size + rays * (rays + width));
-}
-
 }  // namespace
 
 std::uint64_t bytes_of_scene(const Scene& scene) {
@@ -69,6 +59,13 @@ std::uint64_t bytes_of_scene(const Scene& scene) {
     // Texels, and the levels of detail that are made of them.
     for (const Texture& t : scene.textures) bytes += std::uint64_t(t.texels.size()) * (4 + 6);
     return bytes;
+}
+
+std::uint64_t bytes_of_fit(const FitSize& of, int threads) {
+    const std::uint64_t width = std::uint64_t(padded(sh::count(of.degree))), size = of.overlaps * width;
+    const std::uint64_t pairs = std::min(of.probes * (of.probes + 1) / 2, std::uint64_t(block_receivers) * of.overlaps * (of.overlaps + 1) / 2);
+    return of.probes * of.rays * (width * sizeof(double) + 64) + pairs * width * width * sizeof(double) +
+           std::uint64_t(threads) * sizeof(double) * (2 * size * size + of.rays * (of.rays + width));
 }
 
 std::uint64_t bytes_to_draw(const Bake& b) {
@@ -85,7 +82,8 @@ std::uint64_t bytes_needed(const Bake& b, const Part& part, int threads) {
                                std::uint64_t(b.params.relight_rays) * (20 + 4 * std::uint64_t(b.coefficients()));
     // A block as it is traced; its transport by rows, by receivers, and on its way into the store.
     const std::uint64_t of_ray = b.transport.fitted ? 28 + 16 : 28;
-    const std::uint64_t while_tracing = block * (std::uint64_t(b.params.receiver_rays) * of_ray + 3 * row) + of_fit(b, threads);
+    const FitSize size{b.placement.probes.size(), std::uint64_t(b.params.relight_rays), std::uint64_t(b.supports.overlaps), b.params.degree};
+    const std::uint64_t while_tracing = block * (std::uint64_t(b.params.receiver_rays) * of_ray + 3 * row) + (b.transport.fitted ? bytes_of_fit(size, threads) : 0);
     if (part.count > 1) {
         const std::uint64_t blocks = (receivers + block - 1) / block, count = std::uint64_t(part.count);
         return std::max(bytes_to_draw(b), held + (blocks + count - 1) / count * block * row + while_tracing);

@@ -12,6 +12,14 @@ namespace plumb::probes {
 // Of a scene as it was read, with its textures.
 std::uint64_t bytes_of_scene(const Scene& scene);
 
+// What fit.h holds: of each probe what its rays met and their weights; of a block the products of pairs of probes; of a thread a matrix
+// of all probes of a receiver, its factor, and one pair's covariances.
+struct FitSize {
+    std::uint64_t probes = 0, rays = 0, overlaps = 0;
+    int degree = 0;
+};
+std::uint64_t bytes_of_fit(const FitSize& of, int threads);
+
 // Until the receivers are known, when the atlas is: the lightmap as it is drawn.
 std::uint64_t bytes_to_draw(const Bake& bake);
 

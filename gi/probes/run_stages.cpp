@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/content_hasher.h"
+#include "core/parallel.h"
 #include "gi/probes/bake.h"
 #include "gi/probes/host_step.h"
 #include "gi/probes/memory.h"
@@ -21,8 +22,8 @@ constexpr auto step = host_step<RunParams>;
 const Port bake = {"bake", "arrays", "", "of plumb bake"};
 const Port lightmap = {"lightmap", "image rgba32f", "W/m2", "irradiance"};
 
-// Of one core: exact rays, in scenes of middle size; decompositions, of each receiver.
-constexpr double rays_a_ms = 8000, clusters_ms = 0.035;
+// Of one core: exact rays, in scenes of middle size; decompositions, of each receiver; a fit, of each of its probes.
+constexpr double rays_a_ms = 8000, clusters_ms = 0.035, fit_ms = 0.05;
 
 }  // namespace
 
@@ -95,6 +96,14 @@ ExpectedBake expected_bake(const Scene& scene, const BakeParams& p) {
     // have hardly more receivers than singular values, and the columns of a probe more than a receiver has.
     const double columns = (p.degree + 1) * (p.degree + 1), overlaps = p.placement.overlaps;
     e.bytes = e.receivers * 4 * (overlaps * columns + 2 * (p.singular_values + (overlaps + 1) * columns));
+    if (transport_params(p, sends_light(scene.environment)).fitted) {
+        glm::vec3 low, high;
+        bounds(g, low, high);
+        const FitSize fit{std::uint64_t(wanted_probes(glm::dvec3(high) - glm::dvec3(low), p.placement)), std::uint64_t(p.relight_rays),
+                          std::uint64_t(p.placement.overlaps), p.degree};
+        e.ms += e.receivers * overlaps * fit_ms;
+        e.bytes += double(bytes_of_fit(fit, thread_count(0)));
+    }
     return e;
 }
 

@@ -148,32 +148,43 @@ Clusters spatial_clusters(const Spatial& s, int coefficients, const ClusterParam
 
 // ---- Run time ----------------------------------------------------------------------------------------------------------
 
-std::vector<Box> dynamic_boxes(const Scene& scene) {
+Box box_of(const Mesh& mesh) {
+    glm::dvec3 low(HUGE_VAL), high(-HUGE_VAL);
+    for (const Vertex& v : mesh.vertices) {
+        const glm::dvec3 p(mesh.transform * glm::dvec4(glm::dvec3(v.position), 1));
+        low = glm::min(low, p), high = glm::max(high, p);
+    }
+    return {glm::vec3(low), glm::vec3(high)};
+}
+
+std::vector<Box> dynamic_boxes(const Scene& scene, const std::vector<int>& left_out) {
     std::vector<Box> boxes;
-    for (const Mesh& mesh : scene.meshes) {
-        if (!mesh.dynamic || mesh.vertices.empty()) continue;
-        glm::dvec3 low(HUGE_VAL), high(-HUGE_VAL);
-        for (const Vertex& v : mesh.vertices) {
-            const glm::dvec3 p(mesh.transform * glm::dvec4(glm::dvec3(v.position), 1));
-            low = glm::min(low, p), high = glm::max(high, p);
-        }
-        boxes.push_back({glm::vec3(low), glm::vec3(high)});
+    for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
+        const Mesh& mesh = scene.meshes[m];
+        if (!mesh.dynamic || mesh.vertices.empty() || std::binary_search(left_out.begin(), left_out.end(), int(m))) continue;
+        boxes.push_back(box_of(mesh));
     }
     return boxes;
+}
+
+CellRange cells_of(const SpatialGrid& g, const Box& box) {
+    CellRange range;
+    for (int c = 0; c < 3; ++c) {
+        const double a = box.low[c], b = box.high[c], spacing = g.spacing[c], end = g.count[c] - 1;
+        if (!std::isfinite(a) || !std::isfinite(b)) throw InputError("spatial receivers: a dynamic mesh is not finite");
+        range.margin[c] = 1e-3 * spacing + 0x1p-10 * std::max(std::fabs(a), std::fabs(b));
+        range.first[c] = int(std::floor(std::clamp((a - range.margin[c] - double(g.origin[c])) / spacing, 0.0, end)));
+        range.last[c] = int(std::floor(std::clamp((b + range.margin[c] - double(g.origin[c])) / spacing, 0.0, end)));
+    }
+    return range;
 }
 
 std::vector<std::uint8_t> active_places(const SpatialGrid& g, const std::vector<Box>& boxes) {
     std::vector<std::uint8_t> active(std::size_t(g.places()), 0);
     if (active.empty()) return active;
     for (const Box& box : boxes) {
-        glm::ivec3 first, last;
-        for (int c = 0; c < 3; ++c) {
-            const double a = box.low[c], b = box.high[c], spacing = g.spacing[c];
-            if (!std::isfinite(a) || !std::isfinite(b)) throw InputError("spatial receivers: a dynamic mesh is not finite");
-            const double margin = 1e-3 * spacing + 0x1p-10 * std::max(std::fabs(a), std::fabs(b)), end = g.count[c] - 1;
-            first[c] = int(std::floor(std::clamp((a - margin - double(g.origin[c])) / spacing, 0.0, end)));
-            last[c] = std::min(int(std::floor(std::clamp((b + margin - double(g.origin[c])) / spacing, 0.0, end))) + 1, g.count[c] - 1);
-        }
+        const auto [first, last_cell, margin] = cells_of(g, box);
+        const glm::ivec3 last = glm::min(last_cell + 1, g.count - 1);
         for (int z = first.z; z <= last.z; ++z)
             for (int y = first.y; y <= last.y; ++y)
                 for (int x = first.x; x <= last.x; ++x) active[std::size_t(x + g.count.x * (y + g.count.y * z))] = 1;
@@ -182,9 +193,9 @@ std::vector<std::uint8_t> active_places(const SpatialGrid& g, const std::vector<
 }
 
 std::vector<std::int32_t> active_levels(const SpatialGrid& g, const std::vector<std::uint8_t>& active,
-                                        const std::vector<std::int32_t>& receiver) {
+                                        const std::vector<std::int32_t>& receiver, int coarsest) {
     std::vector<std::int32_t> levels;
-    for (const std::int32_t r : receiver) levels.push_back(active[std::size_t(r % g.places())] ? 0 : -1);
+    for (const std::int32_t r : receiver) levels.push_back(active[std::size_t(r % g.places())] ? coarsest : -1);
     return levels;
 }
 

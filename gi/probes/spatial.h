@@ -72,17 +72,25 @@ Clusters spatial_clusters(const Spatial& spatial, int coefficients, const Cluste
 struct Box {
     glm::vec3 low{0}, high{0};  // m
 };
-// Of each dynamic mesh, in world space.
-std::vector<Box> dynamic_boxes(const Scene& scene);
+// Of a mesh, in world space; low above high for one without vertices.
+Box box_of(const Mesh& mesh);
+// Of each dynamic mesh but those at these places of Scene::meshes, which ascend.
+std::vector<Box> dynamic_boxes(const Scene& scene, const std::vector<int>& left_out = {});
 
-// Which places a lookup within the boxes reads, 1 each: the corners of every cell that a box touches (figure 4.2), and as much more as
-// positions rounded to half floats may be off. Beyond the grid those at its edge are read. Throws InputError for a box that is not
-// finite.
+// The cells that a box touches, each called by its first place, and as much more as positions rounded to half floats may be off. Beyond
+// the grid those at its edge. Throws InputError for a box that is not finite.
+struct CellRange {
+    glm::ivec3 first{0}, last{0};
+    glm::dvec3 margin{0};  // m
+};
+CellRange cells_of(const SpatialGrid& grid, const Box& box);
+
+// Which places a lookup within the boxes reads, 1 each: the corners of their cells (figure 4.2).
 std::vector<std::uint8_t> active_places(const SpatialGrid& grid, const std::vector<Box>& boxes);
-// What probes.irradiance is given as receiver_level, where clusters have level 0: 0 of active places, -1 of others, which it does not
+// What probes.irradiance is given as receiver_level: `coarsest` of clusters' levels for active places, -1 of others, which it does not
 // compute. receiver: that of ClusterData (run_data.h).
 std::vector<std::int32_t> active_levels(const SpatialGrid& grid, const std::vector<std::uint8_t>& active,
-                                        const std::vector<std::int32_t>& receiver);
+                                        const std::vector<std::int32_t>& receiver, int coarsest = 0);
 // What probes.basis and probes.irradiance are given as cluster_level: 0 of clusters with a place that is active, no_level of the rest,
 // whose matrix is not read. active: that of active_levels(); cluster: that of ClusterData.
 std::vector<std::int32_t> active_clusters(const std::vector<std::int32_t>& active, const std::vector<std::int32_t>& cluster, std::size_t clusters);

@@ -410,6 +410,31 @@ TEST_CASE("relief: the same bits for every instruction set, kept or made anew, p
     check_kept();
 }
 
+TEST_CASE("relief: light vectors of static surfaces know nothing of static lamps, whose light reaches them directly", "[probes][relief][frame][analytic][IPR 5.2.1.5]") {
+    // Nothing reflects or emits: but for the lamp there is no light, and the air has that of the lamp for what moves alone.
+    Scene scene = with_quad(lit_room(), quad({0, 0, 0}, {0, 1, 0}, {1, 0, 0}, 1));
+    for (Material& m : scene.materials) m.reflectance = glm::vec3(0);
+    scene.meshes[0].tangents.assign(scene.meshes[0].vertices.size(), glm::vec4(1, 0, 0, 1));
+    scene.textures = {constant_map(190, 110, 225)};
+    scene.materials[0].normal_texture = 0;
+    frame::Settings settings = settings_for(scene);
+    settings.probe_run.static_lamps = "lamp";
+    const frame::Frame f = frame_of(scene, settings);
+    int fixed = 0, moving = 0;
+    for (std::size_t i = 0; i < f.indirect.size(); ++i) {
+        const glm::vec4 e = f.probes.relief.fixed.irradiance.texels[i], l = f.probes.relief.fixed.from_light.texels[i];
+        if (of_quad(f, i)) {
+            CHECK(f.probes.volume.irradiance.texels[i].x > 0.01f);
+            ++moving;
+        } else if (e.w == 1) {
+            CHECK(glm::vec3(e) == glm::vec3(0));
+            CHECK(glm::vec3(l) == glm::vec3(0));
+            ++fixed;
+        }
+    }
+    CHECK((fixed > 400 && moving > 20));
+}
+
 TEST_CASE("relief: static lamps that are not there are refused", "[probes][relief][frame][refused]") {
     Scene scene = with_quad(lit_room(), quad({0, 0, 0}, {0, 1, 0}, {1, 0, 0}, 1));
     frame::Settings settings = settings_for(scene);

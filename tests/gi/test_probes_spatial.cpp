@@ -3,6 +3,8 @@
 #include <set>
 
 #include "core/error.h"
+#include "core/formats.h"
+#include "core/hash.h"
 #include "gi/graph/memory_store.h"
 #include "gi/probes/kept_steps.h"
 #include "gi/probes/run_data.h"
@@ -306,6 +308,40 @@ TEST_CASE("spatial receivers: which places dynamic objects ask for", "[probes][s
     REQUIRE(boxes.size() == 1);
     CHECK(boxes[0].low == glm::vec3(2, 3, 4));
     CHECK(boxes[0].high == glm::vec3(4, 5, 6));
+}
+
+TEST_CASE("spatial receivers: places that positions rounded to half floats read are computed, too", "[probes][spatial][IPR 4.1.1][property]") {
+    // A G-buffer of half floats moves a corner of a box across a plane of places, by 2^-12 of its coordinate at most.
+    const SpatialGrid g{{9, 9, 9}, {-0.7013f, 0.1001f, 3.3307f}, {1.1f, 0.9f, 1.3f}};
+    const auto half = [](float x) { return half_to_float(float_to_half(x)); };
+    int missing = 0, moved = 0;
+    for (std::uint32_t round = 0; round < 4000; ++round) {
+        std::uint32_t salt = 0;
+        const auto random = [&] { return float(pcg(round * 64 + salt++) & 0xffffff) / 16777216.0f; };
+        Box box;
+        for (int c = 0; c < 3; ++c) {
+            // Within a thousandth of a coordinate beside a plane.
+            const float plane = g.origin[c] + g.spacing[c] * float(1 + int(7 * random()));
+            const float beside = plane + 1e-3f * (random() - 0.5f) * std::fabs(plane);
+            const float size = 0.8f * random();
+            box.low[c] = round % 2 ? beside : beside - size, box.high[c] = round % 2 ? beside + size : beside;
+        }
+        const std::vector<std::uint8_t> active = active_places(g, {box});
+        for (int corner = 0; corner < 8; ++corner) {
+            glm::ivec3 first, exact;
+            for (int c = 0; c < 3; ++c) {
+                const float x = (corner >> c & 1) != 0 ? box.high[c] : box.low[c];
+                first[c] = grid_cell<float>(half(x), g.origin[c], g.spacing[c], 9).first, exact[c] = grid_cell<float>(x, g.origin[c], g.spacing[c], 9).first;
+            }
+            moved += first != exact;
+            for (int k = 0; k < 8; ++k) {
+                const glm::ivec3 at = glm::min(first + glm::ivec3(k & 1, k >> 1 & 1, k >> 2), glm::ivec3(8));
+                missing += !active[std::size_t(at.x + 9 * (at.y + 9 * at.z))];
+            }
+        }
+    }
+    CHECK(moved > 1000);
+    CHECK(missing == 0);
 }
 
 TEST_CASE("spatial receivers: what a bake knows of surfaces is the same with them and without", "[probes][spatial][graph]") {

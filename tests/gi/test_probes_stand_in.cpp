@@ -48,9 +48,10 @@ frame::Frame frame_of(const Scene& scene, probes::Unasked unasked) {
 
 // Irradiance of receivers over what it is under the radiance 2 / pi from every front that they see: by told_share(). Mean and
 // largest deviation.
-std::pair<double, double> ratio_of(const Scene& scene, probes::Unasked unasked) {
+std::pair<double, double> ratio_of(const Scene& scene, probes::Unasked unasked, probes::Gather gather = probes::Gather::interpolated) {
     frame::Settings settings = frame::settings_of(scene);
     settings.probes = small();
+    settings.probes.gather = gather;
     settings.probes.receivers_per_m2 = 5, settings.probes.threshold = 1e-7f, settings.probes.singular_values = 64;
     settings.probe_run.unasked = unasked;
     frame::add_bake(scene, settings);
@@ -227,4 +228,54 @@ TEST_CASE("stand-ins: with what moves in the way, rays that nobody asks continue
     CHECK(taken_over > 0);
     CHECK(of_sky == int(rays));
     CHECK(wrong == 0);
+}
+
+TEST_CASE("stand-ins: a fitted transport counts on them, and black is refused before anything is made", "[probes][unasked][fit][analytic][refused]") {
+    const Scene scene = open_room(0);
+    const auto [mean, most] = ratio_of(scene, probes::Unasked::nearest, probes::Gather::fitted);
+    CHECK(mean == Approx(1).epsilon(1e-5));
+    CHECK(most < 1e-4);
+    const auto refused = Catch::Matchers::Contains("[probes] unasked = black: the bake's gather = fitted takes from probes what stands for");
+    frame::Settings settings = frame::settings_of(scene);
+    settings.probes = small(), settings.probes.gather = probes::Gather::fitted, settings.probe_run.unasked = probes::Unasked::black;
+    CHECK_THROWS_WITH(frame::plan(scene, settings), refused);
+    // Where the parameters leave no fit (transport_params) there is nothing to refuse.
+    settings.probes.weighting = probes::Weighting::published;
+    CHECK_NOTHROW(frame::plan(scene, settings));
+    settings.probes.weighting = probes::Weighting::none;
+    // Of a bake that is there its own way counts, not the settings'.
+    frame::Settings baked = settings;
+    frame::add_bake(scene, baked);
+    baked.probes.gather = probes::Gather::interpolated;
+    CHECK_THROWS_WITH(frame::plan(scene, baked), refused);
+    baked.probe_run.unasked = probes::Unasked::nearest;
+    CHECK_NOTHROW(frame::plan(scene, baked));
+}
+
+TEST_CASE("stand-ins: with levels of detail, too, a ray that nobody asks finds what the one that stands for it does, to the bit", "[probes][unasked][lod][frame]") {
+    // It looks the lightmap up where that one ends: in that place's level, not in its probe's.
+    Scene scene = open_room(0.5f);
+    for (Material& m : scene.materials) m.emission = glm::vec3(0);
+    Light lamp;
+    lamp.type = LightType::point, lamp.position = glm::vec3(0.5f, 1, -0.5f), lamp.intensity = glm::vec3(5), lamp.rsm_size = 32;
+    scene.lights = {lamp};
+    frame::Settings settings = frame::settings_of(scene);
+    settings.probes = small(), settings.probes.receivers_per_m2 = 30, settings.probes.gap = 24, settings.probes.cluster_receivers = 32;
+    settings.lod.levels = 4, settings.lod.distance_1 = 1.7f, settings.lod.distance_2 = 2.2f, settings.lod.distance_3 = 2.6f;
+    frame::add_bake(scene, settings);
+    const probes::Bake& b = *settings.bake;
+    const frame::Frame f = frame::execute(scene, settings, frame::plan(scene, settings), {});
+    const std::vector<std::int32_t> of = probes::stand_ins(b, probes::Unasked::nearest, {});
+    const View v = make_view(scene.camera, double(scene.frame_size.x) / scene.frame_size.y, scene.convention, scene.frame_size);
+    const std::vector<std::int32_t> own = probes::levels_at(f.probes.lod, b, probes::lod_boxes(b, probes::Unasked::black), glm::vec3(v.eye), glm::vec3(v.forward), {}).hit;
+    int standing = 0, differing = 0, elsewhere = 0;
+    for (std::size_t k = 0; k < of.size(); ++k) {
+        if (of[k] == std::int32_t(k)) continue;
+        const std::size_t as = std::size_t(of[k]);
+        ++standing, differing += f.probes.radiance.texels[k] != f.probes.radiance.texels[as];
+        elsewhere += float(own[k]) != f.probes.placed.texels[as].z;
+    }
+    CHECK(standing > 100);
+    CHECK(elsewhere > 20);  // else the levels would say nothing
+    CHECK(differing == 0);
 }

@@ -135,6 +135,51 @@ TEST_CASE("experiment ipr: level of detail measured in a small room", "[experime
     CHECK(lod_text("room", m, &thesis_lod_tables()[3]).find("LOD 1") != std::string::npos);
 }
 
+TEST_CASE("experiment ipr: what moves has a row of its own, and no part in that of surfaces", "[experiment][probes][lod][air]") {
+    static const RunOptions options;
+    Scene scene = room().scene;
+    Mesh thing;
+    add_box(thing, glm::vec3(-0.3f), glm::vec3(0.3f), 1);
+    thing.name = "thing", thing.dynamic = true, thing.material.assign(thing.triangles.size(), 1);
+    thing.transform[3] = glm::dvec4(2.5, 1.5, 2.5, 1);
+    scene.meshes.push_back(thing);
+    probes::BakeParams params = room().params;
+    params.spatial_receivers = 64;
+    probes::BakeGraph graph(scene, params);
+    run_all(graph);
+    const LodBench moving(scene, graph.bake(), options);
+    LodSetup near{"near", lod_setup("D0").params};
+    near.params.distance_1 = near.params.distance_2 = near.params.distance_3 = 100;
+    const std::vector<LodSetup> setups = {near, lod_setup("SD1", 0.05)};
+    const std::vector<LodMeasured> m = moving.measure(view(), setups, 1), still = bench().measure(view(), setups, 1);
+    REQUIRE(m.size() == 3);
+    for (std::size_t i = 0; i < 3; ++i) {
+        CAPTURE(m[i].setup);
+        REQUIRE(m[i].air);
+        CHECK_FALSE(still[i].air);
+        CHECK(m[i].receivers == still[i].receivers);
+        CHECK((m[i].picture.texels == still[i].picture.texels));
+        CHECK(m[i].air->read == 8);
+        CHECK(m[i].air->computed == 8);
+        CHECK(m[i].air->ms > 0);
+        CHECK(m[i].air->least > 0.1);  // nothing is black
+        CHECK(m[i].air->worst >= m[i].air->error);
+    }
+    // 8 receivers of each direction; near is what there is without levels.
+    CHECK(m[0].air->counts.receivers == 6 * 8);
+    CHECK(m[1].air->error == 0);
+    CHECK(m[1].air->counts.bytes == m[0].air->counts.bytes);
+    // Of degree 0 a 64th of the matrices is read.
+    const probes::LodCounts& far = m[2].air->counts;
+    CHECK(far.clusters[3] > 0);
+    CHECK(far.basis_terms * 64 == m[0].air->counts.basis_terms);
+    CHECK(m[2].air->error > 0.001);
+    const std::string text = lod_text("room", m, nullptr);
+    CHECK(text.find("what moves: 8 places in the air are read") != std::string::npos);
+    CHECK(lod_json(m)[2]["air"]["places"] == 8);
+    CHECK(lod_json(still)[2]["air"].is_null());
+}
+
 TEST_CASE("experiment ipr: seams grow with the gap, and there is none within a degree", "[experiment][probes][lod]") {
     const LodSeams seams = bench().seams();
     REQUIRE(seams.pairs.size() == 36);

@@ -12,11 +12,8 @@
 
 namespace plumb::cli {
 
-namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double median_ms(const std::function<void()>& once, int times) {
+double lod_median_ms(const std::function<void()>& once, int times) {
+    using Clock = std::chrono::steady_clock;
     std::vector<double> ms;
     for (int i = 0; i < std::max(times, 1); ++i) {
         const auto start = Clock::now();
@@ -26,6 +23,8 @@ double median_ms(const std::function<void()>& once, int times) {
     std::nth_element(ms.begin(), ms.begin() + std::ptrdiff_t(ms.size() / 2), ms.end());
     return ms[ms.size() / 2];
 }
+
+namespace {
 
 // Beyond borders nothing: of all levels, or of those from row `first` on.
 void without_borders(Image<std::int32_t>& cover, int first) {
@@ -48,7 +47,8 @@ LodRun LodBench::World::run_of(const probes::LodParams& params, LodBorders borde
 
 void LodBench::World::take_levels(LodRun& run, const Camera& camera) const {
     const CameraAxes view = axes(camera);
-    run.levels = probes::levels_at(run.lod, bake, boxes, glm::vec3(camera.position), glm::vec3(view.forward), options);
+    run.levels = probes::levels_at(run.lod, bake, boxes, glm::vec3(camera.position), glm::vec3(view.forward), options,
+                                   probes::air_reads(bake.spatial.grid, moving));
     for (std::size_t i = 0; i < run.levels.hit.size(); ++i) run.place.texels[i].z = float(run.levels.hit[i]);
     run.basis_level = probes::basis_levels(run.data, run.levels.cluster);
     run.tiles.wanted = probes::tiles_to_write(run.data.tiles, run.levels.cluster);
@@ -69,13 +69,13 @@ probes::UpdateBuffers LodBench::World::buffers(LodRun& run) const {
 LodStageMs LodBench::World::stage_ms(LodRun& run, const Camera& camera, int times) const {
     const probes::UpdateBuffers b = buffers(run);
     const auto of = [&](const auto& in, Image4& out) {
-        return median_ms([&] { plumb::run(stage<typename std::decay_t<decltype(in)>::Kernel>(), data_of(in), options, out); }, times);
+        return lod_median_ms([&] { plumb::run(stage<typename std::decay_t<decltype(in)>::Kernel>(), data_of(in), options, out); }, times);
     };
     LodStageMs ms;
-    ms.levels = median_ms([&] { take_levels(run, camera); }, times);
+    ms.levels = lod_median_ms([&] { take_levels(run, camera); }, times);
     ms.radiance = of(probes::radiance_inputs(b), *b.radiance), ms.lambda = of(probes::lambda_inputs(b), *b.lambda);
     ms.basis = of(probes::basis_inputs(b), *b.basis), ms.irradiance = of(probes::irradiance_inputs(b), *b.irradiance);
-    ms.lightmap = median_ms([&] { probes::write_lightmap(probes::lightmap_inputs(b), options, *b.tiles, *b.lightmap); }, times);
+    ms.lightmap = lod_median_ms([&] { probes::write_lightmap(probes::lightmap_inputs(b), options, *b.tiles, *b.lightmap); }, times);
     return ms;
 }
 
@@ -132,12 +132,13 @@ Image4 LodBench::World::indirect(const LodRun& run, const LodSeen& seen, const C
 LodBench::LodBench(const Scene& scene, const probes::Bake& bake, const RunOptions& options)
     : world_(std::make_unique<World>(scene, bake, options)) {
     World& w = *world_;
-    w.lit = probes::lit_scene(scene, bake.params.rays);
+    w.lit = probes::lit_scene(w.scene, bake.params.rays);
     if (w.lit->geometry.triangles.size() != bake.atlas.geometry.triangles.size())
-        throw InputError("level of detail: the scene has other triangles than the bake: dynamic objects are not asked here");
-    w.hits = probes::hit_surfaces(scene, bake, options);
+        throw InputError("level of detail: the scene's static meshes have other triangles than the bake");
+    w.hits = probes::hit_surfaces(w.scene, bake, options);
     w.direct = probes::lamp_irradiance(*w.lit, w.hits.position, w.hits.normal, options);
     w.boxes = probes::lod_boxes(bake);
+    if (!bake.spatial.empty()) w.take_moving(scene);
 }
 LodBench::~LodBench() = default;
 
@@ -218,7 +219,7 @@ std::vector<LodMeasured> LodBench::measure(const LodView& view, const std::vecto
         if (s.name != all[0].name) all.push_back(s);
     const LodSeen& seen = w.look(view);
     std::vector<LodMeasured> measured;
-    Image4 reference_indirect;
+    Image4 reference_indirect, reference_air;
     double white = 1;
     for (const LodSetup& s : all) {
         LodRun run = w.run_of(s.params, s.borders);
@@ -229,11 +230,14 @@ std::vector<LodMeasured> LodBench::measure(const LodView& view, const std::vecto
         LodMeasured m;
         m.setup = s.name, m.notes = run.lod.notes;
         m.counts = probes::lod_counts(run.lod, w.bake, run.levels), m.receivers = m.counts.receivers;
-        m.ms = median_ms([&] {
+        m.ms = lod_median_ms([&] {
             w.take_levels(run, view.camera);
             probes::update(w.buffers(run), w.options);
         }, updates);
         m.stages = w.stage_ms(run, view.camera, updates);
+        Image4 in_air;
+        if (!w.moving.empty()) m.air = w.in_the_air(run, updates, in_air, reference_air);
+        if (measured.empty()) reference_air = in_air;
         const Image4 indirect = w.indirect(run, seen, view.camera, view.size), picture = lit_picture(seen, indirect);
         if (measured.empty()) reference_indirect = indirect, white = white_of(picture);
         m.picture = displayed(picture, white);

@@ -65,6 +65,15 @@ struct LodStageMs {
     double levels = 0, radiance = 0, lambda = 0, basis = 0, irradiance = 0, lightmap = 0;
 };
 
+// Of one setup in one view, what moves: places in the air, and the light that they give it, against no level of detail.
+struct LodAir {
+    std::int64_t read = 0, computed = 0;  // places
+    probes::LodCounts counts;
+    double ms = 0;                        // of their basis and irradiance, and of what lies between: the median
+    double error = 0, worst = 0;          // of irradiance at the vertices: mean |difference| / mean; the largest / mean
+    double least = 0;                     // the least irradiance / mean
+};
+
 // Of one setup in one view, against no level of detail.
 struct LodMeasured {
     std::string setup;
@@ -76,6 +85,7 @@ struct LodMeasured {
     std::optional<IprErrors> at_pixels;     // of the indirect light
     std::optional<IprErrors> at_receivers;  // of those that are computed
     double error = 0, worst = 0;            // of indirect irradiance of pixels: mean |difference| / mean; largest of 64 x 64 pixels' means
+    std::optional<LodAir> air;              // where something moves, and the bake has spatial receivers
     std::vector<std::string> notes;
     Image4 picture;                         // displayed, 0..1
     Image4 ssim_picture, error_picture;     // beside the reference's, and beside the truth
@@ -105,7 +115,10 @@ struct LodSeams {
 // What the pairs' largest gaps are. Throws InputError for no pairs.
 LodSeams largest_gaps(std::vector<LodSeam> pairs);
 
-// Scene and bake, lit by lamps, sky and emission; the bake must be whole. Both must outlive it.
+// The scene without what moves.
+Scene still_scene(const Scene& scene);
+
+// A scene's static meshes and their bake, lit by lamps, sky and emission; and what moves, in the air. The bake must be whole, and outlive it.
 class LodBench {
   public:
     LodBench(const Scene& scene, const probes::Bake& bake, const RunOptions& options);

@@ -53,7 +53,7 @@ class Lod {
   public:
     Lod(const IprPart& part, const probes::Bake& bake)
         : part_(part), bake_(bake), size_(size_of(part.result.scene)), scale_(scale_of(bake)), bench_(part.scene, bake, part.options) {
-        truth_ = trace_receivers(part.scene, bake.receivers, part.request, bake.params.rays, part.options);
+        truth_ = trace_receivers(still_scene(part.scene), bake.receivers, part.request, bake.params.rays, part.options);
     }
     void run();
 
@@ -90,7 +90,7 @@ void Lod::open_hall() {
     if (cameras.empty()) cameras = {{"camera", part_.scene.camera, {}}};
     for (const Lighting& light : lightings(part_.scene)) {
         const LodBench bench(light.scene, bake_, part_.options);
-        const IprTruth truth = trace_receivers(light.scene, bake_.receivers, part_.request, bake_.params.rays, part_.options);
+        const IprTruth truth = trace_receivers(still_scene(light.scene), bake_.receivers, part_.request, bake_.params.rays, part_.options);
         for (std::size_t i = 0; i < cameras.size(); ++i) {
             LodView view = view_of(cameras[i].name, cameras[i].camera);
             view.receivers = &truth;
@@ -122,6 +122,8 @@ void measure_lod(const IprPart& part) {
     const Size& size = size_of(part.result.scene);
     probes::BakeParams params = as_published(part);
     params.gap = 24;  // texels: four levels between charts
+    const bool moves = std::any_of(part.scene.meshes.begin(), part.scene.meshes.end(), [](const Mesh& m) { return m.dynamic && !m.triangles.empty(); });
+    if (moves && params.spatial_receivers == 0) params.spatial_receivers = part.request.quick ? 200 : 1440;  // VG3 of table 5.3
     params.placement.count = part.request.quick ? (size.probes + 1) / 2 : size.probes;
     const int wanted = part.request.quick ? 700 : size.receivers;
     // Not by size_for(): gaps of its own.

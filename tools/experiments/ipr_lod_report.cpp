@@ -17,6 +17,26 @@ const LodFigures* find(const LodTable* table, const std::string& setup) {
     return at == table->rows.end() ? nullptr : &*at;
 }
 
+// What moves, a row each setup.
+std::string air_text(const std::vector<LodMeasured>& ours) {
+    std::string text;
+    for (const LodMeasured& m : ours) {
+        if (!m.air) continue;
+        const LodAir& a = *m.air;
+        if (text.empty())
+            text = fmt::format("what moves: {} places in the air are read\n{:<16} {:>7} {:>20} {:>9} {:>9} {:>9} {:>9} {:>9}\n", a.read, "setup", "places",
+                               "clusters of levels", "MB", "ms", "change", "worst", "least");
+        text += fmt::format("{:<16} {:>7} {:>20} {:>9.3f} {:>9.3f} {:>8.2f}% {:>8.2f}% {:>8.2f}%\n", m.setup, a.computed, fmt::format("{}", fmt::join(a.counts.clusters, " ")),
+                            1e-6 * double(a.counts.bytes), a.ms, 100 * a.error, 100 * a.worst, 100 * a.least);
+    }
+    return text;
+}
+
+Json air_json(const LodAir& a) {
+    return {{"places_read", a.read}, {"places", a.computed}, {"clusters", a.counts.clusters}, {"bytes", a.counts.bytes}, {"ms", a.ms},
+            {"error", a.error}, {"worst", a.worst}, {"least", a.least}};
+}
+
 Json errors_json(const IprErrors& e) {
     return {{"count", e.count}, {"truth", e.truth}, {"noise", e.noise}, {"mean", e.mean}, {"bias", e.bias}, {"rms", e.rms}};
 }
@@ -39,7 +59,7 @@ std::string lod_text(const std::string& title, const std::vector<LodMeasured>& o
         text += "\n";
         if (!m.notes.empty()) text += fmt::format("    {}\n", fmt::join(m.notes, "; "));
     }
-    return text;
+    return text + air_text(ours);
 }
 
 std::string seams_text(const LodSeams& seams) {
@@ -75,6 +95,7 @@ Json lod_json(const std::vector<LodMeasured>& ours) {
                         {"error", m.error},
                         {"worst", m.worst},
                         {"ssim_truth", m.ssim_truth ? Json(*m.ssim_truth) : Json(nullptr)},
+                        {"air", m.air ? air_json(*m.air) : Json(nullptr)},
                         {"at_pixels", m.at_pixels ? errors_json(*m.at_pixels) : Json(nullptr)},
                         {"at_receivers", m.at_receivers ? errors_json(*m.at_receivers) : Json(nullptr)},
                         {"notes", m.notes}});

@@ -82,12 +82,16 @@ IprSheet lod_sheet(const IprLodTable& t) {
     sheet.heads = {{"receivers"}, {"share %", 1}, {"ms", 3}, {"its map: ms", 3}, {"speed-up", 2}, {"SSIM", 4}, {"SSIM truth", 4}, {"change %", 2}, {"worst change %", 2}};
     add_error_heads(sheet.heads, "pixels");
     add_error_heads(sheet.heads, "receivers");
+    const bool moves = std::any_of(t.rows.begin(), t.rows.end(), [](const LodMeasured& m) { return m.air.has_value(); });
+    if (moves) sheet.heads.insert(sheet.heads.end(), {{"air: places"}, {"air: MB", 3}, {"air: ms", 3}, {"air: change %", 2}, {"air: worst change %", 2}});
     const LodTable* thesis = thesis_table(t);
     if (thesis) sheet.heads.insert(sheet.heads.end(), {{"thesis: receivers"}, {"thesis: ms", 2}, {"thesis: speed-up", 2}, {"thesis: SSIM", 3}});
     for (const LodMeasured& m : t.rows) {
         IprSheetRow row{m.setup, "", {}, {}};
         row.values = {double(m.receivers), 100 * double(m.receivers) / double(t.rows[0].receivers), m.ms, m.stages.lightmap, m.speed_up, m.ssim, m.ssim_truth, 100 * m.error, 100 * m.worst};
         add_error_values(row.values, m.at_pixels), add_error_values(row.values, m.at_receivers);
+        if (moves)
+            for (const double x : {double(m.air->computed), 1e-6 * double(m.air->counts.bytes), m.air->ms, 100 * m.air->error, 100 * m.air->worst}) row.values.push_back(x);
         if (thesis) {
             const auto f = std::find_if(thesis->rows.begin(), thesis->rows.end(), [&](const LodFigures& x) { return x.setup == m.setup; });
             const auto put = [&](double x) { row.values.push_back(x > 0 ? std::optional(x) : std::nullopt); };
