@@ -145,6 +145,7 @@ struct RadiosityBuffers {
     radiosity::FormFactors factors;
     int rows_found = 0;             // blocks of them that the store had
     Buffer<glm::vec4> lamps, sky;   // irradiance; sky: by small emitters, too
+    Buffer<glm::vec4> emitters;     // of sky, that by small emitters
     Buffer<glm::vec4> radiosity;
     Buffer<glm::vec4> irradiance;   // but by lamps
     radiosity::Solved solved;

@@ -168,15 +168,15 @@ void add_light(Context& c, Nodes& nodes) {
     };
     node.outputs = [&b] {
         Bundle all;
-        lend_list(all, "lamps", b.lamps), lend_list(all, "sky", b.sky);
+        lend_list(all, "lamps", b.lamps), lend_list(all, "sky", b.sky), lend_list(all, "emitters", b.emitters);
         return all;
     };
     node.run = [&c, &b](const RunOptions& options, graph::NodeRun& run) {
         b.lamps = radiosity::lamps_on(c.scene, b.elements, options);
-        b.sky = radiosity::own_light(c.scene, b.elements, b.factors, c.settings.radiosity, options);
-        run.bytes = 32 * b.lamps.size();
+        b.sky = radiosity::own_light(c.scene, b.elements, b.factors, c.settings.radiosity, options, &b.emitters);
+        run.bytes = 48 * b.lamps.size();
     };
-    node.leave_out = [&b] { b.lamps.clear(), b.sky.clear(); };
+    node.leave_out = [&b] { b.lamps.clear(), b.sky.clear(), b.emitters.clear(); };
     nodes.push_back(std::move(node));
 }
 

@@ -111,9 +111,10 @@ Solved solve(const FormFactors& factors, const Elements& elements, const Buffer<
 }
 
 Audit audit_of(const Solved& solved, const FormFactors& factors, const Elements& elements, const Buffer<glm::vec4>& lamps,
-               const Buffer<glm::vec4>& sky, const RunOptions& options) {
+               const Buffer<glm::vec4>& sky, const Buffer<glm::vec4>& emitters, const RunOptions& options) {
     const Buffer<glm::vec4> incident = incident_of(lamps, sky);
-    return audit({&elements.reflectance, &elements.exitance, &incident}, transport_of(factors, elements), solved.solution.radiosity, 512, options);
+    return audit({&elements.reflectance, &elements.exitance, &incident}, transport_of(factors, elements), solved.solution.radiosity, 512, options,
+                 {&elements.lamp_exitance, &emitters});
 }
 
 StageInfo info_elements() {

@@ -40,8 +40,8 @@ std::string text_of(const Solved& solved);
 // met; and what solve() of solve.h throws.
 Solved solve(const FormFactors& factors, const Elements& elements, const Buffer<glm::vec4>& lamps, const Buffer<glm::vec4>& sky,
              const RadiosityParams& params, const RunOptions& options, Buffer<glm::vec4>& radiosity);
-// Where its power goes.
+// Where its power goes. emitters: what `sky` has by small emitters.
 Audit audit_of(const Solved& solved, const FormFactors& factors, const Elements& elements, const Buffer<glm::vec4>& lamps,
-               const Buffer<glm::vec4>& sky, const RunOptions& options);
+               const Buffer<glm::vec4>& sky, const Buffer<glm::vec4>& emitters, const RunOptions& options);
 
 }  // namespace plumb::radiosity

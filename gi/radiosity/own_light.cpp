@@ -1,6 +1,7 @@
 #include "gi/radiosity/own_light.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "core/host_math.h"
 #include "core/parallel.h"
@@ -47,11 +48,12 @@ Buffer<glm::vec4> map_at(const Scene& scene, const Elements& elements, const Row
 }  // namespace
 
 Buffer<glm::vec4> own_light(const Scene& scene, const Elements& elements, const FormFactors& factors, const RadiosityParams& params,
-                            const RunOptions& options) {
+                            const RunOptions& options, Buffer<glm::vec4>* by_emitters) {
     if (elements.count() == 0) return {};
     Buffer<glm::vec4> own = scene.environment.map.empty() ? sky_at(scene, factors) : map_at(scene, elements, row_params(params), options);
-    const Buffer<glm::vec4> sent = emitters_at(scene, elements, options);
+    Buffer<glm::vec4> sent = emitters_at(scene, elements, options);
     for (std::size_t i = 0; i < own.size(); ++i) own[i] += sent[i];
+    if (by_emitters) *by_emitters = std::move(sent);
     return own;
 }
 

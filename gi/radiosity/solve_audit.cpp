@@ -42,18 +42,21 @@ struct RowSums {
     }
 };
 
-void add_powers(const Problem& problem, const Channels& b, const RowSums& sums, Audit& out) {
+void add_powers(const Problem& problem, const Channels& b, const RowSums& sums, const SmallEmitters& small, Audit& out) {
+    const auto of = [](const Buffer<glm::vec4>* list, int i) { return list && !list->empty() ? sum(glm::dvec3((*list)[std::size_t(i)])) : 0.0; };
     for (int i = 0; i < problem.count; ++i) {
         const double a = problem.area[i];
         const glm::dvec3 h = problem.incident[i] + sums.h[i], rho = problem.reflectance[i];
-        out.emitted += a * sum(problem.exitance[i]), out.incident += a * sum(problem.incident[i]);
+        const double sent = of(small.exitance, i), arrived = of(small.irradiance, i);
+        out.emitted += a * (sum(problem.exitance[i]) + sent), out.incident += a * (sum(problem.incident[i]) - arrived);
+        out.not_arrived += a * (sent - arrived);
         out.absorbed += a * sum((1.0 - rho) * h);
         out.escaped += a * (1 - sums.row[i]) * sum(b[i]);
         out.not_reciprocal += (a * sums.row[i] - sums.column[i]) * sum(b[i]);
         out.unsolved += a * sum((problem.exitance[i] - b[i]) + rho * h);
     }
     out.unbalanced = (out.emitted + out.incident) -
-                     ((out.absorbed + out.escaped) + (out.not_reciprocal + out.unsolved));
+                     ((out.absorbed + out.escaped) + (out.not_arrived + (out.not_reciprocal + out.unsolved)));
 }
 
 void add_rows(const RowSums& sums, Audit& out) {
@@ -96,7 +99,7 @@ void add_pairs(const Problem& problem, int sample, Audit& out) {
 }  // namespace
 
 Audit audit(const System& system, const Transport& transport, const std::vector<glm::dvec3>& radiosity, int sample,
-            const RunOptions& options) {
+            const RunOptions& options, const SmallEmitters& small) {
     FpEnvironment environment;
     Problem problem(system, transport, options);
     if (radiosity.size() != std::size_t(problem.count))
@@ -108,7 +111,7 @@ Audit audit(const System& system, const Transport& transport, const std::vector<
     Audit out;
     if (problem.count == 0) return out;
     const RowSums sums(problem, radiosity);
-    add_powers(problem, radiosity, sums, out);
+    add_powers(problem, radiosity, sums, small, out);
     add_rows(sums, out);
     add_pairs(problem, sample, out);
 

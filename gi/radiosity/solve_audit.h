@@ -6,10 +6,11 @@
 namespace plumb::radiosity {
 
 // Powers in W, sum of channels. For any rows and radiosities, to rounding:
-//     emitted + incident = absorbed + escaped + not_reciprocal + unsolved
+//     emitted + incident = absorbed + escaped + not_arrived + not_reciprocal + unsolved
 struct Audit {
     double emitted = 0;         // sum A M
     double incident = 0;        // sum A H0, of lamps and the environment
+    double not_arrived = 0;     // of what small emitters emit: to nothing and to backs, and what outlines and rays are off (emitters.h)
     double absorbed = 0;        // sum A (1 - rho) H, H = H0 + F B
     double escaped = 0;         // sum A B (1 - row sum): what leaves elements and meets none
     double not_reciprocal = 0;  // sum_j B_j (A_j row sum_j - sum_i A_i F_ij): counted out, never counted in
@@ -29,8 +30,14 @@ struct Audit {
     double gather_off = 0;  // largest |h by gather() - h by rows|, relative to the largest h
 };
 
+// What small emitters send, whose light the system has in `incident`: the audit counts it as emitted. Null: there are none.
+struct SmallEmitters {
+    const Buffer<glm::vec4>* exitance = nullptr;    // W/m2, of each element
+    const Buffer<glm::vec4>* irradiance = nullptr;  // W/m2, by them
+};
+
 // Looks at the pairs among `sample` elements, evenly spread in their order; at all where there are no more.
 Audit audit(const System& system, const Transport& transport, const std::vector<glm::dvec3>& radiosity, int sample = 512,
-            const RunOptions& options = {});
+            const RunOptions& options = {}, const SmallEmitters& small = {});
 
 }  // namespace plumb::radiosity

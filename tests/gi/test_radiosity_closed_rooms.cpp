@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "gi/frame/frame.h"
+#include "gi/radiosity/contour.h"
 #include "tests/gi/radiosity_scenes.h"
 #include "tests/gi/radiosity_systems.h"
 
@@ -257,7 +258,7 @@ TEST_CASE("radiosity: all solvers agree in a frame, and say what they took", "[r
 
 TEST_CASE("radiosity: where all power goes, by the rows of a frame", "[radiosity][frame][analytic]") {
     const frame::RadiosityBuffers b = framed(test::cube(6, one_emits(0.8)), with(32, Kind::triangles, SolverChoice::automatic, 1e-6f));
-    const Audit a = audit_of(b.solved, b.factors, b.elements, b.lamps, b.sky, {});
+    const Audit a = audit_of(b.solved, b.factors, b.elements, b.lamps, b.sky, b.emitters, {});
     const double emitted = 3 * double(b.elements.exitance[0].x);  // 1 m2, three channels
     CHECK(emitted > 0);
     CHECK(a.emitted == Approx(emitted).epsilon(1e-6));
@@ -275,6 +276,52 @@ TEST_CASE("radiosity: where all power goes, by the rows of a frame", "[radiosity
     // What a gather loses is no more than it is said to lose.
     CHECK(a.gather_off < 4 * transport_of(b.factors, b.elements).gather_loss);
     CHECK(transport_of(b.factors, b.elements).gather_loss < 1e-6);
+}
+
+TEST_CASE("radiosity: what small emitters send is emitted, M times A, and what of it does not arrive is told", "[radiosity][frame][analytic]") {
+    // A lamp of 0.2 x 0.1 m, 7 W/m2, looks down from 0.9 m into a closed cube; into one without a ceiling, too; and on a floor alone.
+    const double sent = 3 * 7 * 0.02;
+    const auto lamp = [](Scene& s) { s.meshes.push_back(test::grid({0.4, 0.9, 0.45}, {0.2, 0, 0}, {0, 0, 0.1}, 1, 1, test::add_material(s, 0.5, 7))); };
+    test::CubeFaces grey;
+    grey.reflectance.fill(0.5);
+    Scene room = test::cube(12, grey), floor;
+    const int white = test::add_material(floor, 0.5);
+    floor.meshes.push_back(test::grid({0, 0, 0}, {0, 0, 1}, {1, 0, 0}, 24, 24, white));
+    lamp(room), lamp(floor);
+    RadiosityParams p = with(32, Kind::vertices, SolverChoice::automatic, 1e-6f);
+    p.small_emitters = 0.02f;
+    const auto audited = [](const frame::RadiosityBuffers& b) { return audit_of(b.solved, b.factors, b.elements, b.lamps, b.sky, b.emitters, {}); };
+    const frame::RadiosityBuffers closed = framed(room, p);
+    for (const glm::vec4& m : closed.elements.exitance) REQUIRE(m == glm::vec4(0));
+    const Audit a = audited(closed);
+    CHECK(a.emitted == Approx(sent).epsilon(1e-5));
+    CHECK(a.incident == 0);
+    CHECK(std::fabs(a.not_arrived) < 0.01 * sent);
+    CHECK(std::fabs(a.unbalanced) < 1e-12 * sent);
+    CHECK(std::fabs(a.unsolved) < 1e-5 * sent);
+    CHECK(a.absorbed + a.escaped + a.not_reciprocal == Approx(sent).epsilon(0.01));  // the lamp's back takes some
+    // Of a floor alone, by the contour integral: the rest goes past it.
+    const Audit open = audited(framed(floor, p));
+    const Polygon down = {{0.4, 0.9, 0.45}, {0.6, 0.9, 0.45}, {0.6, 0.9, 0.55}, {0.4, 0.9, 0.55}}, up = {{0, 0, 0}, {0, 0, 1}, {1, 0, 1}, {1, 0, 0}};
+    const double arrives = polygon_form_factor(down, up).value;
+    CHECK((arrives > 0.2 && arrives < 0.4));
+    CHECK(open.emitted == Approx(sent).epsilon(1e-5));
+    CHECK(open.not_arrived == Approx((1 - arrives) * sent).epsilon(2e-3));
+    CHECK(open.incident == 0);
+    CHECK(std::fabs(open.unbalanced) < 1e-12 * sent);
+    // A lamp of no size stays incident light; seen by texels the emitter has the same power.
+    Light key;
+    key.name = "key", key.type = LightType::point, key.position = {0.5f, 0.5f, 0.5f}, key.intensity = {0.2f, 0, 0};
+    Scene both = room;
+    both.lights.push_back(key);
+    const Audit with_lamp = audited(framed(both, p));
+    CHECK(with_lamp.emitted == Approx(sent).epsilon(1e-5));
+    CHECK(with_lamp.incident == Approx(4 * M_PI * 0.2).epsilon(0.02));
+    CHECK(with_lamp.not_arrived == Approx(a.not_arrived).margin(1e-6 * sent));
+    p.small_emitters = 0;
+    const Audit by_texels = audited(framed(room, p));
+    CHECK(by_texels.emitted == Approx(sent).epsilon(1e-5));
+    CHECK(by_texels.not_arrived == 0);
 }
 
 TEST_CASE("radiosity: vertices inside walls, slivers and areas of a million to one", "[radiosity][frame][analytic]") {
@@ -305,7 +352,7 @@ TEST_CASE("radiosity: vertices inside walls, slivers and areas of a million to o
         }
         CHECK(largest <= 2 * exitance * (1 + 2e-5));  // M / (1 - rho), nowhere more
         CHECK(largest > 1.9 * exitance);
-        const Audit a = audit_of(b.solved, b.factors, b.elements, b.lamps, b.sky, {});
+        const Audit a = audit_of(b.solved, b.factors, b.elements, b.lamps, b.sky, b.emitters, {});
         CHECK(a.largest_row <= 1 + 1e-6);
         CHECK(std::fabs(a.unbalanced) < 1e-12 * a.emitted);
         CHECK(a.escaped > 0);  // to backs

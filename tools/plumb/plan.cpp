@@ -1,4 +1,5 @@
 // plumb plan: what a render would do.
+#include <chrono>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -18,11 +19,13 @@ int plan(const SceneOptions& given, const Common& common) {
     const RunOptions options = common.run_options();
     Scene scene = load(given);
     frame::Settings settings = settings_of(scene, given);
+    const auto start = std::chrono::steady_clock::now();
     scene = drawn(std::move(scene), settings, options);
+    const double mesh_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     if (!settings.probe_run.file.empty()) add_bake(scene, settings, {options, "", false});  // reads it
     const frame::Plan plan = frame::plan(scene, settings);
     std::optional<RadiosityPlan> radiosity;
-    if (settings.method == frame::Method::radiosity) radiosity = plan_radiosity(scene, settings, options);
+    if (settings.method == frame::Method::radiosity) radiosity = plan_radiosity(scene, settings, options), radiosity->mesh_seconds = mesh_seconds;
     const std::vector<std::string> warnings = frame::warnings(scene, settings);
     if (common.json) {
         Json json = plan_json(scene, settings, plan);

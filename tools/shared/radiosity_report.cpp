@@ -49,6 +49,7 @@ Json audit_json(const radiosity::Audit& a) {
             {"incident", a.incident},
             {"absorbed", a.absorbed},
             {"escaped", a.escaped},
+            {"not_arrived", a.not_arrived},
             {"not_reciprocal", a.not_reciprocal},
             {"unsolved", a.unsolved},
             {"unbalanced", a.unbalanced},
@@ -89,6 +90,7 @@ RadiosityPlan plan_radiosity(const Scene& scene, const frame::Settings& settings
 Json radiosity_plan_json(const RadiosityPlan& plan) {
     return {{"elements", plan.elements},
             {"triangles", plan.triangles},
+            {"mesh_seconds", plan.mesh_seconds},
             {"rows", {{"expected_bytes", plan.rows.expected}, {"most_bytes", plan.rows.most}, {"memory_bytes", plan.memory}, {"in_memory", plan.rows.fits}, {"seconds", plan.row_seconds}}},
             {"solver", solver_name(plan.solver.solver)},
             {"reason", plan.solver.reason},
@@ -97,8 +99,8 @@ Json radiosity_plan_json(const RadiosityPlan& plan) {
 }
 
 std::string radiosity_plan_text(const RadiosityPlan& plan) {
-    return fmt::format("\nradiosity: {} elements of {} triangles; form factors of about {:.1f} MB, {:.1f} at most{}; where they are not kept, {:.2g} s on one core\nsolver {}: {}\n", plan.elements,
-                       plan.triangles, 1e-6 * double(plan.rows.expected), 1e-6 * double(plan.rows.most),
+    return fmt::format("\nradiosity: {} elements of {} triangles, split, cut and refined in {:.2g} s, which a frame takes again; form factors of about {:.1f} MB, {:.1f} at most{}; where they are not kept, {:.2g} s on one core\nsolver {}: {}\n", plan.elements,
+                       plan.triangles, plan.mesh_seconds, 1e-6 * double(plan.rows.expected), 1e-6 * double(plan.rows.most),
                        plan.rows.fits ? "" : fmt::format(": what is beyond memory_mb, {:.1f}, is read from disk for each product", 1e-6 * double(plan.memory)),
                        plan.row_seconds,
                        solver_name(plan.solver.solver), plan.solver.reason);
@@ -116,7 +118,7 @@ Json radiosity_json(const frame::Frame& frame, const frame::Settings& settings, 
                  {"without_normal", b.elements.without_normal},
                  {"rows", {{"bytes", b.factors.all_bytes()}, {"in_memory_bytes", b.factors.bytes()}, {"files", b.factors.block_count()}, {"found", b.rows_found}}}};
     json["solution"] = solution_json(b.solved);
-    if (settings.radiosity.audit) json["energy"] = audit_json(radiosity::audit_of(b.solved, b.factors, b.elements, b.lamps, b.sky, options));
+    if (settings.radiosity.audit) json["energy"] = audit_json(radiosity::audit_of(b.solved, b.factors, b.elements, b.lamps, b.sky, b.emitters, options));
     if (rows && !rows->notes().empty()) json["notes"] = rows->notes();
     return json;
 }
@@ -128,9 +130,9 @@ std::string radiosity_text(const Json& json) {
     if (json.contains("energy")) {
         const Json& e = json["energy"];
         const auto watts = [&](const char* name) { return e[name].get<double>(); };
-        text += fmt::format("energy: {:.6g} W emitted and {:.6g} W incident = {:.6g} W absorbed + {:.6g} W escaped + {:.3g} W by rows that are not reciprocal + "
-                            "{:.3g} W unsolved\n",
-                            watts("emitted"), watts("incident"), watts("absorbed"), watts("escaped"), watts("not_reciprocal"), watts("unsolved"));
+        text += fmt::format("energy: {:.6g} W emitted and {:.6g} W incident = {:.6g} W absorbed + {:.6g} W escaped + {:.3g} W of small emitters "
+                            "not arrived + {:.3g} W by rows that are not reciprocal + {:.3g} W unsolved\n",
+                            watts("emitted"), watts("incident"), watts("absorbed"), watts("escaped"), watts("not_arrived"), watts("not_reciprocal"), watts("unsolved"));
         text += fmt::format("rows sum to {:.6g} to {:.6g}, {:.6g} in the mean; A_i F_ij and A_j F_ji differ by {:.2g} of what is exchanged (rms of {} pairs)\n",
                             e["row_sums"]["least"].get<double>(), e["row_sums"]["largest"].get<double>(), e["row_sums"]["mean"].get<double>(),
                             e["reciprocity"]["exchange_rms"].get<double>() > 0

@@ -21,6 +21,7 @@ struct RadiosityPlan {
     double row_seconds = 0;    // on one core, where they are not kept
     std::uint64_t memory = 0;  // bytes that rows may take there
     radiosity::Recommendation solver;
+    double mesh_seconds = 0;   // that splitting, cutting and refining the mesh has just taken; a frame takes them again
 };
 RadiosityPlan plan_radiosity(const Scene& scene, const frame::Settings& settings, const RunOptions& options);
 Json radiosity_plan_json(const RadiosityPlan& plan);
