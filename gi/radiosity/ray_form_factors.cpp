@@ -63,31 +63,41 @@ void put(Packet& rays, int lane, const glm::dvec3& origin, const glm::dvec3& dir
     rays.t_near[lane] = 0, rays.t_far[lane] = t_far, rays.time[lane] = 0, rays.id[lane] = rays.flags[lane] = 0;
 }
 
-// Adds what the batch's rays meet to `met`, by target.
-void shoot(const RayQuery& query, const Surface& surface, double offset, const std::vector<std::int32_t>& targets,
-           std::int64_t rays, int batch, std::uint32_t seed, std::vector<std::int64_t>& met) {
+// Sends rays [0, rays) eight at a time: aim(i, packet, lane) makes one, met(packet, lane, side) gets what meets something; side is
+// above 0 where that is a back.
+template <class Aim, class Met>
+void shoot(const RayQuery& query, std::int64_t rays, const Aim& aim, const Met& met) {
     Packet packet{};
     alignas(64) std::int32_t active[width];
     for (std::int64_t first = 0; first < rays; first += width) {
         for (int lane = 0; lane < width; ++lane) {
             active[lane] = first + lane < rays ? -1 : 0;
-            const Numbers u = numbers(batch, seed, first + lane);
-            const SourcePoint p = surface.at(u.place);
-            const glm::dvec3 d = sample_cosine_hemisphere(u.direction);
-            const auto frame = reference::basis_of<double>(p.normal);
-            put(packet, lane, p.position + p.normal * offset,
-                frame.tangent * d.x + frame.bitangent * d.y + frame.normal * d.z, __builtin_inff());
+            aim(std::min(first + lane, rays - 1), packet, lane);
         }
         query.nearest(active, packet);
         for (int lane = 0; lane < width; ++lane) {
             if (!active[lane] || packet.triangle[lane] == no_hit) continue;
-            const float side = packet.direction_x[lane] * packet.normal_x[lane] +
-                               packet.direction_y[lane] * packet.normal_y[lane] +
-                               packet.direction_z[lane] * packet.normal_z[lane];
-            const std::int32_t target = targets[2 * std::size_t(packet.triangle[lane]) + (side > 0 ? 1 : 0)];
-            if (target >= 0) ++met[std::size_t(target)];
+            met(packet, lane, packet.direction_x[lane] * packet.normal_x[lane] + packet.direction_y[lane] * packet.normal_y[lane] +
+                                  packet.direction_z[lane] * packet.normal_z[lane]);
         }
     }
+}
+
+// Adds what the batch's rays meet to `met`, by target.
+void count_targets(const RayQuery& query, const Surface& surface, double offset, const std::vector<std::int32_t>& targets,
+                   std::int64_t rays, int batch, std::uint32_t seed, std::vector<std::int64_t>& met) {
+    shoot(
+        query, rays,
+        [&](std::int64_t i, Packet& packet, int lane) {
+            const Numbers u = numbers(batch, seed, i);
+            const SourcePoint p = surface.at(u.place);
+            put(packet, lane, p.position + p.normal * offset, reference::to_world(reference::basis_of<double>(p.normal), sample_cosine_hemisphere(u.direction)),
+                __builtin_inff());
+        },
+        [&](const Packet& packet, int lane, float side) {
+            const std::int32_t target = targets[2 * std::size_t(packet.triangle[lane]) + (side > 0 ? 1 : 0)];
+            if (target >= 0) ++met[std::size_t(target)];
+        });
 }
 
 }  // namespace
@@ -119,7 +129,7 @@ std::vector<RayFactor> ray_form_factors(const RayQuery& query, const Geometry& g
         std::vector<std::int64_t> met(std::size_t(count), 0);
         for (int batch = first; batch < last; ++batch) {
             std::fill(met.begin(), met.end(), 0);
-            shoot(query, surface, offset, targets, each, batch, params.seed, met);
+            count_targets(query, surface, offset, targets, each, batch, params.seed, met);
             const std::lock_guard<std::mutex> lock(mutex);
             for (std::size_t k = 0; k < met.size(); ++k) sum[k] += met[k], squares[k] += std::uint64_t(met[k] * met[k]);
         }
@@ -138,6 +148,36 @@ std::vector<RayFactor> ray_form_factor_row(const RayQuery& query, const Geometry
     std::vector<std::int32_t> targets;
     for (std::size_t t = 0; t < geometry.triangles.size(); ++t) targets.insert(targets.end(), 2, std::int32_t(t));
     return ray_form_factors(query, geometry, from, targets, int(geometry.triangles.size()), params, options);
+}
+
+std::vector<glm::dvec3> cosine_directions(std::int64_t rays, std::uint32_t seed) {
+    if (rays < 1 || rays > 1 << 25) throw InputError(fmt::format("form factors: {} rays: 1 to 2^25", rays));
+    std::vector<glm::dvec2> squares;
+    for (std::int64_t i = 0; i < rays; ++i) squares.push_back(numbers(0, seed, i).direction);
+    const double tiles = std::ceil(std::sqrt(double(rays) / width));
+    const auto tile = [&](const glm::dvec2& u) { return std::floor(u.x * tiles) * tiles + std::floor(u.y * tiles); };
+    std::stable_sort(squares.begin(), squares.end(), [&](const glm::dvec2& a, const glm::dvec2& b) { return tile(a) < tile(b); });
+    std::vector<glm::dvec3> directions;
+    for (const glm::dvec2& u : squares) directions.push_back(sample_cosine_hemisphere(u));
+    return directions;
+}
+
+void add_ray_row(const RayQuery& query, const Elements& elements, int element, const std::vector<glm::dvec3>& directions, std::vector<double>& share) {
+    const glm::dvec3 eye(elements.eye[std::size_t(element)]), normal(elements.normal[std::size_t(element)]);
+    if (!(glm::dot(normal, normal) > 0)) return;
+    const auto frame = reference::basis_of<double>(normal / glm::length(normal));
+    const double each = 1 / double(directions.size());
+    shoot(
+        query, std::int64_t(directions.size()),
+        [&](std::int64_t i, Packet& packet, int lane) {
+            put(packet, lane, eye, reference::to_world<double>(frame, directions[std::size_t(i)]), __builtin_inff());
+        },
+        [&](const Packet& packet, int lane, float side) {
+            if (side > 0) return;
+            const glm::uvec3& of = elements.of[packet.triangle[lane]];
+            const double u = double(packet.u[lane]), v = double(packet.v[lane]);
+            share[of.x] += each * (1 - u - v), share[of.y] += each * u, share[of.z] += each * v;
+        });
 }
 
 double surface_offset(const Geometry& geometry) {

@@ -13,6 +13,7 @@
 #include "core/ray_query.h"
 #include "core/scene.h"
 #include "gi/radiosity/contour.h"
+#include "gi/radiosity/elements.h"
 
 namespace plumb::radiosity {
 
@@ -44,6 +45,13 @@ std::vector<RayFactor> ray_form_factors(const RayQuery& query, const Geometry& g
 // Each triangle a target, whichever side is met: to hold against a hemicube's row.
 std::vector<RayFactor> ray_form_factor_row(const RayQuery& query, const Geometry& geometry, const RaySource& from,
                                            const RayFactorParams& params, const RunOptions& options);
+
+// Directions of one batch about +z, in an order in which those of a packet are neighbours: as good for any point as any other.
+std::vector<glm::dvec3> cosine_directions(std::int64_t rays, std::uint32_t seed = 1);
+
+// Adds to share[element] what element i sees of each, as a hemicube's row has it (rows.h): each ray that meets a front counts for its
+// triangle's corners, by barycentrics. Backs, and what is met by none, count for nothing.
+void add_ray_row(const RayQuery& query, const Elements& elements, int i, const std::vector<glm::dvec3>& directions, std::vector<double>& share);
 
 // Points spread evenly over the faces, by area, each with its face's normal. Of a point: that point alone.
 struct SourcePoint {

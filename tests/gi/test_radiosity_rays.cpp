@@ -1,10 +1,15 @@
 // Form factors by rays and by hemicubes: against contour integrals and each other.
+#include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <map>
 
 #include "core/error.h"
 #include "gi/radiosity/hemicube_factor.h"
+#include "gi/radiosity/ray_form_factors.h"
+#include "gi/radiosity/rows.h"
 #include "gi/reference/ray_query.h"
+#include "tests/gi/radiosity_scenes.h"
 
 using namespace plumb;
 using namespace plumb::radiosity;
@@ -198,6 +203,69 @@ TEST_CASE("hemicube form factors: how they err over rotations", "[radiosity][HEM
     CHECK(rotation_errors(32, Weights::centre, {}).rms > 2 * 0.267);
     // One cosine where three are due: far off, however fine.
     CHECK(rotation_errors(256, Weights::published, {}).rms > 5);
+}
+
+TEST_CASE("ray rows: a room's walls have their form factors, elements those of a fine hemicube, backs nothing", "[radiosity][analytic]") {
+    test::CubeFaces grey;
+    grey.reflectance.fill(0.5);
+    Scene scene = test::cube(5, grey);
+    const auto row_of = [](const Scene& s, const Elements& e, int i, std::int64_t rays) {
+        const raster::Surfaces surfaces = raster::prepare(s, e.geometry);
+        std::vector<double> row(std::size_t(e.count()), 0.0);
+        add_ray_row(*reference::build_ray_query(e.geometry, surfaces, Rays::exact), e, i, cosine_directions(rays), row);
+        return row;
+    };
+    const Elements e = elements_of(scene, {});
+    int eye = 0;  // away from edges of the room
+    for (int i = 0; i < e.count(); ++i) {
+        const glm::dvec3 off = glm::abs(glm::dvec3(e.position[std::size_t(i)]) - 0.5);
+        if ((off.x < 0.2) + (off.y < 0.2) + (off.z < 0.2) == 2) eye = i;
+    }
+    const std::vector<double> row = row_of(scene, e, eye, 1 << 17);
+    double sum = 0;
+    std::map<std::array<int, 3>, double> walls;  // by normal
+    const auto wall_of = [](const glm::vec4& n) { return std::array{int(std::lround(n.x)), int(std::lround(n.y)), int(std::lround(n.z))}; };
+    for (std::size_t j = 0; j < row.size(); ++j) sum += row[j], walls[wall_of(e.normal[j])] += row[j];
+    CHECK(sum == Approx(1).epsilon(1e-12));
+    for (int axis = 0; axis < 3; ++axis)
+        for (const int side : {0, 1}) {
+            std::array<int, 3> n{};
+            n[std::size_t(axis)] = side == 0 ? 1 : -1;
+            glm::dvec3 from(0), u(0), v(0);
+            from[axis] = side, u[(axis + 1) % 3] = 1, v[(axis + 2) % 3] = 1;
+            const double expected = point_form_factor(glm::dvec3(e.eye[std::size_t(eye)]), glm::dvec3(e.normal[std::size_t(eye)]), rectangle(from, u, v));
+            CAPTURE(axis, side, expected);
+            CHECK(walls[n] == Approx(expected).margin(5e-4));
+        }
+    // Element by element: corners in their order.
+    const FormFactors fine = form_factors(e, {512, Weights::exact}, {});
+    std::vector<float> hemicube(row.size(), 0.0f);
+    fine.add_row(eye, hemicube);
+    double apart = 0;
+    for (std::size_t j = 0; j < row.size(); ++j) apart += std::fabs(row[j] - double(hemicube[j]));
+    CHECK(apart < 0.01);
+    CHECK(row_of(scene, e, eye, 1 << 17) == row);
+    // A sheet that turns its back on the eye takes away what it hides, and gets none of it.
+    const glm::dvec3 at(e.eye[std::size_t(eye)]), n(e.normal[std::size_t(eye)]);
+    const glm::dvec3 u(n.y, n.z, n.x), v = glm::cross(n, u);  // n lies along an axis
+    scene.meshes.push_back(test::grid(at + 0.1 * n - 0.05 * (u + v), 0.1 * u, 0.1 * v, 1, 1, 0));
+    const Elements with = elements_of(scene, {});
+    int same = -1;
+    for (int i = 0; i < with.count(); ++i)
+        if (glm::length(glm::dvec3(with.eye[std::size_t(i)]) - at) < 1e-3 && glm::dot(glm::dvec3(with.normal[std::size_t(i)]), n) > 0.99) same = i;
+    REQUIRE(same >= 0);
+    const std::vector<double> less = row_of(scene, with, same, 1 << 17);
+    sum = 0;
+    double sheet = 0;
+    for (std::size_t j = 0; j < less.size(); ++j) {
+        sum += less[j];
+        if (glm::length(glm::dvec3(with.position[j]) - at) < 0.15 && glm::dot(glm::dvec3(with.position[j]) - at, n) > 0.05) sheet += less[j];
+    }
+    CHECK(sheet == 0);
+    // A square of side s at height h above its middle: 4 corners' factors.
+    const double a = 0.5, sa = std::sqrt(1 + a * a), hides = 4 / (2 * M_PI) * 2 * (a / sa) * std::atan(a / sa);
+    CHECK(1 - sum == Approx(hides).margin(2e-3));
+    CHECK_THROWS_AS(cosine_directions(0), InputError);
 }
 
 TEST_CASE("ray form factors: what cannot be is refused", "[radiosity]") {

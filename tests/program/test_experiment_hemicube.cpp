@@ -29,7 +29,7 @@ Json without_times(Json json) {
         for (Json& row : sheet["rows"]) {
             Json kept;
             for (const auto& [key, value] : row.items()) {
-                const bool time = key == "s" || key.ends_with(" s") || key.ends_with("ms") || key.find("100 ns") != key.npos || key.find("share") != key.npos || key == "times ours";
+                const bool time = key == "s" || key.ends_with(" s") || key.ends_with("ms") || key.ends_with(" us") || key.starts_with("their time") || key.find("100 ns") != key.npos || key.find("share") != key.npos || key == "times ours";
                 if (!time) kept[key] = value;
             }
             row = kept;
@@ -123,6 +123,35 @@ TEST_CASE("experiment hemicube: plates, and what choices cost", "[program]") {
     CHECK(choices.at("vertices saturated")[off] > 50);
     CHECK(choices.at("decoder as printed")[off] > 25000);
     CHECK_THAT(read(out + "/hemicube.html"), Contains("C.10") && Contains("data:image/png"));
+}
+
+TEST_CASE("experiment hemicube: a row by hemicubes and by rays", "[program]") {
+    const Result r = run(hemicube({"--json", "--only", "rows"}));
+    INFO(r.err);
+    REQUIRE(r.exit == 0);
+    const Json sheet = sheets_of(Json::parse(r.out)).at("rows");
+    std::map<std::string, Json> rows;
+    for (const Json& row : sheet["rows"]) rows[row["name"].get<std::string>()] = row;
+    CHECK(rows.at("hemicube 64")["texels, rays"] == 3 * 64 * 64);
+    for (const char* error : {"elements: error %", "patches: error %", "light: error %"}) {
+        CAPTURE(error);
+        const auto of = [&](const char* name) { return rows.at(name)[error].get<double>(); };
+        CHECK((of("hemicube 64") > 0 && of("hemicube 64") < 4));
+        CHECK(of("hemicube 64") < of("hemicube 32"));
+        CHECK(of("hemicube 32") < of("hemicube 16"));
+        CHECK(of("65536 rays") < of("hemicube 64"));
+        CHECK(of("65536 rays") < of("1024 rays"));
+    }
+    // Elements are parts of patches.
+    for (const auto& [name, row] : rows) CHECK(row["patches: error %"] < row["elements: error %"]);
+    const Json& own = rows.at("hemicube 64");
+    CHECK((own["rays as good, elements"] > 4096 && own["rays as good, elements"] < 16384));
+    CHECK(own["their time / ours, elements"] > 0);
+    CHECK(rows.at("256 rays")["their time / ours, elements"].is_null());
+
+    const Result again = run(hemicube({"--json", "--only", "rows", "--threads", "1", "--isa", "scalar"}));
+    REQUIRE(again.exit == 0);
+    CHECK(without_times(Json::parse(again.out)) == without_times(Json::parse(r.out)));
 }
 
 TEST_CASE("experiment hemicube: what is refused", "[program]") {

@@ -14,6 +14,15 @@ TEST_CASE("experiment hemicube: exponents of powers", "[experiment]") {
     CHECK(fitted_exponent({3, 3}, {1, 2}) == 0);  // one x says nothing
 }
 
+TEST_CASE("experiment hemicube: where a curve falls to a level", "[experiment]") {
+    CHECK(*where_it_falls_to({1, 4, 16}, {8, 4, 1}, 2) == Approx(8));  // halfway in logarithms
+    CHECK(*where_it_falls_to({1, 4, 16}, {8, 4, 1}, 4) == Approx(4));
+    CHECK(*where_it_falls_to({1, 4}, {2, 2}, 2) == Approx(1));
+    CHECK_FALSE(where_it_falls_to({1, 4, 16}, {8, 4, 1}, 0.5));
+    CHECK_FALSE(where_it_falls_to({1, 4, 16}, {8, 4, 1}, 9));
+    CHECK_FALSE(where_it_falls_to({1, 4}, {8, std::nan("")}, 4));
+}
+
 TEST_CASE("experiment hemicube: the benchmark's meshes", "[experiment][HEM 5.8]") {
     for (const BenchmarkMesh& mesh : benchmark_meshes) {
         if (mesh.vertices > 3000) continue;  // the others are test_radiosity_boxes.cpp's

@@ -82,6 +82,7 @@ Hemicube measure_hemicube(const HemicubeRequest& request, const RunOptions& opti
     const auto add = [&](std::vector<IprSheet> sheets) { result.sheets.insert(result.sheets.end(), sheets.begin(), sheets.end()); };
     if (request.wants("complexity")) add({measure_complexity(request, options, tell)});
     if (request.wants("sizes")) add({measure_sizes(request, options, tell)});
+    if (request.wants("rows")) add({measure_rows(request, options, tell)});
     if (request.wants("plates")) add(measure_plates(request, options, tell));
     if (request.wants("projections")) add({measure_projections(request, options, tell)});
     if (request.wants("buffers")) add({measure_buffers(request, options, tell)});
@@ -108,9 +109,10 @@ void add_hemicube(CLI::App& experiment, Action& action) {
     add_size_option(*command, given->scene);
     add_common(*command, given->common);
     command->footer(
-        "complexity: test 1, figure 5.5. sizes: test 2, figures 5.6 and 5.7. plates: C.1 to C.10, the last two beside the thesis' 58 s and 203 s.\n"
-        "projections: one picture in place of a hemicube (4.5.3). buffers: multiplier maps, eyes and RGBE as published (5.5 to 5.7). solvers: error\n"
-        "against products with all rows. All but times has the same bits every time; times mean something on an idle machine only.");
+        "complexity: test 1, figure 5.5. sizes: test 2, figures 5.6 and 5.7. rows: one row of form factors by hemicubes and by rays, error against\n"
+        "time. plates: C.1 to C.10, the last two beside the thesis' 58 s and 203 s. projections: one picture in place of a hemicube (4.5.3). buffers:\n"
+        "multiplier maps, eyes and RGBE as published (5.5 to 5.7). solvers: error against products with all rows. All but times has the same bits\n"
+        "every time; times mean something on an idle machine only.");
     command->callback([given, &action] { action = [=] { return run_hemicube(*given); }; });
 }
 

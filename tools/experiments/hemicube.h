@@ -5,6 +5,7 @@
 
 #include <array>
 #include <functional>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -14,7 +15,7 @@
 
 namespace plumb::cli {
 
-inline constexpr std::array<const char*, 6> hemicube_parts = {"complexity", "sizes", "plates", "projections", "buffers", "solvers"};
+inline constexpr std::array<const char*, 7> hemicube_parts = {"complexity", "sizes", "rows", "plates", "projections", "buffers", "solvers"};
 
 struct HemicubeRequest {
     std::set<std::string> parts;    // empty: all
@@ -50,6 +51,10 @@ double fitted_exponent(const std::vector<double>& x, const std::vector<double>& 
 // hemicube_bench.cpp: tests 1 and 2, comparisons 5.8.1 to 5.8.3.
 IprSheet measure_complexity(const HemicubeRequest& request, const RunOptions& options, const Tell& tell);
 IprSheet measure_sizes(const HemicubeRequest& request, const RunOptions& options, const Tell& tell);
+// hemicube_rows.cpp: a row by hemicubes and by rays, error against time.
+IprSheet measure_rows(const HemicubeRequest& request, const RunOptions& options, const Tell& tell);
+// x where y, which falls, is `level`, straight in logarithms between the points that there are; none: it is so nowhere.
+std::optional<double> where_it_falls_to(const std::vector<double>& x, const std::vector<double>& y, double level);
 // hemicube_plates.cpp: plates C.1 to C.8, C.9 and C.10.
 std::vector<IprSheet> measure_plates(const HemicubeRequest& request, const RunOptions& options, const Tell& tell);
 // hemicube_choices.cpp: 4.5.3, and 5.5 to 5.7.
