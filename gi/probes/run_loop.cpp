@@ -87,11 +87,13 @@ Step step_of(const Image4& now, const Image4& last, int places) {
     return s;
 }
 
+std::string rounds_text(int rounds) { return fmt::format("{} round{}", rounds, rounds == 1 ? "" : "s"); }
+
 [[noreturn]] void refuse(const RunParams& p, int round, double gain) {
     const std::string by = p.feedback == Feedback::corrected  ? "surfaces reflect more than they get"
                            : p.feedback == Feedback::constant ? fmt::format("feedback = constant, reflection = {:g}: a closed scene takes less than 1/pi", p.reflection)
                                                               : "feedback = material: the published product of reflectance and irradiance lacks 1/pi";
-    throw InputError(fmt::format("probes: after {} rounds light still grows, {:.4g} times a round: {}", round, gain, by));
+    throw InputError(fmt::format("probes: after {} light still grows, {:.4g} times a round: {}", rounds_text(round), gain, by));
 }
 
 }  // namespace
@@ -109,7 +111,7 @@ Convergence converge(UpdateBuffers b, const RunParams& params, const RunOptions&
         ++c.rounds;
         if (last.empty()) last = Image4(b.irradiance->width, b.irradiance->height);
         const Step s = step_of(*b.irradiance, last, b.data->count());
-        if (!std::isfinite(s.sum)) throw InputError(fmt::format("probes: after {} rounds light is not finite", c.rounds));
+        if (!std::isfinite(s.sum)) throw InputError(fmt::format("probes: after {} light is not finite", rounds_text(c.rounds)));
         if (c.rounds > 1 && s.change > of_rounding * s.sum) c.gain = s.change / before_step;
         c.left = s.change == 0 ? 0 : c.rounds > 1 && c.gain < 1 ? s.change * c.gain / (1 - c.gain) / s.sum : std::numeric_limits<double>::infinity();
         growing = c.rounds > 1 && c.gain >= 1 ? growing + 1 : 0;
@@ -124,7 +126,7 @@ Convergence converge(UpdateBuffers b, const RunParams& params, const RunOptions&
 
 std::string text_of(const Convergence& c) {
     std::string text = c.rounds == 1 && c.left > 0 ? "1 round: what others add is not known"
-                                                   : fmt::format("{} round{}, gain {:.3f}, {:.2g} % left", c.rounds, c.rounds == 1 ? "" : "s", c.gain, 100 * c.left);
+                                                   : fmt::format("{}, gain {:.3f}, {:.2g} % left", rounds_text(c.rounds), c.gain, 100 * c.left);
     const NegativeIrradiance& n = c.negative;
     if (n.negative > 0)
         text += fmt::format(", irradiance below 0 at {} of {} receivers, {:.2g} W/m2 at least", n.negative, n.computed, double(n.least));
