@@ -12,6 +12,7 @@
 #include "gi/radiosity/lookup.h"
 #include "gi/radiosity/rows.h"
 #include "io/scenes/generate.h"
+#include "tools/bench_stages/isa_stages.h"
 
 namespace {
 
@@ -76,26 +77,11 @@ StageData data_at(const std::string& stage) {
 }
 
 [[maybe_unused]] const bool registered = [] {
-    struct Stage {
-        const char* name;
-        const StageBinding& (*binding)();
-    };
+    bench::add_stages("radiosity", {{"items", stage<radiosity::ItemsKernel>}, {"gather", stage<radiosity::GatherKernel>}, {"lookup", stage<radiosity::LookupKernel>}},
+                      data_at);
     for (const Isa isa : supported_isas()) {
         RunOptions options;
         options.isa = isa, options.threads = 1;
-        for (const Stage& s : {Stage{"items", stage<radiosity::ItemsKernel>}, Stage{"gather", stage<radiosity::GatherKernel>},
-                               Stage{"lookup", stage<radiosity::LookupKernel>}}) {
-            const std::string name = std::string("radiosity.") + s.name + "/" + isa_name(isa);
-            benchmark::RegisterBenchmark(name.c_str(), [s, options](benchmark::State& state) {
-                const StageData data = data_at(s.name);
-                const auto bound = s.binding().bind(data);
-                Bundle outputs = make_outputs(s.binding(), data);
-                for (auto _ : state) {
-                    bound->run(options, {}, outputs);
-                    benchmark::DoNotOptimize(outputs.arrays[0].bytes.data());
-                }
-            })->Unit(benchmark::kMillisecond)->UseRealTime()->MinTime(0.2);
-        }
         benchmark::RegisterBenchmark((std::string("radiosity.rows/") + isa_name(isa)).c_str(), [options](benchmark::State& state) {
             // Rows of 256 of its elements, each of all.
             radiosity::Elements some = box().elements;

@@ -7,6 +7,7 @@
 
 #include "core/host_math.h"
 #include "gi/zbuffer/zbuffer.h"
+#include "tools/bench_stages/isa_stages.h"
 
 namespace {
 
@@ -67,26 +68,8 @@ StageData data_at(const std::string& stage) {
 }
 
 [[maybe_unused]] const bool registered = [] {
-    struct Stage {
-        const char* name;
-        const StageBinding& (*binding)();
-    };
-    for (const Stage& s : {Stage{"vertices", stage<zbuffer::VerticesKernel>}, Stage{"interpolate", stage<zbuffer::InterpolateKernel>},
-                           Stage{"pixels", stage<zbuffer::PixelsKernel>}})
-        for (const Isa isa : supported_isas()) {
-            const std::string name = std::string("zbuffer.") + s.name + "/" + isa_name(isa);
-            benchmark::RegisterBenchmark(name.c_str(), [s, isa](benchmark::State& state) {
-                RunOptions options;
-                options.isa = isa, options.threads = 1;
-                const StageData data = data_at(s.name);
-                const auto bound = s.binding().bind(data);
-                Bundle outputs = make_outputs(s.binding(), data);
-                for (auto _ : state) {
-                    bound->run(options, {}, outputs);
-                    benchmark::DoNotOptimize(outputs.arrays[0].bytes.data());
-                }
-            })->Unit(benchmark::kMillisecond)->UseRealTime()->MinTime(0.2);
-        }
+    bench::add_stages("zbuffer", {{"vertices", stage<zbuffer::VerticesKernel>}, {"interpolate", stage<zbuffer::InterpolateKernel>}, {"pixels", stage<zbuffer::PixelsKernel>}},
+                      data_at);
     return true;
 }();
 
