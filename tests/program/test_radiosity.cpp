@@ -132,8 +132,10 @@ TEST_CASE("explain: a row's hemicube is shown as four pictures", "[program][radi
     INFO(r.err);
     CHECK(r.exit == 0);
     const std::string html = read(page);
-    for (const char* part : {"radiosity.rows at 40,0", "that each texel sees, the top in the middle", "all add up to 1", "weight times radiosity"})
+    for (const char* part : {"radiosity.rows, item 40", "that each texel sees, the top in the middle", "all add up to 1", "weight times radiosity"})
         CHECK_THAT(html, Contains(part));
+    CHECK(html.find("the picture that this leads to") == std::string::npos);  // an item is at no place of it
+    CHECK(html.find("0 black, 1 white: 0 to 0.") == std::string::npos);       // nothing would be seen of texels' weights
     const auto refused = [&](const Words& more, const char* text) {
         const Result bad = run(with({"explain", scene}, more));
         INFO(bad.err);

@@ -175,9 +175,11 @@ class Report {
            const frame::Frame& frame, glm::ivec2 pixel)
         : given_(given), options_(options), scene_(scene), settings_(settings), frame_(frame) {
         if (given.html.empty()) return;
-        page_.emplace(fmt::format("plumb explain {}, {} {},{}", io::shown(scene.name),
-                                  of_maps(given.stage) ? "texel" : "pixel", pixel.x, pixel.y));
-        if (!of_maps(given.stage) && !frame.display.empty()) page_->picture(frame.display, pixel);
+        page_.emplace(fmt::format("plumb explain {}, {}", io::shown(scene.name),
+                                  given.item >= 0 ? fmt::format("item {}", given.item)
+                                                  : fmt::format("{} {},{}", of_maps(given.stage) ? "texel" : "pixel", pixel.x, pixel.y)));
+        // An item is at no place of the picture.
+        if (given.item < 0 && !of_maps(given.stage) && !frame.display.empty()) page_->picture(frame.display, pixel);
     }
 
     void add(const frame::PlannedStage& stage, const frame::Explanation& e, const std::vector<Check>& checks) {
@@ -218,7 +220,7 @@ class Report {
         const frame::FrameGraph graph(scene_, settings_, frame_);
         const frame::PlannedNode& node = graph.node(stage);
         page_->add({one.label, source_of(stage.name), one.pixel, one.binding, &one.data, &outputs, values, device, notes,
-                    node.pictures ? node.pictures(one.pixel) : std::vector<frame::ItemPicture>{}});
+                    node.pictures ? node.pictures(one.pixel) : std::vector<frame::ItemPicture>{}, given_.item >= 0});
     }
 
     const ExplainOptions& given_;

@@ -339,7 +339,8 @@ void ExplainPage::add(const ExplainedStage& stage) {
     const std::vector<TapValue> values = our_values(stage.values);
     const Samples samples = samples_of(values, sample_shape(stage.binding, stage.data, stage.pixel));
     const std::string key = fmt::format("{}.", stages_++);
-    page_.heading(fmt::format("{} at {},{}", stage.label, stage.pixel.x, stage.pixel.y), "stage" + key);
+    const std::string where = stage.item && stage.pixel.y == 0 ? fmt::format(", item {}", stage.pixel.x) : fmt::format(" at {},{}", stage.pixel.x, stage.pixel.y);
+    page_.heading(stage.label + where, "stage" + key);
     page_.raw(fmt::format("<p class=\"note\">{}</p>\n", escaped(stage.source)));
     if (!stage.device.empty()) page_.paragraph("On " + stage.device + ".");
     for (const std::string& note : stage.notes) page_.paragraph(note);

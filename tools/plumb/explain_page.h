@@ -26,6 +26,7 @@ struct ExplainedStage {
     std::string device;              // empty: ours alone
     std::vector<std::string> notes;  // the checks, or what the device says
     std::vector<frame::ItemPicture> pictures = {};  // of the item alone
+    bool item = false;               // `pixel` is an item of a list: x, or of a list folded into rows
 };
 
 class ExplainPage {

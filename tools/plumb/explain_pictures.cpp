@@ -109,7 +109,9 @@ struct Mapping {
         }
         for (const Range& r : ranges) odd += r.odd;
         if (shown == Shown::exposed) white = percentile(l);
-        if (shown == Shown::grey && ranges[0].least >= 0 && ranges[0].largest <= 1) shown = Shown::share;
+        // Of small shares, as texels have of a hemisphere, nothing would be seen from 0 to 1.
+        const bool seen = ranges[0].largest == 0 || ranges[0].largest > 0.1;
+        if (shown == Shown::grey && ranges[0].least >= 0 && ranges[0].largest <= 1 && seen) shown = Shown::share;
         if (shown == Shown::linear)
             for (int c = 0; c < components; ++c)
                 if (ranges[std::size_t(c)].least < 0 || ranges[std::size_t(c)].largest > 1) shown = Shown::bounds;
