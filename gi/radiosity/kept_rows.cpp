@@ -50,9 +50,9 @@ RowPlan plan_rows(int elements, int size, std::uint64_t memory, bool has_store) 
     return plan;
 }
 
-// Measured in rooms of 432 to 19,200 triangles with hemicubes of 16 to 128 texels, one core with AVX-512.
+// Fitted to boxes of 1,200 to 120,000 triangles (data/bench/radiosity.md), one core with AVX-512.
 double row_seconds(int elements, std::size_t triangles, int size) {
-    constexpr double each_texel = 18e-9, each_triangle = 30e-9;
+    constexpr double each_texel = 15e-9, each_triangle = 15e-9;
     return elements * (each_texel * rows_of_hemicube(size) * size + each_triangle * double(triangles));
 }
 

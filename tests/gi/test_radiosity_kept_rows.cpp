@@ -213,6 +213,19 @@ TEST_CASE("radiosity: rows that were damaged in the store are made again", "[rad
     CHECK(store.kept > 0);
 }
 
+TEST_CASE("radiosity: seconds that rows are foretold are those measured, to a third", "[radiosity]") {
+    // data/bench/radiosity.md: rows of boxes of 1,200 to 120,000 triangles, hemicubes of 64, seconds of the processor; and all of the box's.
+    const struct {
+        int elements, triangles;
+        double seconds;
+    } measured[] = {{774, 1200, 0.141}, {690, 4800, 0.176}, {690, 19200, 0.338}, {690, 30000, 0.446}, {690, 120000, 1.515}};
+    for (const auto& [elements, triangles, seconds] : measured) {
+        CAPTURE(triangles);
+        CHECK(row_seconds(elements, std::size_t(triangles), 64) == Approx(seconds).epsilon(0.33));
+    }
+    CHECK(row_seconds(15814, 30000, 64) == Approx(2 * 4.5).epsilon(0.33));  // two cores
+}
+
 TEST_CASE("radiosity: memory that rows take is said before they are made, and refused with the number", "[radiosity][bad input]") {
     const Elements e = room();
     const FormFactors f = form_factors(e, small, {});
