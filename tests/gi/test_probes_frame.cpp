@@ -165,13 +165,15 @@ TEST_CASE("probes: published feedback grows from 1/pi on, and is refused with it
 }
 
 TEST_CASE("probes: light whose first bounces grow is not refused where later ones do not", "[probes][frame][analytic]") {
-    // A closed cube: a fifth of what a wall sends reaches each of the others. One reflects 8 times what it gets, the others a 20th: light from
-    // the wall across grows 8/5-fold and more by way of it every second round, and shrinks in those between: by 0.08 in both.
-    Scene scene = empty_room();
+    // A flat room, 4 x 0.8 x 4 m: two thirds of what the ceiling emits reach the floor, which sends back twice what it gets; the rest a 20th.
+    // The second round has 4/3 of the first one's light, and every two rounds after it have a fraction.
+    Mesh mesh;
+    add_box(mesh, glm::vec3(-2, -0.4f, -2), glm::vec3(2, 0.4f, 2), 0, true);
+    Scene scene = scene_of(mesh);
     scene.materials.resize(3);
     for (Material& m : scene.materials) m.reflectance = glm::vec3(0.05f);
-    scene.materials[1].reflectance = glm::vec3(8), scene.materials[2].emission = glm::vec3(1);
-    for (std::size_t t = 0; t < 2; ++t) scene.meshes[0].material[t] = 2, scene.meshes[0].material[t + 2] = 1;  // x low, x high
+    scene.materials[1].reflectance = glm::vec3(2), scene.materials[2].emission = glm::vec3(1);
+    for (std::size_t t = 4; t < 6; ++t) scene.meshes[0].material[t] = 1, scene.meshes[0].material[t + 2] = 2;  // y low, y high
     look_inside(scene);
     frame::Settings settings = probe_settings(scene);
     frame::add_bake(scene, settings);
@@ -181,9 +183,8 @@ TEST_CASE("probes: light whose first bounces grow is not refused where later one
         gains.push_back(frame::execute(scene, settings, frame::plan(scene, settings, frame::rules()), {}).probes.converged.gain);
     }
     CAPTURE(gains);
-    CHECK(gains[0] > 1.2);
-    CHECK(gains[1] < 0.3);
-    CHECK(gains[2] > 1.2);
+    CHECK(gains[0] > 1.1);
+    CHECK(gains[1] < 0.9);
     settings.probe_run.rounds = 100;
     const probes::Convergence c = frame::execute(scene, settings, frame::plan(scene, settings, frame::rules()), {}).probes.converged;
     CHECK(c.rounds < 20);

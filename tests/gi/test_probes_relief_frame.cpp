@@ -420,19 +420,18 @@ TEST_CASE("relief: light vectors of static surfaces know nothing of static lamps
     frame::Settings settings = settings_for(scene);
     settings.probe_run.static_lamps = "lamp";
     const frame::Frame f = frame_of(scene, settings);
-    int fixed = 0, moving = 0;
+    int fixed = 0, moving = 0, lit = 0;
     for (std::size_t i = 0; i < f.indirect.size(); ++i) {
         const glm::vec4 e = f.probes.relief.fixed.irradiance.texels[i], l = f.probes.relief.fixed.from_light.texels[i];
         if (of_quad(f, i)) {
             CHECK(f.probes.volume.irradiance.texels[i].x > 0.01f);
             ++moving;
         } else if (e.w == 1) {
-            CHECK(glm::vec3(e) == glm::vec3(0));
-            CHECK(glm::vec3(l) == glm::vec3(0));
-            ++fixed;
+            ++fixed, lit += glm::vec3(e) != glm::vec3(0) || glm::vec3(l) != glm::vec3(0);
         }
     }
     CHECK((fixed > 400 && moving > 20));
+    CHECK(lit == 0);
 }
 
 TEST_CASE("relief: static lamps that are not there are refused", "[probes][relief][frame][refused]") {
