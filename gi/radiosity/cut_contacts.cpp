@@ -1,9 +1,6 @@
 #include "gi/radiosity/cut_contacts.h"
 
-#include <cmath>
-#include <map>
 #include <optional>
-#include <vector>
 
 #include "gi/radiosity/surface_points.h"
 #include "gi/radiosity/triangle_split.h"
@@ -48,10 +45,13 @@ class Round {
         : mesh_(triangles.edges()), tolerance_(meeting_distance(mesh_)), on_edge_(edges()), inside_(mesh_.count) {
         find_points(), find_standing();
         const PointTree tree(points_);
+        std::vector<Point> middles;
+        for (std::uint32_t e : standing_) middles.push_back((start(first_of(e)) + end(first_of(e))) * 0.5);
+        const PointTree edge_tree(std::move(middles));
         for (std::size_t t = 0; t < mesh_.count; ++t) {
             if (!(mesh_.area[t] > 0)) continue;
             meet_points(t, tree);
-            for (const auto& [size, edges] : standing_) meet_edges(t, edges);
+            meet_edges(t, edge_tree);
         }
     }
 
@@ -79,13 +79,6 @@ class Round {
     }
 
   private:
-    // Edges within a factor of two: with one long edge among all, every triangle would ask for nearly every edge.
-    struct Standing {
-        std::vector<std::uint32_t> of;
-        double half_longest = 0;
-        PointTree middles{{}};
-    };
-
     std::size_t edges() const { return mesh_.edge_begin.size() - 1; }
     std::uint32_t first_of(std::size_t e) const { return mesh_.half_edges[mesh_.edge_begin[e]]; }
     const glm::vec3& start_f(std::uint32_t h) const { return mesh_.corner(h).position; }
@@ -106,15 +99,10 @@ class Round {
         for (std::uint32_t e = 0; e < edges(); ++e) {
             const std::uint32_t begin = mesh_.edge_begin[e], end = mesh_.edge_begin[e + 1], h = mesh_.half_edges[begin];
             if (end - begin > 1 && !rises_from(e, h / 3)) continue;
+            standing_.push_back(e);
             edges_at_[mesh_.point[h]].push_back(e), edges_at_[mesh_.point[next_half_edge(h)]].push_back(e);
-            const double size = length(this->end(h) - start(h));
-            Standing& standing = standing_[std::ilogb(size)];
-            standing.of.push_back(e), standing.half_longest = std::max(standing.half_longest, size / 2);
-        }
-        for (auto& [size, edges] : standing_) {
-            std::vector<Point> middles;
-            for (std::uint32_t e : edges.of) middles.push_back((start(first_of(e)) + end(first_of(e))) * 0.5);
-            edges.middles = PointTree(std::move(middles));
+            const Point along = this->end(h) - start(h);
+            half_longest_ = std::max(half_longest_, length(along) / 2);
         }
     }
     // Whether a triangle at the edge leaves the plane of t.
@@ -151,10 +139,10 @@ class Round {
     }
 
     // Edges of others that lie in the triangle's plane, stand off it, and cross its edges.
-    void meet_edges(std::size_t t, const Standing& edges) {
-        const Box box(mesh_.position(t, 0), mesh_.position(t, 1), mesh_.position(t, 2), tolerance_ + edges.half_longest);
-        edges.middles.query(box, [&](std::uint32_t i) {
-            const std::uint32_t e = edges.of[i], h = first_of(e);
+    void meet_edges(std::size_t t, const PointTree& tree) {
+        const Box box(mesh_.position(t, 0), mesh_.position(t, 1), mesh_.position(t, 2), tolerance_ + half_longest_);
+        tree.query(box, [&](std::uint32_t i) {
+            const std::uint32_t e = standing_[i], h = first_of(e);
             if (!in_plane(t, start(h)) || !in_plane(t, end(h)) || !rises_from(e, t)) return;
             for (std::uint32_t own = std::uint32_t(3 * t); own < 3 * t + 3; ++own) meet_edge(t, own, h);
         });
@@ -183,8 +171,9 @@ class Round {
     std::vector<Least> inside_;   // [triangle]
     std::vector<Point> points_;
     std::vector<glm::vec3> position_;
-    std::map<int, Standing> standing_;  // by exponent of the length
+    std::vector<std::uint32_t> standing_;
     std::vector<std::vector<std::uint32_t>> edges_at_;  // [point]: those that stand
+    double half_longest_ = 0;
     std::int64_t corners_ = 0, crossings_ = 0;
 };
 
