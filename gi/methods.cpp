@@ -31,6 +31,7 @@
 #include "gi/reference/reference.h"
 #include "gi/rsm/all_rays.h"
 #include "gi/rsm/gather.h"
+#include "gi/screen/screen.h"
 #include "gi/zbuffer/zbuffer.h"
 #include "raster/bindings.h"
 #include "raster/hemicube.h"
@@ -98,6 +99,10 @@ const std::vector<ListedStage>& stages() {
         unbound(radiosity::info_solve()),
         listed(stage<radiosity::GatherKernel>()),
         listed(stage<radiosity::LookupKernel>()),
+        listed(stage<screen::SsaoKernel>()),
+        listed(stage<screen::HorizonKernel>()),
+        listed(stage<screen::BlurKernel>()),
+        listed(stage<screen::OccludeKernel>()),
         listed(stage<compose::ComposeKernel>()),
         unbound(reference::info()),
         listed(stage<compose::TonemapKernel>()),

@@ -44,7 +44,7 @@ std::vector<Explanation> explain(const Scene& scene, const Settings& settings, c
         chosen.push_back(&node);
         if (stage.empty()) continue;
         if (!node.in_steps) break;
-        light = s.light;
+        if (s.light >= 0) light = s.light;
     }
     if (chosen.empty() && of_host && !stage.empty())
         throw InputError(fmt::format("explain: the stage {} is a step of the host, without items; it has no values to list", stage));

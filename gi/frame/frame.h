@@ -159,6 +159,13 @@ struct ZbufferBuffers {
     Image4 vertex_normals;  // the picture with vertices' normals over it
 };
 
+// Of ambient occlusion (gi/screen); empty where its stages do not run.
+struct AoBuffers {
+    std::vector<Image4> views;  // after the camera, and after each light's map: what was summed
+    Image4 open;                // xyz open share; w 1 on a surface
+    Image4 lit;                 // indirect and ambient irradiance, by the open share, W/m2
+};
+
 struct Frame {
     raster::GBuffer gbuffer;
     // [lights][1, or 6 faces of a point light]; size 0 where none was needed, or nothing can be seen.
@@ -175,6 +182,7 @@ struct Frame {
     ProbeBuffers probes;
     RadiosityBuffers radiosity;
     ZbufferBuffers zbuffer;
+    AoBuffers ao;
     std::vector<SourceView> views;  // of method isr; [0] stands for the frame itself and is empty
     Image4 indirect_error;     // standard error of `indirect`, by channel, W/m2; empty where no rsm.all_rays ran
     Image4 radiance;           // outgoing, W/(m2 sr)

@@ -125,6 +125,7 @@ void FrameGraph::add_nodes() {
     add_isr(c, nodes_);
     add_probes(c, nodes_);
     add_radiosity(c, nodes_);
+    add_ao(c, nodes_);
     add_compose(c, nodes_);
     add_relief_layers(c, nodes_);
     if (c.settings.method == Method::reference) add_traced(c, "color", "the picture", nodes_);
@@ -136,6 +137,7 @@ void FrameGraph::add_nodes() {
     const std::vector<std::string>& own = methods().at(std::size_t(c.settings.method)).transport;
     if (std::find(own.begin(), own.end(), "truth.indirect") != own.end())
         add_traced(c, "truth.indirect", "the truth of indirect: one bounce of the lamps' light", nodes_);
+    if (occludes(c.settings)) add_traced(c, "truth.ao", "the truth of ao: rays of its radius", nodes_);
 }
 
 const PlannedNode& FrameGraph::node(const PlannedStage& stage) const {
@@ -193,7 +195,7 @@ void FrameGraph::make_room() {
     const std::size_t lights = c.lights.size();
     f.rsms.resize(lights), f.maps_blurred_across.resize(lights), f.maps_blurred.resize(lights);
     f.isr.gathered.resize(std::size_t(c.isr_gathers)), f.isr.radiosities.resize(std::size_t(c.isr_bounces));
-    f.isr.unseen.resize(std::size_t(c.isr_unseen));
+    f.isr.unseen.resize(std::size_t(c.isr_unseen)), f.ao.views.resize(std::size_t(c.ao_views));
     f.views.resize(c.views.size() > 1 ? c.views.size() : 0);
     for (std::size_t v = 1; v < c.views.size(); ++v)
         f.views[v].name = c.views[v].name, f.views[v].camera = c.views[v].camera, f.views[v].size = c.views[v].size;

@@ -7,6 +7,7 @@
 //     nodes_probes.cpp   irradiance probes (nodes_probes.h)
 //     nodes_radiosity.cpp   hemicube radiosity
 //     nodes_zbuffer.cpp  light at vertices and pixels
+//     nodes_ao.cpp       ambient occlusion
 //     nodes_shade.cpp    indirect shadows of what moves
 //     nodes_relief.cpp   their normal maps, highlights, static lamps
 #pragma once
@@ -56,6 +57,7 @@ struct Context {
     ReliefUse relief;               // relief_use()
     std::vector<bool> static_lamps; // static_lamps()
     int isr_gathers = 0, isr_bounces = 0, isr_unseen = 0;  // images of Frame::isr
+    int ao_views = 0;               // of Frame::ao
 
     // The scene as stages read it; made here where nobody has given it.
     World& world();
@@ -206,6 +208,9 @@ void add_relief_layers(Context& c, Nodes& nodes);
 // Of the method zbuffer: in place of direct light; and, after the picture, the same with normals over it.
 void add_zbuffer(Context& c, Nodes& nodes);
 void add_vertex_normals(Context& c, Nodes& nodes);
+// Before the picture: ambient occlusion over indirect light; and what the picture reads of it.
+void add_ao(Context& c, Nodes& nodes);
+const Image4& indirect_to_compose(const Context& c);
 void add_compose(Context& c, Nodes& nodes);
 void add_tonemap(Context& c, Nodes& nodes);
 void add_traced(Context& c, const std::string& layer, const std::string& why, Nodes& nodes);

@@ -20,7 +20,7 @@ Inputs composed(Context& c) {
     const Image4* emission = c.settings.method == Method::zbuffer ? &c.frame.zbuffer.sent
                              : c.relief.highlights              ? &c.frame.probes.relief.sent
                                                                 : &g.emission;
-    return {&g.normal, &g.albedo, emission, &c.frame.direct, &c.frame.indirect, c.scene.environment.radiance};
+    return {&g.normal, &g.albedo, emission, &c.frame.direct, &indirect_to_compose(c), c.scene.environment.radiance};
 }
 
 Traced* find_layer(Context& c, const std::string& layer) {
@@ -98,6 +98,7 @@ void add_traced(Context& c, const std::string& layer, const std::string& why, No
         r.source("all that rays meet", c.keys.paths);
         r.value(c.settings.seed);
         if (own_transport(layer)) r.image(c.frame.gbuffer.position), r.image(c.frame.gbuffer.normal);
+        if (layer == "truth.ao") r.value(c.settings.ao.radius);
         const auto& [position, look_at, up, fov_y_deg, near, far, reversed_z] = c.scene.camera;
         r.value(position, look_at, up, fov_y_deg, near, far, reversed_z);
         if (params.rays == Rays::native) r.value(c.isa);

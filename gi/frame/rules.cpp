@@ -201,14 +201,15 @@ const std::vector<Rule>& rules() {
     static const std::vector<std::string> of_light = {"rsm", "shadow", "gather"};
     static const std::vector<std::string> of_view = {"camera",      "rsm",            "shadow", "gather",  "direct",
                                                      "truth.direct", "truth.indirect", "isr",    "isr access", "probes",
-                                                     "relief",       "probes shadow", "radiosity", "zbuffer"};
+                                                     "relief",       "probes shadow", "radiosity", "zbuffer", "ao",  "ao light",
+                                                     "truth.ao"};
     static const std::vector<std::string> of_screen = {"rsm",    "shadow", "gather",   "filter",
-                                                       "direct", "isr",    "isr access", "isr lit", "zbuffer"};
+                                                       "direct", "isr",    "isr access", "isr lit", "zbuffer", "ao", "ao light"};
     static const std::vector<Rule> all = {
         {"scene-empty", of_view, "", "the scene is empty", scene_empty},
         {"light-off", of_light, "", "the light is off", light_off},
         {"light-black", of_light, "", "the light is black", light_black},
-        {"light-misses", of_light, "", "the light misses everything that is drawn", light_misses},
+        {"light-misses", {"rsm", "shadow", "gather", "ao light"}, "", "the light misses everything that is drawn", light_misses},
         {"paths-instead", {"rsm", "shadow", "direct", "compose"}, "", "paths are traced instead", paths_instead},
         {"camera-blind", of_view, "", "the camera sees nothing of the scene", camera_blind},
         {"no-radiance", {"probes", "probes shadow", "radiosity"}, "", "nothing sends light", no_radiance},
@@ -231,7 +232,7 @@ const std::vector<Rule>& rules() {
         {"mesh-unseen", {"probes"}, "mesh", "is not in view", mesh_unseen},
         {"nothing-covered", of_screen, "", "no pixel sees a surface", nullptr, nothing_covered},
         {"map-dark", {"gather"}, "", "the light's map holds no flux", nullptr, map_dark},
-        {"tile-empty", {"shadow", "gather", "filter", "direct", "isr", "isr access", "isr lit"}, "tile", "sees no surface", nullptr, tile_empty},
+        {"tile-empty", {"shadow", "gather", "filter", "direct", "isr", "isr access", "isr lit", "ao", "ao light"}, "tile", "sees no surface", nullptr, tile_empty},
     };
     return all;
 }

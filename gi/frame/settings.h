@@ -16,6 +16,7 @@
 #include "gi/radiosity/radiosity_params.h"
 #include "gi/reference/reference.h"
 #include "gi/rsm/gather.h"
+#include "gi/screen/ao_params.h"
 #include "gi/zbuffer/zbuffer_params.h"
 #include "raster/layout.h"
 
@@ -45,6 +46,7 @@ struct Settings {
     zbuffer::ZbufferParams zbuffer;
     isr::IsrParams isr;
     filter::FilterParams indirect;    // of the method rsm
+    screen::AoParams ao;
     direct::ShadowParams shadow;
     direct::DirectParams direct;
     compose::ComposeParams compose;
@@ -60,7 +62,7 @@ struct Settings {
     bool pruning = true;  // false: every stage runs, needed or not; the picture is the same
 };
 
-// The tables of a scene file that hold parameters: "rsm", "isr", "indirect", "shadow", "direct", "compose", "tonemap", "reference",
+// The tables of a scene file that hold parameters: "rsm", "isr", "indirect", "ao", "shadow", "direct", "compose", "tonemap", "reference",
 // "probes", "lod", "radiosity", "zbuffer", "layout" (of a custom layout).
 std::vector<std::string> method_tables();
 
@@ -74,6 +76,9 @@ raster::Layout parse_layout(const std::string& name, const std::string& place);
 
 // Whether the picture depends on the shadow density (gi/direct), and not on light alone.
 bool reads_density(const Settings& settings);
+
+// Whether ambient occlusion darkens indirect light (nodes_ao.cpp).
+bool occludes(const Settings& settings);
 
 // Defaults, then what the scene file sets, in its order.
 Settings settings_of(const Scene& scene);

@@ -29,6 +29,11 @@ std::vector<Change> changes() {
     all.push_back([=](Settings& s) { shows_indirect(s), s.isr.bounces = std::max(s.isr.bounces, 2); });
     all.push_back([=](Settings& s) { shows_indirect(s), s.isr.blur = isr::Blur::gaussian; });
     all.push_back([](Settings& s) { s.method = Method::rsm, s.shadow.mode = direct::ShadowMode::esm; });
+    for (const screen::AoMethod method : {screen::AoMethod::ssao, screen::AoMethod::horizon})
+        all.push_back([=](Settings& s) {
+            if (s.method == Method::reference) s.method = Method::rsm;
+            s.ao.method = method;
+        });
     all.push_back([](Settings& s) { s.method = Method::probes; });
     all.push_back([](Settings& s) { s.method = Method::probes, s.lod.levels = std::max(s.lod.levels, 2); });
     all.push_back([](Settings& s) { s.method = Method::radiosity; });

@@ -25,7 +25,7 @@ std::vector<std::string> beyond_lamps(const Scene& scene) {
 
 }  // namespace
 
-bool own_transport(const std::string& layer) { return layer == "truth.direct" || layer == "truth.indirect"; }
+bool own_transport(const std::string& layer) { return layer == "truth.direct" || layer == "truth.indirect" || layer == "truth.ao"; }
 
 Scene lamps_only(Scene scene) {
     for (Material& m : scene.materials) m.emission = m.specular = m.mirror = glm::vec3(0);
@@ -51,7 +51,10 @@ Traced Tracer::begin(const std::string& layer) const {
     Traced traced;
     traced.layer = layer;
     traced.params = settings_.reference;
-    if (own_transport(layer)) {
+    if (layer == "truth.ao") {
+        traced.params.mode = reference::Mode::ambient_occlusion;
+        traced.params.ao_distance = settings_.ao.radius;
+    } else if (own_transport(layer)) {
         traced.params.mode = layer == "truth.direct" ? reference::Mode::direct : reference::Mode::one_bounce;
         traced.without = without_;
     }

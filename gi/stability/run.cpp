@@ -240,6 +240,20 @@ void look_at_zbuffer(const Case& c, Scene scene, frame::Settings settings, const
     look_beyond(c, scene, settings, base, effort, out);
 }
 
+// Ambient occlusion over ambient light: from the camera and the lights, as printed, by horizons.
+void look_at_ao(const Case& c, const Scene& scene, frame::Settings settings, const frame::Plan& base, const Effort& effort,
+                Writer& out) {
+    using namespace screen;
+    settings.method = frame::Method::direct;
+    settings.ao = {.method = AoMethod::ssao, .samples = 16, .views = AoViews::lights, .ambient = glm::vec3(0.5f)};
+    look_beyond(c, scene, settings, base, effort, out);
+    settings.ao.blur = AoBlur::edge_aware;
+    settings.ao.variant = AoVariant::published;
+    look_beyond(c, scene, settings, base, effort, out);
+    settings.ao = {.method = AoMethod::horizon, .slices = 2, .steps = 4, .ambient = glm::vec3(0.5f)};
+    look_beyond(c, scene, settings, base, effort, out);
+}
+
 void run_frame(const Case& c, const Scene& scene, const Effort& effort, Writer& out) {
     const frame::Settings settings = case_settings(c, scene);
     const Drawn drawn = draw(scene, settings, effort.run);
@@ -271,6 +285,7 @@ void run_frame(const Case& c, const Scene& scene, const Effort& effort, Writer& 
     look_at_filters(c, scene, settings, drawn.plan, effort, out);
     look_at_isr(c, scene, settings, drawn.plan, effort, out);
     look_at_zbuffer(c, scene, settings, drawn.plan, effort, out);
+    look_at_ao(c, scene, settings, drawn.plan, effort, out);
     using compose::Operator;
     for (const Operator op : {Operator::clamp, Operator::exposure, Operator::reinhard, Operator::filmic})
         if (op != settings.tonemap.op) otherwise("tonemap", [op](frame::Settings& s) { s.tonemap.op = op; });

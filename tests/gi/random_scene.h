@@ -231,6 +231,16 @@ inline frame::Settings random_settings(std::uint32_t seed) {
         t.zbuffer.range = zbuffer::Range(plain.below(2)), t.zbuffer.ambient = plain.in_box(glm::vec3(0), glm::vec3(1));
     }
     if (t.method == frame::Method::direct && plain.one_in(3)) t.method = frame::Method::radiosity, t.radiosity.size = 2 + 2 * plain.below(5);
+    Dice open(seed ^ 0x7f4a7c15u);
+    if (open.one_in(3)) {
+        t.ao.method = open.one_in(4) ? screen::AoMethod::horizon : screen::AoMethod::ssao;
+        t.ao.radius = open.between(0.1f, 2), t.ao.samples = 1 + open.below(16), t.ao.slices = t.ao.steps = 2;
+        t.ao.blur = screen::AoBlur(open.below(3)), t.ao.ambient = open.in_box(glm::vec3(0), glm::vec3(1));
+        if (t.ao.method == screen::AoMethod::ssao) {
+            t.ao.views = screen::AoViews(open.one_in(4) ? 0 : 1);
+            if (open.one_in(4)) t.ao.variant = screen::AoVariant::published;
+        }
+    }
     if (t.rsm.gather == rsm::Gather::all_rays) return t;  // a truth is not filtered
     if (dice.one_in(3)) t.indirect.resolution = filter::Resolution::half;
     if (dice.one_in(3)) t.indirect.blur = filter::Blur(1 + dice.below(2));

@@ -98,6 +98,11 @@ const TappedTwin tapped_twins[] = {
     {"gi/zbuffer/vertices_kernel.h", {"gi/zbuffer/vertices.comp"}},
     {"gi/zbuffer/interpolate_kernel.h", {"gi/zbuffer/seen_triangle.glsl", "gi/zbuffer/interpolate.comp"}},
     {"gi/zbuffer/pixels_kernel.h", {"gi/zbuffer/pixels.comp"}},
+    {"gi/screen/view_kernel.h", {"gi/screen/view.glsl"}},
+    {"gi/screen/ssao_kernel.h", {"gi/screen/ssao.comp"}},
+    {"gi/screen/horizon_kernel.h", {"gi/screen/horizon.comp"}},
+    {"gi/screen/blur_kernel.h", {"gi/screen/blur.comp"}},
+    {"gi/screen/occlude_kernel.h", {"gi/screen/occlude.comp"}},
     {"gi/compose/compose_kernel.h", {"gi/compose/compose.comp"}},
     {"gi/compose/tonemap_kernel.h", {"gi/compose/tonemap.comp"}},
 };

@@ -14,6 +14,7 @@
 #include "tests/parity/twin_data_probes.h"
 #include "tests/parity/twin_data_radiosity.h"
 #include "tests/parity/twin_data_relight.h"
+#include "tests/parity/twin_data_screen.h"
 #include "tests/parity/twin_data_zbuffer.h"
 
 namespace plumb::test {
@@ -201,6 +202,7 @@ inline std::vector<StageData> compute_cases(glm::ivec2 size) {
     for (StageData& data : radiosity_cases(size)) cases.push_back(std::move(data));
     for (StageData& data : zbuffer_cases(size)) cases.push_back(std::move(data));
     for (StageData& data : isr_cases(size)) cases.push_back(std::move(data));
+    for (StageData& data : screen_cases(size)) cases.push_back(std::move(data));
     return cases;
 }
 

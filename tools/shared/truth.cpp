@@ -136,6 +136,7 @@ std::vector<TruthRow> compare_layers(const frame::Frame& frame, int threads) {
     compare("color", "truth", frame.radiance, color_error(frame));
     compare("direct", "truth.direct", frame.direct, {});
     compare("indirect", "truth.indirect", frame.indirect, frame.indirect_error);
+    compare("ao", "truth.ao", frame.ao.open, {});
     return rows;
 }
 

@@ -29,7 +29,7 @@ Image4 color_error(const frame::Frame& frame);
 
 // A layer beside the traced one that it approximates.
 struct TruthRow {
-    std::string name;  // "color", "direct", "indirect"
+    std::string name;  // "color", "direct", "indirect", "ao"
     const frame::Traced* traced;
     TruthComparison comparison;
 };

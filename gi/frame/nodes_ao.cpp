@@ -1,0 +1,144 @@
+// Ambient occlusion (gi/screen): of the camera, of the maps of each light that shines, their mean, and what it leaves of
+// indirect light.
+#include <fmt/format.h>
+
+#include "gi/frame/frame_graph.h"
+#include "gi/frame/isr.h"
+#include "gi/screen/screen.h"
+
+namespace plumb::frame {
+
+bool occludes(const Settings& settings) {
+    return settings.ao.method != screen::AoMethod::off && settings.method != Method::reference;
+}
+
+namespace {
+
+using screen::AoMethod;
+
+View camera_view(const Context& c) {
+    return make_view(c.scene.camera, double(c.size.x) / c.size.y, c.scene.convention, c.size);
+}
+
+// A view's image in their order.
+Image4& of_view(Context& c, int index) { return c.frame.ao.views[std::size_t(index)]; }
+
+double pixels(const Context& c) { return double(c.size.x) * c.size.y; }
+
+void add_own(Context& c, Nodes& nodes) {
+    const screen::AoParams& p = c.settings.ao;
+    const bool horizon = p.method == AoMethod::horizon;
+    const double turns = pixels(c) * (horizon ? 2.0 * p.slices * p.steps : double(p.samples));
+    PlannedNode node = begin_node(c, horizon ? stage<screen::HorizonKernel>() : stage<screen::SsaoKernel>(), "ao",
+                                  "how open points are", turns);
+    node.results = {{"open share", "", "open", 2, 1}};
+    const int index = c.ao_views++;
+    auto result = [=, &c]() -> Image4& { return of_view(c, index); };
+    if (horizon)
+        compute(c, node, p,
+                [&c] {
+                    const raster::GBuffer& g = c.frame.gbuffer;
+                    return screen::HorizonInputs{&g.position, &g.normal, camera_view(c), nullptr};
+                },
+                result);
+    else
+        compute(c, node, p,
+                [&c] {
+                    const raster::GBuffer& g = c.frame.gbuffer;
+                    return screen::SsaoInputs{&g.position, &g.normal, &g.position, camera_view(c), true, nullptr, nullptr};
+                },
+                result);
+    node.in_steps = true;
+    nodes.push_back(std::move(node));
+}
+
+// One map of a light. Where it sees nothing what was summed before goes on.
+void add_map(Context& c, int light, int map, Nodes& nodes) {
+    const screen::AoParams& p = c.settings.ao;
+    PlannedNode node = begin_node(c, stage<screen::SsaoKernel>(), "ao light", "how open points are to this light",
+                                  pixels(c) * p.samples, light);
+    if (raster::map_count(c.lights[std::size_t(light)]) > 1) set_form(node, raster::face_names[map]);
+    node.results = {{"sum", "", "sum"}};
+    const int index = c.ao_views++;
+    auto result = [=, &c]() -> Image4& { return of_view(c, index); };
+    auto before = [=, &c]() -> Image4& { return of_view(c, index - 1); };
+    auto is_drawn = [=, &c] {
+        return c.maps(light).size() > std::size_t(map) && c.maps(light)[std::size_t(map)].size > 0;
+    };
+    node.leave_out = [=] { result() = before(); };
+    node.reads_left_out = [=](graph::Reads& r) { r.image(before()); };
+    compute(c, node, p,
+            [=, &c] {
+                const raster::GBuffer& g = c.frame.gbuffer;
+                const raster::Rsm& rsm = c.maps(light)[std::size_t(map)];
+                return screen::SsaoInputs{&g.position, &g.normal, &rsm.position, rsm.view, false, &before(), nullptr};
+            },
+            result);
+    node.in_steps = true;
+    node.run = [=, run = node.run](const RunOptions& options, graph::NodeRun& row) {
+        if (is_drawn()) return run(options, row);
+        result() = before();
+    };
+    node.reads = [=, reads = node.reads](graph::Reads& r) {
+        if (is_drawn()) return reads(r);
+        r.image(before());
+    };
+    node.dispatches = [=, dispatches = node.dispatches] {
+        return is_drawn() ? dispatches() : std::vector<StageData>();
+    };
+    node.explain = [=, explain = node.explain](glm::ivec2 pixel) {
+        if (is_drawn()) return explain(pixel);
+        const glm::vec4 sum = before()(pixel.x, pixel.y);
+        return std::vector<TapValue>{{"sum", -1, {sum.x, sum.y, sum.z}, "the map sees nothing: as before"}};
+    };
+    nodes.push_back(std::move(node));
+}
+
+void add_lights(Context& c, Nodes& nodes) {
+    if (c.settings.ao.views != screen::AoViews::lights || !casts_shadows(c.settings)) return;
+    for (int l = 0; l < int(c.lights.size()); ++l) {
+        const Light& light = c.lights[std::size_t(l)];
+        if (!light.on || light.intensity == glm::vec3(0)) continue;
+        for (int m = 0; m < raster::map_count(light); ++m) add_map(c, l, m, nodes);
+    }
+}
+
+void add_blur(Context& c, Nodes& nodes) {
+    const double side = c.settings.ao.blur == screen::AoBlur::none ? 1 : 5;
+    PlannedNode node = begin_node(c, stage<screen::BlurKernel>(), "ao", "the mean over views, without its pattern",
+                                  pixels(c) * side * side);
+    node.results = {{"open share", "", "open", 0, 1}};
+    const int last = c.ao_views - 1;
+    compute(c, node, c.settings.ao,
+            [=, &c] {
+                const raster::GBuffer& g = c.frame.gbuffer;
+                return screen::BlurInputs{&of_view(c, last), &g.position, &g.normal, nullptr};
+            },
+            [&c]() -> Image4& { return c.frame.ao.open; });
+    nodes.push_back(std::move(node));
+}
+
+void add_occlude(Context& c, Nodes& nodes) {
+    PlannedNode node = begin_node(c, stage<screen::OccludeKernel>(), "ao", "what is left of indirect light", pixels(c));
+    node.results = {{"occluded", "", "occluded"}};
+    compute(c, node, c.settings.ao, [&c] { return screen::OccludeInputs{&c.frame.indirect, &c.frame.ao.open}; },
+            [&c]() -> Image4& { return c.frame.ao.lit; });
+    nodes.push_back(std::move(node));
+}
+
+}  // namespace
+
+const Image4& indirect_to_compose(const Context& c) {
+    return occludes(c.settings) ? c.frame.ao.lit : c.frame.indirect;
+}
+
+void add_ao(Context& c, Nodes& nodes) {
+    if (!occludes(c.settings)) return;
+    screen::validate(c.settings.ao);
+    add_own(c, nodes);
+    add_lights(c, nodes);
+    add_blur(c, nodes);
+    add_occlude(c, nodes);
+}
+
+}  // namespace plumb::frame

@@ -1,0 +1,14 @@
+#include "core/shade_rows.h"
+#include "gi/screen/blur_kernel.h"
+#include "gi/screen/horizon_kernel.h"
+#include "gi/screen/occlude_kernel.h"
+#include "gi/screen/ssao_kernel.h"
+
+namespace plumb {
+
+template struct Rows<screen::SsaoKernel, Isa::PLUMB_ISA>;
+template struct Rows<screen::HorizonKernel, Isa::PLUMB_ISA>;
+template struct Rows<screen::BlurKernel, Isa::PLUMB_ISA>;
+template struct Rows<screen::OccludeKernel, Isa::PLUMB_ISA>;
+
+}  // namespace plumb

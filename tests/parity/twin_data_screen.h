@@ -1,0 +1,96 @@
+// Data for the stages of ambient occlusion.
+#pragma once
+
+#include <vector>
+
+#include "gi/screen/screen.h"
+#include "tests/parity/twin_data_parts.h"
+
+namespace plumb::test {
+
+// The rough wall of steps(), as a camera before it sees it.
+inline View before_the_steps(glm::ivec2 size) {
+    Camera camera;
+    camera.position = {0.005 * size.x, -0.005 * size.y, 0.1}, camera.look_at = {0.005 * size.x, -0.004 * size.y, -2};
+    camera.fov_y_deg = 14, camera.near = 0.05, camera.far = 300;
+    return make_view(camera, double(size.x) / size.y);
+}
+
+// Another view's sums, some of them without any weight.
+inline Image4 summed_image(glm::ivec2 size, const Image4& normal) {
+    Image4 summed = noise_image(size, 81, 0.1f, 1);
+    for (int i = 0; i < int(summed.size()); ++i) {
+        glm::vec4& s = summed.texels[std::size_t(i)];
+        if (i % 7 == 0) s.x = s.y = 0;
+        s.w = 1;
+        if (normal.texels[std::size_t(i)].w == 0) s = glm::vec4(0);
+    }
+    return summed;
+}
+
+inline StageData ssao_own_case(glm::ivec2 size, screen::AoParams params, const std::string& id) {
+    const Points p = steps(size, 5);
+    params.method = screen::AoMethod::ssao, params.radius = 0.3f, params.samples = 16;
+    return named(owned_data(screen::data_of(params, screen::SsaoInputs{&p.position, &p.normal, &p.position,
+                                                                       before_the_steps(size), true, nullptr, nullptr})), id);
+}
+
+inline StageData ssao_light_case(glm::ivec2 size, LightType type, int face, screen::AoParams params, const std::string& id) {
+    const Points p = room(size, 5);
+    const raster::Rsm map = make_map(make_light(type, 32), face, 6);
+    const Image4 before = summed_image(size, p.normal);
+    params.method = screen::AoMethod::ssao, params.views = screen::AoViews::lights;
+    params.radius = 0.7f, params.samples = 12;
+    return named(owned_data(screen::data_of(params, screen::SsaoInputs{&p.position, &p.normal, &map.position, map.view, false,
+                                                                       &before, nullptr})), id);
+}
+
+inline StageData horizon_case(glm::ivec2 size, int slices, int steps_a_side, const std::string& id) {
+    const Points p = steps(size, 5);
+    screen::AoParams params;
+    params.method = screen::AoMethod::horizon, params.radius = 0.3f, params.slices = slices, params.steps = steps_a_side;
+    return named(owned_data(screen::data_of(params, screen::HorizonInputs{&p.position, &p.normal, before_the_steps(size),
+                                                                          nullptr})), id);
+}
+
+inline StageData ao_blur_case(glm::ivec2 size, screen::AoBlur blur, screen::AoVariant variant, const std::string& id) {
+    const Points p = steps(size, 5);
+    const Image4 summed = summed_image(size, p.normal);
+    screen::AoParams params;
+    params.blur = blur, params.variant = variant;
+    return named(owned_data(screen::data_of(params, screen::BlurInputs{&summed, &p.position, &p.normal, nullptr})), id);
+}
+
+inline StageData occlude_case(glm::ivec2 size, const std::string& id) {
+    const Image4 indirect = noise_image(size, 82, 0, 30);
+    Image4 open = noise_image(size, 83, 0, 1);
+    for (std::size_t i = 0; i < open.size(); ++i) open.texels[i].w = i % 5 == 0 ? 0.0f : 1.0f;
+    screen::AoParams params;
+    params.ambient = {0.5f, 0, 3};
+    return named(owned_data(screen::data_of(params, screen::OccludeInputs{&indirect, &open})), id);
+}
+
+inline std::vector<StageData> screen_cases(glm::ivec2 size) {
+    using namespace screen;
+    AoParams printed, weighted;
+    printed.variant = AoVariant::published;
+    weighted.views = AoViews::lights;
+    return {
+        ssao_own_case(size, {}, "screen.ssao"),
+        ssao_own_case(size, weighted, "screen.ssao.weighted"),
+        ssao_own_case(size, printed, "screen.ssao.published"),
+        ssao_light_case(size, LightType::spot, 0, {}, "screen.ssao.spot"),
+        ssao_light_case(size, LightType::directional, 0, {}, "screen.ssao.sun"),
+        ssao_light_case(size, LightType::point, 3, {}, "screen.ssao.ny"),
+        ssao_light_case(size, LightType::spot, 0, printed, "screen.ssao.spot.published"),
+        horizon_case(size, 3, 6, "screen.horizon"),
+        horizon_case(size, 1, 3, "screen.horizon.one"),
+        ao_blur_case(size, AoBlur::box, AoVariant::corrected, "screen.blur"),
+        ao_blur_case(size, AoBlur::edge_aware, AoVariant::corrected, "screen.blur.edges"),
+        ao_blur_case(size, AoBlur::box, AoVariant::published, "screen.blur.published"),
+        ao_blur_case(size, AoBlur::none, AoVariant::corrected, "screen.blur.none"),
+        occlude_case(size, "screen.occlude"),
+    };
+}
+
+}  // namespace plumb::test
