@@ -33,9 +33,15 @@ bool light_black(const PlanFacts& known, const Work& work) {
     return known.tame && light_of(known, work).intensity == glm::vec3(0);
 }
 
+// As it is printed ambient occlusion weighs a map that sees nothing, too.
+bool weighs_all_maps(const Settings& s) {
+    return occludes(s) && s.ao.views == screen::AoViews::lights && s.ao.variant == screen::AoVariant::published;
+}
+
 // Outside of a map the shadow test as it is printed finds no point lit, which a shadow density shows.
 bool light_misses(const PlanFacts& known, const Work& work) {
     const Settings& s = known.settings;
+    if (weighs_all_maps(s) && work.stage != "gather") return false;
     if (reads_density(s) && s.shadow.variant == direct::ShadowVariant::published && work.stage != "gather") return false;
     return known.tame && !any_lit(known, light_of(known, work), known.drawn);
 }
@@ -136,6 +142,7 @@ bool light_unread(const PlanFacts& known, const Work& work) {
 bool face_blind(const PlanFacts& known, const Work& work) {
     const Light& light = light_of(known, work);
     if (light.type != LightType::point || known.settings.shadow.variant == direct::ShadowVariant::published) return false;
+    if (weighs_all_maps(known.settings)) return false;
     const View face = raster::light_views(light, known.low, known.high)[std::size_t(work.index)];
     return known.tame && std::none_of(known.drawn.begin(), known.drawn.end(), [&](const Box& box) {
         return raster::may_see(face, glm::vec3(box.low), glm::vec3(box.high));
