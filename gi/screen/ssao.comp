@@ -150,7 +150,8 @@ float weight_of(Receiver r, Occlusion o) {
     if (u.own == 0) {
         Place place = place_of(u.view, v);
         Surface q = surface_at(r, place);
-        sees = sees && q.known && facing > 0.0 && !hides(r, q, place.depth);
+        bool hidden = hides(r, q, place.depth);
+        sees = sees && q.known && facing > 0.0 && !hidden;
     }
     return sees ? weight : 0.0;
 }
