@@ -107,9 +107,19 @@ float horizon_of(Eye e, vec3 n, Slice slice, ivec2 pixel, float side) {
     return highest;
 }
 
-float arc(float h, float g, float cos_g, float sin_g) {
-    precise float angle = h + h - g;
-    precise float a = 0.25 * (cos_g - det_cos(angle) + (h + h) * sin_g);
+// a(h) of the horizon with that cosine to v, on one side (1 or -1).
+float arc(float highest, float side, float g, float cos_g, float sin_g) {
+    float cosine = min(max(highest, -1.0), 1.0);
+    precise float angle = side * det_acos(cosine);
+    precise float limit = g + side * 1.57079637;
+    bool below = side > 0.0 ? angle > limit : angle < limit;
+    precise float sine = side * sqrt(max(0.0, 1.0 - cosine * cosine));
+    precise float cos_2h = (cosine + cosine) * cosine - 1.0;
+    precise float sin_2h = (cosine + cosine) * sine;
+    precise float above = cos_2h * cos_g + sin_2h * sin_g;
+    float turned = below ? -cos_g : above;
+    float h = below ? limit : angle;                              TAP(h, h);
+    precise float a = 0.25 * (cos_g - turned + (h + h) * sin_g);
     return a;
 }
 
@@ -125,12 +135,9 @@ float open_share(Eye e, vec3 n, int turn, ivec2 pixel) {
     precise float sin_g = min(max(n_t / length, -1.0), 1.0);
     float angle = det_acos(cos_g);
     float g = n_t < 0.0 ? -angle : angle;                         TAP(g, g);
-    precise float last = g + 1.57079637;
-    precise float first = g - 1.57079637;
-    float h_2 = min(det_acos(min(max(ahead, -1.0), 1.0)), last);
-    float h_1 = max(-det_acos(min(max(behind, -1.0), 1.0)), first);
-    TAP(horizons, vec2(h_1, h_2));
-    precise float share = length * (arc(h_1, g, cos_g, sin_g) + arc(h_2, g, cos_g, sin_g));
+    float second = arc(ahead, 1.0, g, cos_g, sin_g);
+    float first = arc(behind, -1.0, g, cos_g, sin_g);
+    precise float share = length * (first + second);
     TAP(share, share);
     return share;
 }

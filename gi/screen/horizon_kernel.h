@@ -131,15 +131,24 @@ PLUMB_INLINE F horizon_of(const HorizonInputsView& in, const Eye<F>& e, const ve
     return highest;
 }
 
-template <class F>
-PLUMB_INLINE F arc(F h, F g, F cos_g, F sin_g) {
-    return F(0.25f) * (cos_g - detmath::cos(h + h - g) + (h + h) * sin_g);
+// a(h) of the horizon with that cosine to v, on one side (1 or -1). It is held above the plane of p, where 2 h - g is
+// g + pi or g - pi; else cos(2 h - g) follows from the cosine of h.
+template <class F, class Tap>
+PLUMB_INLINE F arc(F highest, float side, F g, F cos_g, F sin_g, Tap& tap) {
+    const F zero(0.0f), one(1.0f), cosine = clamp(highest, -one, one);
+    const F angle = F(side) * detmath::acos(cosine), limit = g + F(side) * F(1.57079637f);
+    const mask_t<F> below = side > 0 ? angle > limit : angle < limit;
+    const F sine = F(side) * sqrt(max(zero, one - cosine * cosine));
+    const F cos_2h = (cosine + cosine) * cosine - one, sin_2h = (cosine + cosine) * sine;
+    const F turned = select(below, -cos_g, cos_2h * cos_g + sin_2h * sin_g);
+    const F h = select(below, limit, angle);                      tap("h", h, "the horizon's angle from v");
+    return F(0.25f) * (cos_g - turned + (h + h) * sin_g);
 }
 
 template <class F, class Tap>
 PLUMB_INLINE F open_share(const HorizonInputsView& in, const Eye<F>& e, const vec3<F>& n, index_t<F> turn, index_t<F> px,
                           index_t<F> py, Tap& tap) {
-    const F zero(0.0f), one(1.0f), half_pi(1.57079637f);
+    const F zero(0.0f), one(1.0f);
     const Slice<F> slice = slice_of<F>(in, e, turn, tap);
     const F ahead = horizon_of<F>(in, e, n, slice, px, py, 1.0f, tap);
     const F behind = horizon_of<F>(in, e, n, slice, px, py, -1.0f, tap);
@@ -148,10 +157,8 @@ PLUMB_INLINE F open_share(const HorizonInputsView& in, const Eye<F>& e, const ve
     const F cos_g = clamp(n_v / length, -one, one), sin_g = clamp(n_t / length, -one, one);
     const F angle = detmath::acos(cos_g), g = select(n_t < zero, -angle, angle);
     tap("g", g, "angle of n' from v");
-    const F h_2 = min(detmath::acos(clamp(ahead, -one, one)), g + half_pi);
-    const F h_1 = max(-detmath::acos(clamp(behind, -one, one)), g - half_pi);
-    tap("horizons", vec2<F>{h_1, h_2}, "h_1, h_2, angles from v");
-    const F share = length * (arc(h_1, g, cos_g, sin_g) + arc(h_2, g, cos_g, sin_g));
+    const F second = arc(ahead, 1.0f, g, cos_g, sin_g, tap), first = arc(behind, -1.0f, g, cos_g, sin_g, tap);
+    const F share = length * (first + second);
     tap("share", share, "|n'| (a(h_1) + a(h_2))");
     return share;
 }
