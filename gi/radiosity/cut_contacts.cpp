@@ -11,17 +11,21 @@ namespace {
 using probes::next_half_edge;
 using probes::SurfaceMesh;
 
-constexpr int most_rounds = 1000;  // a long edge over many triangles is cut once a round
+constexpr int most_rounds = 1000;  // an edge over n triangles takes some log n
 
 bool before(const glm::vec3& a, const glm::vec3& b) {
     return a.x != b.x ? a.x < b.x : a.y != b.y ? a.y < b.y : a.z < b.z;
 }
 
-// The least of what was offered: the same whatever the order.
-struct Least {
+// What was offered nearest to the middle, the same whatever the order: of n points the others are on either side of it, and all
+// have had their turn in some log n rounds.
+struct Middlemost {
     std::optional<glm::vec3> at;
-    void offer(const glm::vec3& p) {
-        if (!at || before(p, *at)) at = p;
+    double distance2 = 0;
+    void offer(const glm::vec3& p, const Point& middle) {
+        const Point d = Point(p) - middle;
+        const double size2 = glm::dot(d, d);
+        if (!at || size2 < distance2 || (size2 == distance2 && before(p, *at))) at = p, distance2 = size2;
     }
 };
 
@@ -42,12 +46,12 @@ glm::vec3 crossing(const Edge& one, const Edge& other) {
 class Round {
   public:
     explicit Round(const TriangleSplit& triangles)
-        : mesh_(triangles.edges()), tolerance_(meeting_distance(mesh_)), on_edge_(edges()), inside_(mesh_.count) {
+        : mesh_(triangles.edges()), tolerance_(meeting_distance(mesh_)), least_(128 * tolerance_), on_edge_(edges()), inside_(mesh_.count) {
         find_points(), find_standing();
         const PointTree tree(points_);
-        std::vector<Point> middles;
-        for (std::uint32_t e : standing_) middles.push_back((start(first_of(e)) + end(first_of(e))) * 0.5);
-        const PointTree edge_tree(std::move(middles));
+        std::vector<Box> boxes;
+        for (std::uint32_t e : standing_) boxes.emplace_back(start(first_of(e)), end(first_of(e)), 0.0);
+        const BoxTree edge_tree(std::move(boxes));
         for (std::size_t t = 0; t < mesh_.count; ++t) {
             if (!(mesh_.area[t] > 0)) continue;
             meet_points(t, tree);
@@ -95,14 +99,12 @@ class Round {
 
     // Edges that triangles of one plane do not go on beyond, and the points at their ends.
     void find_standing() {
-        edges_at_.resize(mesh_.points);
+        edges_at_.resize(mesh_.points), stands_.assign(edges(), 0);
         for (std::uint32_t e = 0; e < edges(); ++e) {
             const std::uint32_t begin = mesh_.edge_begin[e], end = mesh_.edge_begin[e + 1], h = mesh_.half_edges[begin];
             if (end - begin > 1 && !rises_from(e, h / 3)) continue;
-            standing_.push_back(e);
+            standing_.push_back(e), stands_[e] = 1;
             edges_at_[mesh_.point[h]].push_back(e), edges_at_[mesh_.point[next_half_edge(h)]].push_back(e);
-            const Point along = this->end(h) - start(h);
-            half_longest_ = std::max(half_longest_, length(along) / 2);
         }
     }
     // Whether a triangle at the edge leaves the plane of t.
@@ -122,25 +124,29 @@ class Round {
         tree.query(box, [&](std::uint32_t i) {
             if (is_corner(t, i)) return;
             const Where where = where_on(mesh_, t, points_[i], tolerance_);
-            if (where == within && stands_on(i, t)) inside_[t].offer(position_[i]);
+            if (where == within && stands_on(i, t)) inside_[t].offer(position_[i], middle_of(t));
             if (where == at_border) meet_border(t, i);
         });
     }
     bool stands_on(std::uint32_t point, std::size_t t) const {
         return std::any_of(edges_at_[point].begin(), edges_at_[point].end(), [&](std::uint32_t e) { return rises_from(e, t); });
     }
+    // Edges on both sides of which the surface goes on are divided by what stands there alone: not by corners of another surface that lies on it.
     void meet_border(std::size_t t, std::uint32_t point) {
+        const bool stands = stands_on(point, t);
         for (std::uint32_t h = std::uint32_t(3 * t); h < 3 * t + 3; ++h) {
+            const std::uint32_t e = mesh_.edge_of[h];
+            if (!stands_[e] && !stands) continue;
             const Point along = end(h) - start(h), to = points_[point] - start(h);
             const double size = length(along), at = glm::dot(to, along) / size;
-            if (at > tolerance_ && at < size - tolerance_ && length(to - along * (at / size)) <= tolerance_)
-                offer(mesh_.edge_of[h], position_[point], corners_);
+            if (at > least_ && at < size - least_ && length(to - along * (at / size)) <= tolerance_)
+                offer(e, position_[point], corners_);
         }
     }
 
     // Edges of others that lie in the triangle's plane, stand off it, and cross its edges.
-    void meet_edges(std::size_t t, const PointTree& tree) {
-        const Box box(mesh_.position(t, 0), mesh_.position(t, 1), mesh_.position(t, 2), tolerance_ + half_longest_);
+    void meet_edges(std::size_t t, const BoxTree& tree) {
+        const Box box(mesh_.position(t, 0), mesh_.position(t, 1), mesh_.position(t, 2), tolerance_);
         tree.query(box, [&](std::uint32_t i) {
             const std::uint32_t e = standing_[i], h = first_of(e);
             if (!in_plane(t, start(h)) || !in_plane(t, end(h)) || !rises_from(e, t)) return;
@@ -157,23 +163,24 @@ class Round {
         };
         if (!parts(own, other) || !parts(other, own)) return;
         const glm::vec3 at = crossing({start_f(other), end_f(other)}, {start_f(own), end_f(own)});
-        if (at != start_f(own) && at != end_f(own)) offer(mesh_.edge_of[own], at, crossings_);
+        if (length(Point(at) - start(own)) > least_ && length(Point(at) - end(own)) > least_) offer(mesh_.edge_of[own], at, crossings_);
     }
-    // An edge that has a point already keeps the lesser of the two, and is divided at the other in a later round.
+    // An edge that has a point already keeps the one nearer to its middle, and is divided at the other in a later round.
     void offer(std::uint32_t e, const glm::vec3& at, std::int64_t& count) {
         count += !on_edge_[e].at;
-        on_edge_[e].offer(at);
+        on_edge_[e].offer(at, (start(first_of(e)) + end(first_of(e))) * 0.5);
     }
+    Point middle_of(std::size_t t) const { return (Point(mesh_.position(t, 0)) + Point(mesh_.position(t, 1)) + Point(mesh_.position(t, 2))) / 3.0; }
 
     SurfaceMesh mesh_;
-    double tolerance_;
-    std::vector<Least> on_edge_;  // [edge]
-    std::vector<Least> inside_;   // [triangle]
+    double tolerance_, least_;
+    std::vector<Middlemost> on_edge_;  // [edge]
+    std::vector<Middlemost> inside_;   // [triangle]
     std::vector<Point> points_;
     std::vector<glm::vec3> position_;
     std::vector<std::uint32_t> standing_;
+    std::vector<char> stands_;  // [edge]
     std::vector<std::vector<std::uint32_t>> edges_at_;  // [point]: those that stand
-    double half_longest_ = 0;
     std::int64_t corners_ = 0, crossings_ = 0;
 };
 
@@ -182,8 +189,7 @@ class Round {
 Cut cut_contacts(const Scene& scene, std::int64_t most_triangles) {
     TriangleSplit triangles(scene);
     Cut cut;
-    for (int round = 0; round < most_rounds; ++round)
-        if (!Round(triangles).apply(triangles, cut, most_triangles)) break;
+    while (cut.rounds < most_rounds && Round(triangles).apply(triangles, cut, most_triangles)) ++cut.rounds;
     cut.scene = triangles.take(scene);
     return cut;
 }

@@ -30,6 +30,9 @@ struct Box {
     bool holds(const Point& p) const {
         return p.x >= low.x && p.y >= low.y && p.z >= low.z && p.x <= high.x && p.y <= high.y && p.z <= high.z;
     }
+    bool touches(const Box& b) const {
+        return b.high.x >= low.x && b.high.y >= low.y && b.high.z >= low.z && b.low.x <= high.x && b.low.y <= high.y && b.low.z <= high.z;
+    }
 };
 
 // Points by halves along x, y and z in turn. What a query finds does not depend on how ties were sorted, its order does.
@@ -66,6 +69,50 @@ class PointTree {
 
     std::vector<Point> points_;
     std::vector<std::uint32_t> order_;
+};
+
+// Boxes by halves of their middles along x, y and z in turn, each half with its bounds: what touches a box is found in its own time,
+// however large others are. Its order depends on how ties were sorted.
+class BoxTree {
+  public:
+    explicit BoxTree(std::vector<Box> boxes) : boxes_(std::move(boxes)), order_(boxes_.size()), bounds_(boxes_) {
+        for (std::uint32_t i = 0; i < order_.size(); ++i) order_[i] = i;
+        sort(0, order_.size(), 0);
+    }
+    template <class F>
+    void query(const Box& box, const F& f) const {
+        visit(box, 0, order_.size(), f);
+    }
+
+  private:
+    // bounds_[middle]: of all between first and last.
+    void sort(std::size_t first, std::size_t last, int axis) {
+        if (first >= last) return;
+        const std::size_t middle = first + (last - first) / 2;
+        std::nth_element(order_.begin() + long(first), order_.begin() + long(middle), order_.begin() + long(last), [&](std::uint32_t a, std::uint32_t b) {
+            return boxes_[a].low[axis] + boxes_[a].high[axis] < boxes_[b].low[axis] + boxes_[b].high[axis];
+        });
+        Box& all = bounds_[middle] = boxes_[order_[middle]];
+        const auto take = [&](std::size_t from, std::size_t to) {
+            if (from >= to) return;
+            sort(from, to, (axis + 1) % 3);
+            const Box& half = bounds_[from + (to - from) / 2];
+            all.low = glm::min(all.low, half.low), all.high = glm::max(all.high, half.high);
+        };
+        take(first, middle), take(middle + 1, last);
+    }
+    template <class F>
+    void visit(const Box& box, std::size_t first, std::size_t last, const F& f) const {
+        if (first >= last) return;
+        const std::size_t middle = first + (last - first) / 2;
+        if (!box.touches(bounds_[middle])) return;
+        if (box.touches(boxes_[order_[middle]])) f(order_[middle]);
+        visit(box, first, middle, f), visit(box, middle + 1, last, f);
+    }
+
+    std::vector<Box> boxes_;
+    std::vector<std::uint32_t> order_;
+    std::vector<Box> bounds_;
 };
 
 enum Where { off_it, at_border, within };

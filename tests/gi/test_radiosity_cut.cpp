@@ -130,6 +130,33 @@ TEST_CASE("cut: T-junctions are closed, and what touches nothing stays as it is"
     CHECK(flatten(kept.scene).triangles.size() == count + 2);
 }
 
+TEST_CASE("cut: what stands on many triangles takes rounds by their logarithm", "[radiosity][contacts]") {
+    // A wall of one quad along a strip of n, and one corner after the other within one triangle.
+    for (const int n : {16, 256}) {
+        CAPTURE(n);
+        Scene s;
+        s.meshes.push_back(grid({0, 0, 0}, {0, 0, 1}, {1, 0, 0}, 1, n, add_material(s, 0.5)));
+        s.meshes.push_back(grid({0, 0, 0.37}, {0, 1, 0}, {1, 0, 0}, 1, 1, 0));
+        const Cut cut = cut_contacts(s);
+        CHECK(inspect_contacts(flatten(cut.scene)).t_junctions == 0);
+        CHECK(cut.crossings + cut.corners >= 2 * n);
+        CHECK(cut.rounds <= 3 * std::ilogb(double(n)));
+    }
+}
+
+TEST_CASE("cut: pieces end at 128 times what meets", "[radiosity][contacts]") {
+    // A wall whose foot crosses the floor's diagonal edge at x from its corner, along both of its own edges.
+    const double meets = 0x1p-20, near = 60 * meets, far = 200 * meets;
+    for (const double x : {near, far}) {
+        CAPTURE(x);
+        Scene s;
+        s.meshes.push_back(grid({0, 0, 0}, {0, 0, 1}, {1, 0, 0}, 1, 1, add_material(s, 0.5)));
+        s.meshes.push_back(grid({x, 0, -0.25}, {0, 1, 0}, {0, 0, 1.25}, 1, 1, 0));
+        const Cut cut = cut_contacts(s);
+        CHECK((cut.crossings > 0) == (x == far));
+    }
+}
+
 TEST_CASE("cut: too many triangles are refused with the number", "[radiosity][bad input]") {
     const Scene s = floor_with(box_on({0.5, 0.5}, 0.3, 0.2, 0.4, 1, 0), 1, true);
     CHECK_THROWS_WITH(cut_contacts(s, 13), Catch::Contains("triangles after splitting: expected at most 13"));
