@@ -23,7 +23,8 @@ float contrasted(float value) {
     if (u.contrast == 1.0) return value;
     precise float x = min(max(value, 0.0), 1e10) * 5.55555534;
     precise float y = 0.18 * det_pow(x, u.contrast);
-    return y < 7.88860905e-31 ? 0.0 : y;  // 2^-100
+    precise float left = max(y - 7.88860905e-31, 0.0);  // 2^-100
+    return left;
 }
 
 // Hable 2010.

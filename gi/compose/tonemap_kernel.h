@@ -49,7 +49,7 @@ PLUMB_INLINE F contrasted(F x, float contrast) {
     if (contrast == 1.0f) return x;
     x = min(max(x, F(0.0f)), F(1e10f));
     const F y = F(0.18f) * detmath::pow(x * F(5.55555534f), F(contrast));
-    return select(y < F(0x1p-100f), F(0.0f), y);
+    return max(y - F(0x1p-100f), F(0.0f));
 }
 
 template <class F>

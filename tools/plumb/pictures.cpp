@@ -66,7 +66,7 @@ void write_pictures(const Scene& scene, const frame::Plan& plan, const frame::Fr
     }
     if (!frame.indirect_error.empty()) layers.push_back(layer("indirect.error", rgb, frame.indirect_error));
     const frame::ReliefBuffers& relief = frame.probes.relief;
-    if (runs(ran, "screen.blur", -1)) layers.push_back({"ao", {"Y"}, &frame.ao.open.data()->x, 4});
+    if (!frame.ao.open.empty()) layers.push_back({"ao", {"Y"}, &frame.ao.open.data()->x, 4});
     if (!frame.zbuffer.sent.empty()) layers.push_back(layer("sent", rgb, frame.zbuffer.sent));
     if (!relief.made.glossy.empty()) layers.push_back(layer("glossy", rgb, relief.made.glossy));
     for (const frame::ReliefBuffers::Layer& of : relief.layers)
