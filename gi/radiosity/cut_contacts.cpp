@@ -53,7 +53,7 @@ class Round {
         for (std::uint32_t e : standing_) boxes.emplace_back(start(first_of(e)), end(first_of(e)), 0.0);
         const BoxTree edge_tree(std::move(boxes));
         for (std::size_t t = 0; t < mesh_.count; ++t) {
-            if (!(mesh_.area[t] > 0)) continue;
+            if (!(height(t) > least_)) continue;
             meet_points(t, tree);
             meet_edges(t, edge_tree);
         }
@@ -90,6 +90,11 @@ class Round {
     Point start(std::uint32_t h) const { return Point(start_f(h)); }
     Point end(std::uint32_t h) const { return Point(end_f(h)); }
     double above(std::size_t t, const Point& p) const { return glm::dot(p - mesh_.position(t, 0), mesh_.normal[t]); }
+    // Of a triangle over its longest edge: what is lower than the least piece is not cut, for all that lies beside it is on two of its edges.
+    double height(std::size_t t) const {
+        const auto h = std::uint32_t(3 * t);
+        return 2 * mesh_.area[t] / std::max({length(end(h) - start(h)), length(end(h + 1) - start(h + 1)), length(end(h + 2) - start(h + 2))});
+    }
     bool in_plane(std::size_t t, const Point& p) const { return std::fabs(above(t, p)) <= tolerance_; }
 
     void find_points() {

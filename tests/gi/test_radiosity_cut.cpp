@@ -157,6 +157,17 @@ TEST_CASE("cut: pieces end at 128 times what meets", "[radiosity][contacts]") {
     }
 }
 
+TEST_CASE("cut: triangles lower than 128 times what meets stay whole", "[radiosity][contacts]") {
+    const double meets = 0x1p-20;
+    for (const bool low : {true, false}) {
+        CAPTURE(low);
+        Scene s;
+        s.meshes.push_back(grid({0, 0, 0}, {0, 0, (low ? 60 : 600) * meets}, {1, 0, 0}, 1, 1, add_material(s, 0.5)));
+        s.meshes.push_back(grid({0.37, 0, -0.25}, {0, 1, 0}, {0, 0, 1.25}, 1, 1, 0));
+        CHECK((cut_contacts(s).crossings > 0) == !low);
+    }
+}
+
 TEST_CASE("cut: too many triangles are refused with the number", "[radiosity][bad input]") {
     const Scene s = floor_with(box_on({0.5, 0.5}, 0.3, 0.2, 0.4, 1, 0), 1, true);
     CHECK_THROWS_WITH(cut_contacts(s, 13), Catch::Contains("triangles after splitting: expected at most 13"));
