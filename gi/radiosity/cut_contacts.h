@@ -21,8 +21,9 @@ struct Cut {
 
 // Meshes come back as tessellate() makes them. Edges between triangles of one plane are not cut along, and not at corners of what lies
 // on them: a floor and a sheet on it stay as they are, and so do bodies that run into each other without an edge there.
-// What is nearer than meeting_distance() meets; no edge is cut nearer to its end than 128 of it, and no triangle lower than that: a quarter of a millimetre in a room of
-// 2 m: at corners that are rounded by less, cuts would have no end. Throws InputError where there are more triangles than asked.
+// What is nearer than meeting_distance() meets; no edge is cut nearer to its end than 128 of it, and no triangle lower than that, a
+// quarter of a millimetre in a room of 2 m: at corners that are rounded by less, cuts would have no end. Throws InputError where there are
+// more triangles than asked.
 Cut cut_contacts(const Scene& scene, std::int64_t most_triangles = 4'000'000);
 
 }  // namespace plumb::radiosity
