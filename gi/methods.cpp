@@ -99,6 +99,7 @@ const std::vector<ListedStage>& stages() {
         unbound(radiosity::info_solve()),
         listed(stage<radiosity::GatherKernel>()),
         listed(stage<radiosity::LookupKernel>()),
+        listed(stage<screen::ReuseKernel>()),
         listed(stage<screen::SsaoKernel>()),
         listed(stage<screen::HorizonKernel>()),
         listed(stage<screen::BlurKernel>()),

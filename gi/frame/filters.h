@@ -1,7 +1,8 @@
 // The filters of indirect light in a frame (gi/filter).
 //
 //     position, normal --filter.reduce--> half_position, half_normal --gathers--> gathered
-//     gathered --filter.upsample--> upsampled --filter.blur (horizontal)--> blurred_across --(vertical)--> indirect
+//     gathered --screen.reuse (with the last frame's)--> reused
+//     gathered or reused --filter.upsample--> upsampled --filter.blur (horizontal)--> blurred_across --(vertical)--> indirect
 //
 // The last filter's result is `indirect`. Without filters gathers add to `indirect` themselves.
 #pragma once

@@ -22,6 +22,7 @@
 #include "gi/probes/volume.h"
 #include "gi/radiosity/host_stages.h"
 #include "gi/radiosity/lookup.h"
+#include "gi/screen/last_frame.h"
 #include "gi/zbuffer/zbuffer.h"
 #include "raster/gbuffer.h"
 #include "raster/rsm.h"
@@ -177,7 +178,11 @@ struct Frame {
     // Of filters of the indirect light alone (filters.h); empty where they do not run.
     Image4 half_position, half_normal;
     Image4 gathered;           // the sum of all gathers, W/m2, at their own size; w: linear depth, m (VRSM fig. 4.4)
+    Image4 reused, reused_age; // of screen.reuse: the mean of frames, W/m2, and of how many
     Image4 upsampled, blurred_across;  // what further filters read
+    // What screen.reuse reads of the frame before, and what it leaves for the next, both there after a frame.
+    screen::LastFrame last_light, next_light;
+    std::uint32_t light_frames = 0;    // that were gathered, with this one
     IsrBuffers isr;
     ProbeBuffers probes;
     RadiosityBuffers radiosity;

@@ -104,6 +104,7 @@ void FrameGraph::add_nodes() {
     const int lights = casts_shadows(c.settings) ? int(c.lights.size()) : 0, views = int(c.views.size());
     add_gbuffer(c, 0, nodes_);
     add_filters_before(c, nodes_);
+    if (reuses_light(c.settings)) add_light_clock(c, nodes_);
     for (int v = 1; v < views; ++v)
         if (c.views[std::size_t(v)].kind == ViewKind::probe_rays)
             add_probe_hits(c, v, nodes_);

@@ -8,6 +8,7 @@
 //     nodes_radiosity.cpp   hemicube radiosity
 //     nodes_zbuffer.cpp  light at vertices and pixels
 //     nodes_ao.cpp       ambient occlusion
+//     nodes_reuse.cpp    light of frames before
 //     nodes_shade.cpp    indirect shadows of what moves
 //     nodes_relief.cpp   their normal maps, highlights, static lamps
 #pragma once
@@ -193,6 +194,11 @@ void add_sum(Context& c, Nodes& nodes);
 void begin_sum(Context& c);  // sets the sum to 0, for gathers that add to it
 void add_filters_before(Context& c, Nodes& nodes);
 void add_filters_after(Context& c, Nodes& nodes);
+// The clock of frames whose light is reused, before gathers; and the stage, after their sum.
+void add_light_clock(Context& c, Nodes& nodes);
+void add_reuse(Context& c, Nodes& nodes);
+// By how many columns this frame turns the patterns of its gathers.
+int pattern_turn(const Context& c, int rotations);
 void add_isr(Context& c, Nodes& nodes);
 void add_probe_hits(Context& c, int view, Nodes& nodes);
 void add_probes(Context& c, Nodes& nodes);

@@ -13,7 +13,7 @@ bool halves_indirect(const Settings& settings) {
 bool sums_gathers(const Settings& settings) { return !gathers_isr(settings) && !lights_probes(settings) && !solves_radiosity(settings); }
 
 bool filters_indirect(const Settings& settings) {
-    return halves_indirect(settings) ||
+    return halves_indirect(settings) || reuses_light(settings) ||
            (settings.method == Method::rsm && settings.indirect.blur != filter::Blur::none);
 }
 
@@ -56,16 +56,16 @@ void add_reduce(Context& c, const std::string& form, const Image4 raster::GBuffe
     nodes.push_back(std::move(node));
 }
 
-void add_upsample(Context& c, Image4 Frame::*to, Nodes& nodes) {
+void add_upsample(Context& c, const Image4 Frame::*from, Image4 Frame::*to, Nodes& nodes) {
     PlannedNode node = begin_node(c, stage<filter::UpsampleKernel>(), "filter", "indirect light of every pixel",
                                   double(c.size.x) * c.size.y);
     auto result = [=, &c]() -> Image4& { return c.frame.*to; };
     light_nothing(c, node, result);
     node.results = {{"irradiance", "", "irradiance"}};
     compute(c, node, c.settings.indirect,
-            [&c] {
+            [=, &c] {
                 const Frame& f = c.frame;
-                return filter::UpsampleInputs{&f.gathered, &f.half_position, &f.half_normal, &f.gbuffer.position,
+                return filter::UpsampleInputs{&(f.*from), &f.half_position, &f.half_normal, &f.gbuffer.position,
                                               &f.gbuffer.normal};
             },
             result);
@@ -106,8 +106,10 @@ void add_filters_after(Context& c, Nodes& nodes) {
     if (!filters_indirect(c.settings)) return;
     const bool half = halves_indirect(c.settings);
     const filter::Blur blur = c.settings.indirect.blur;
-    if (half) add_upsample(c, blur == filter::Blur::none ? &Frame::indirect : &Frame::upsampled, nodes);
-    const Image4 Frame::*sharp = half ? &Frame::upsampled : &Frame::gathered;
+    if (reuses_light(c.settings)) add_reuse(c, nodes);
+    const Image4 Frame::*sum = reuses_light(c.settings) ? &Frame::reused : &Frame::gathered;
+    if (half) add_upsample(c, sum, blur == filter::Blur::none ? &Frame::indirect : &Frame::upsampled, nodes);
+    const Image4 Frame::*sharp = half ? &Frame::upsampled : sum;
     if (blur == filter::Blur::full)
         add_blur(c, "", filter::BlurInputs{}.direction, sharp, &Frame::indirect, nodes);
     if (blur != filter::Blur::separable) return;

@@ -102,7 +102,8 @@ void add_gather(Context& c, int l, Nodes& nodes) {
     auto pattern = [&c, l, made = std::make_shared<std::unique_ptr<rsm::Pattern>>()]() -> const rsm::Pattern& {
         const Light& light = c.lights[std::size_t(l)];
         if (!*made)
-            *made = std::make_unique<rsm::Pattern>(rsm::pattern_of(c.settings.rsm, light.rsm_size, c.settings.seed));
+            *made = std::make_unique<rsm::Pattern>(rsm::turned(rsm::pattern_of(c.settings.rsm, light.rsm_size, c.settings.seed),
+                                                               pattern_turn(c, c.settings.rsm.rotations)));
         return **made;
     };
     auto inputs = [=, &c] {

@@ -34,13 +34,14 @@ const std::vector<MethodInfo>& methods() {
 }
 
 std::vector<std::string> method_tables() {
-    return {"rsm", "isr", "indirect", "ao", "shadow", "direct", "compose", "tonemap", "reference", "probes", "lod", "radiosity", "zbuffer", "layout"};
+    return {"rsm", "isr", "indirect", "reuse", "ao", "shadow", "direct", "compose", "tonemap", "reference", "probes", "lod", "radiosity", "zbuffer", "layout"};
 }
 
 std::vector<Field> table_fields(Settings& s, const std::string& table, const std::string& place) {
     if (table == "rsm") return rsm::fields(s.rsm);
     if (table == "isr") return isr::fields(s.isr);
     if (table == "indirect") return filter::fields(s.indirect);
+    if (table == "reuse") return screen::fields(s.reuse);
     if (table == "ao") return screen::fields(s.ao);
     if (table == "shadow") return direct::fields(s.shadow);
     if (table == "direct") return direct::fields(s.direct);

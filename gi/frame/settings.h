@@ -17,6 +17,7 @@
 #include "gi/reference/reference.h"
 #include "gi/rsm/gather.h"
 #include "gi/screen/ao_params.h"
+#include "gi/screen/reuse_params.h"
 #include "gi/zbuffer/zbuffer_params.h"
 #include "raster/layout.h"
 
@@ -47,6 +48,7 @@ struct Settings {
     isr::IsrParams isr;
     filter::FilterParams indirect;    // of the method rsm
     screen::AoParams ao;
+    screen::ReuseParams reuse;        // of the method rsm
     direct::ShadowParams shadow;
     direct::DirectParams direct;
     compose::ComposeParams compose;
@@ -62,7 +64,7 @@ struct Settings {
     bool pruning = true;  // false: every stage runs, needed or not; the picture is the same
 };
 
-// The tables of a scene file that hold parameters: "rsm", "isr", "indirect", "ao", "shadow", "direct", "compose", "tonemap", "reference",
+// The tables of a scene file that hold parameters: "rsm", "isr", "indirect", "reuse", "ao", "shadow", "direct", "compose", "tonemap", "reference",
 // "probes", "lod", "radiosity", "zbuffer", "layout" (of a custom layout).
 std::vector<std::string> method_tables();
 
@@ -76,6 +78,9 @@ raster::Layout parse_layout(const std::string& name, const std::string& place);
 
 // Whether the picture depends on the shadow density (gi/direct), and not on light alone.
 bool reads_density(const Settings& settings);
+
+// Whether gathered light is joined with that of frames before (nodes_reuse.cpp).
+bool reuses_light(const Settings& settings);
 
 // Whether ambient occlusion darkens indirect light (nodes_ao.cpp).
 bool occludes(const Settings& settings);

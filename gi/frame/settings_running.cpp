@@ -18,6 +18,7 @@ std::vector<Change> changes() {
     all.push_back([](Settings& s) { s.method = Method::rsm, s.indirect.resolution = filter::Resolution::half; });
     for (const filter::Blur blur : {filter::Blur::full, filter::Blur::separable})
         all.push_back([=](Settings& s) { s.method = Method::rsm, s.indirect.blur = blur; });
+    all.push_back([](Settings& s) { s.method = Method::rsm, s.reuse.frames = std::max(s.reuse.frames, 4); });
     const Change isr = [](Settings& s) { s.method = Method::isr; };
     const Change shows_indirect = [=](Settings& s) {
         isr(s);

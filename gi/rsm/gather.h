@@ -94,6 +94,9 @@ Pattern own_pattern(const GatherParams& params);
 // What the gather of `params` reads: empty for those that read every texel. Throws InputError for rows that do not fit.
 Pattern pattern_of(const GatherParams& params, int map_size, std::uint32_t seed);
 
+// The pattern whose rotation i is `pattern`'s (i + columns) mod rotations.
+Pattern turned(Pattern pattern, int columns);
+
 // Texels: the largest |dx| or |dy| of whole-texel offsets; of positions a texel more, rounded up.
 int reach_of(const Pattern& pattern);
 

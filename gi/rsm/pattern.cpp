@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "core/error.h"
 #include "core/hash.h"
 #include "core/host_math.h"
@@ -144,6 +146,20 @@ Pattern pattern_of(const GatherParams& params, int map_size, std::uint32_t seed)
     if (params.gather == Gather::disc) return disc_pattern(params, map_size, seed);
     if (params.gather == Gather::paths) return paths_pattern(params, map_size, seed);
     return {};
+}
+
+Pattern turned(Pattern pattern, int columns) {
+    if (columns == 0 || pattern.rotations == 0) return pattern;
+    const auto turn = [&](auto& table, std::size_t numbers) {
+        const std::size_t row = numbers * std::size_t(pattern.rotations);
+        for (std::size_t k = 0; k + row <= table.size(); k += row)
+            std::rotate(table.begin() + std::ptrdiff_t(k), table.begin() + std::ptrdiff_t(k + numbers * std::size_t(columns)),
+                        table.begin() + std::ptrdiff_t(k + row));
+    };
+    turn(pattern.offsets, 1), turn(pattern.positions, 2);
+    // Of a disc a weight is a sample's, whatever its rotation.
+    if (pattern.weights.size() > std::size_t(pattern.samples)) turn(pattern.weights, 1);
+    return pattern;
 }
 
 Buffer<float> slot_edges(const GatherParams& params) {

@@ -2,6 +2,7 @@
 #include "gi/screen/blur_kernel.h"
 #include "gi/screen/horizon_kernel.h"
 #include "gi/screen/occlude_kernel.h"
+#include "gi/screen/reuse_kernel.h"
 #include "gi/screen/ssao_kernel.h"
 
 namespace plumb {
@@ -10,5 +11,6 @@ template struct Rows<screen::SsaoKernel, Isa::PLUMB_ISA>;
 template struct Rows<screen::HorizonKernel, Isa::PLUMB_ISA>;
 template struct Rows<screen::BlurKernel, Isa::PLUMB_ISA>;
 template struct Rows<screen::OccludeKernel, Isa::PLUMB_ISA>;
+template struct Rows<screen::ReuseKernel, Isa::PLUMB_ISA>;
 
 }  // namespace plumb

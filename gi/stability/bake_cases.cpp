@@ -16,6 +16,7 @@
 #include "gi/probes/supports.h"
 #include "gi/stability/bake.h"
 #include "gi/stability/radiosity.h"
+#include "gi/stability/reuse.h"
 #include "gi/stability/relight.h"
 
 namespace plumb::stability {
@@ -301,7 +302,7 @@ const std::vector<BakeCase>& bake_cases() {
         std::vector<BakeCase> list;
         add_candidates(list), add_supports(list), add_levels(list), add_shares(list), add_coefficients(list);
         for (BakeCase& c : relight_cases()) list.push_back(std::move(c));
-        add_update_cases(list), add_radiosity_cases(list);
+        add_update_cases(list), add_radiosity_cases(list), add_reuse_cases(list);
         return list;
     }();
     return all;

@@ -254,6 +254,14 @@ void look_at_ao(const Case& c, const Scene& scene, frame::Settings settings, con
     look_beyond(c, scene, settings, base, effort, out);
 }
 
+// The first frame of those whose light is reused; reuse.cpp has later ones.
+void look_at_reuse(const Case& c, const Scene& scene, frame::Settings settings, const frame::Plan& base, const Effort& effort,
+                   Writer& out) {
+    settings.method = frame::Method::rsm, settings.rsm.samples = 4;
+    settings.reuse.frames = 8;
+    look_beyond(c, scene, settings, base, effort, out);
+}
+
 void run_frame(const Case& c, const Scene& scene, const Effort& effort, Writer& out) {
     const frame::Settings settings = case_settings(c, scene);
     const Drawn drawn = draw(scene, settings, effort.run);
@@ -286,6 +294,7 @@ void run_frame(const Case& c, const Scene& scene, const Effort& effort, Writer& 
     look_at_isr(c, scene, settings, drawn.plan, effort, out);
     look_at_zbuffer(c, scene, settings, drawn.plan, effort, out);
     look_at_ao(c, scene, settings, drawn.plan, effort, out);
+    look_at_reuse(c, scene, settings, drawn.plan, effort, out);
     using compose::Operator;
     for (const Operator op : {Operator::clamp, Operator::exposure, Operator::reinhard, Operator::filmic})
         if (op != settings.tonemap.op) otherwise("tonemap", [op](frame::Settings& s) { s.tonemap.op = op; });

@@ -51,6 +51,21 @@ TEST_CASE("stability: hemicubes, rows and corners by hand are within their budge
     CHECK(stages["radiosity.lookup"].size() == 5);
 }
 
+TEST_CASE("stability: light of a last frame is within its budget, from aside, from behind, far away", "[stability][reuse]") {
+    int met = 0;
+    for (const BakeCase& c : bake_cases()) {
+        if (c.group != "reuse") continue;
+        for (const Cell& cell : bake_cells(c.data(), "", {})) {
+            CAPTURE(c.name, cell.stage, cell.used, cell.condition, cell.digits_lost, cell.nonfinite, cell.flips, cell.reason, cell.most_lost);
+            CHECK(cell.ok);
+            CHECK_FALSE(cell.refused);
+            CHECK(cell.used <= 16);
+            ++met;
+        }
+    }
+    CHECK(met == 9);
+}
+
 TEST_CASE("stability: radiosity has cells in a room of 0.2 mm and of 2000 km, far away, and of slivers; what it cannot serve it refuses",
           "[stability][radiosity]") {
     std::set<std::string> baked;

@@ -99,6 +99,7 @@ const TappedTwin tapped_twins[] = {
     {"gi/zbuffer/interpolate_kernel.h", {"gi/zbuffer/seen_triangle.glsl", "gi/zbuffer/interpolate.comp"}},
     {"gi/zbuffer/pixels_kernel.h", {"gi/zbuffer/pixels.comp"}},
     {"gi/screen/view_kernel.h", {"gi/screen/view.glsl"}},
+    {"gi/screen/reuse_kernel.h", {"gi/screen/reuse.comp"}},
     {"gi/screen/ssao_kernel.h", {"gi/screen/ssao.comp"}},
     {"gi/screen/horizon_kernel.h", {"gi/screen/horizon.comp"}},
     {"gi/screen/blur_kernel.h", {"gi/screen/blur.comp"}},

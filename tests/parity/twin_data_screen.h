@@ -16,6 +16,14 @@ inline View before_the_steps(glm::ivec2 size) {
     return make_view(camera, double(size.x) / size.y);
 }
 
+// The same wall, seen by a camera that leans to its side and stands among the steps: some of them lie behind it.
+inline View among_the_steps(glm::ivec2 size) {
+    Camera camera;
+    camera.position = {0.0051 * size.x, -0.0052 * size.y, -1.97}, camera.look_at = {0.0058 * size.x, -0.0041 * size.y, -2.06};
+    camera.up = {0.45, 0.8, 0.1}, camera.fov_y_deg = 95, camera.near = 1e-4, camera.far = 300;
+    return make_view(camera, double(size.x) / size.y);
+}
+
 // Another view's sums, some of them without any weight.
 inline Image4 summed_image(glm::ivec2 size, const Image4& normal) {
     Image4 summed = noise_image(size, 81, 0.1f, 1);
@@ -28,11 +36,12 @@ inline Image4 summed_image(glm::ivec2 size, const Image4& normal) {
     return summed;
 }
 
-inline StageData ssao_own_case(glm::ivec2 size, screen::AoParams params, const std::string& id) {
+inline StageData ssao_own_case(glm::ivec2 size, screen::AoParams params, const std::string& id, bool among = false) {
     const Points p = steps(size, 5);
     params.method = screen::AoMethod::ssao, params.radius = 0.3f, params.samples = 16;
-    return named(owned_data(screen::data_of(params, screen::SsaoInputs{&p.position, &p.normal, &p.position,
-                                                                       before_the_steps(size), true, nullptr, nullptr})), id);
+    const View view = among ? among_the_steps(size) : before_the_steps(size);
+    return named(owned_data(screen::data_of(params, screen::SsaoInputs{&p.position, &p.normal, &p.position, view, !among,
+                                                                       nullptr, nullptr})), id);
 }
 
 inline StageData ssao_light_case(glm::ivec2 size, LightType type, int face, screen::AoParams params, const std::string& id) {
@@ -45,12 +54,12 @@ inline StageData ssao_light_case(glm::ivec2 size, LightType type, int face, scre
                                                                        &before, nullptr})), id);
 }
 
-inline StageData horizon_case(glm::ivec2 size, int slices, int steps_a_side, const std::string& id) {
+inline StageData horizon_case(glm::ivec2 size, int slices, int steps_a_side, const std::string& id, bool among = false) {
     const Points p = steps(size, 5);
     screen::AoParams params;
     params.method = screen::AoMethod::horizon, params.radius = 0.3f, params.slices = slices, params.steps = steps_a_side;
-    return named(owned_data(screen::data_of(params, screen::HorizonInputs{&p.position, &p.normal, before_the_steps(size),
-                                                                          nullptr})), id);
+    return named(owned_data(screen::data_of(params, screen::HorizonInputs{&p.position, &p.normal,
+                                                                          among ? among_the_steps(size) : before_the_steps(size), nullptr})), id);
 }
 
 inline StageData ao_blur_case(glm::ivec2 size, screen::AoBlur blur, screen::AoVariant variant, const std::string& id) {
@@ -70,6 +79,22 @@ inline StageData occlude_case(glm::ivec2 size, const std::string& id) {
     return named(owned_data(screen::data_of(params, screen::OccludeInputs{&indirect, &open})), id);
 }
 
+// The rough wall of steps(), as the camera sees it now and as another one, moved and turned, saw it before.
+inline StageData reuse_case(glm::ivec2 size, screen::ReuseClamp clamp, bool there, const std::string& id) {
+    const Points p = steps(size, 5), before = steps(size, 5);
+    const Image4 light = noise_image(size, 84, 0, 4), last = noise_image(size, 85, 0, 5);
+    Image4 age = noise_image(size, 86, 1, 9);
+    for (std::size_t i = 0; i < age.size(); ++i) age.texels[i].w = i % 9 == 4 ? 0.0f : 1.0f;
+    Camera camera;
+    camera.position = {0.0062 * size.x, -0.0047 * size.y, 0.13}, camera.look_at = {0.0054 * size.x, -0.0043 * size.y, -2};
+    camera.up = {0.1, 1, 0}, camera.fov_y_deg = 13, camera.near = 0.05, camera.far = 300;
+    screen::LastFrame left{last, age, before.position, before.normal, make_view(camera, double(size.x) / size.y), size};
+    if (!there) left = {};
+    screen::ReuseParams params;
+    params.frames = 6, params.clamp = clamp, params.sigma_depth = 0.2f, params.sigma_normal = 0.8f;
+    return named(owned_data(screen::data_of(params, screen::ReuseInputs{&light, &p.position, &p.normal, before_the_steps(size), &left, {}, nullptr})), id);
+}
+
 inline std::vector<StageData> screen_cases(glm::ivec2 size) {
     using namespace screen;
     AoParams printed, weighted;
@@ -79,17 +104,22 @@ inline std::vector<StageData> screen_cases(glm::ivec2 size) {
         ssao_own_case(size, {}, "screen.ssao"),
         ssao_own_case(size, weighted, "screen.ssao.weighted"),
         ssao_own_case(size, printed, "screen.ssao.published"),
+        ssao_own_case(size, weighted, "screen.ssao.among", true),
         ssao_light_case(size, LightType::spot, 0, {}, "screen.ssao.spot"),
         ssao_light_case(size, LightType::directional, 0, {}, "screen.ssao.sun"),
         ssao_light_case(size, LightType::point, 3, {}, "screen.ssao.ny"),
         ssao_light_case(size, LightType::spot, 0, printed, "screen.ssao.spot.published"),
         horizon_case(size, 3, 6, "screen.horizon"),
         horizon_case(size, 1, 3, "screen.horizon.one"),
+        horizon_case(size, 3, 5, "screen.horizon.among", true),
         ao_blur_case(size, AoBlur::box, AoVariant::corrected, "screen.blur"),
         ao_blur_case(size, AoBlur::edge_aware, AoVariant::corrected, "screen.blur.edges"),
         ao_blur_case(size, AoBlur::box, AoVariant::published, "screen.blur.published"),
         ao_blur_case(size, AoBlur::none, AoVariant::corrected, "screen.blur.none"),
         occlude_case(size, "screen.occlude"),
+        reuse_case(size, ReuseClamp::none, true, "screen.reuse"),
+        reuse_case(size, ReuseClamp::box, true, "screen.reuse.box"),
+        reuse_case(size, ReuseClamp::box, false, "screen.reuse.first"),
     };
 }
 
