@@ -28,6 +28,7 @@
 #include "gi/radiosity/host_stages.h"
 #include "gi/radiosity/items.h"
 #include "gi/radiosity/lookup.h"
+#include "gi/radiosity/reduce.h"
 #include "gi/reference/reference.h"
 #include "gi/rsm/all_rays.h"
 #include "gi/rsm/gather.h"
@@ -123,6 +124,7 @@ const std::vector<ListedStage>& stages() {
         listed(stage<ddgi::BorderKernel>(), false),
         listed(stage<ddgi::SampleKernel>(), false),
         listed(stage<radiosity::ItemsKernel>(), false),
+        listed(stage<radiosity::ReduceKernel>(), false),
         unbound(raster::info_hemicube(), false),
         unbound(raster::info_texture_space(), false),
     };

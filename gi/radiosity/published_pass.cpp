@@ -46,18 +46,31 @@ class Drawer {
     int size_;
 };
 
+// What a texel shows: xyz B, W/m2, w 1 where it is a front.
+glm::vec4 shown(const Elements& e, const PublishedPass& pass, const Buffer<glm::vec4>& b, std::int32_t triangle, const glm::vec4& seen) {
+    if (!(seen.w > 0)) return glm::vec4(0);
+    const glm::uvec3 of = e.of[std::size_t(triangle)];
+    const glm::vec3 at(1.0f - seen.x - seen.y, seen.x, seen.y);
+    const std::array<glm::vec3, 3> corners = {glm::vec3(b[of.x]), glm::vec3(b[of.y]), glm::vec3(b[of.z])};
+    return glm::vec4(pass.texel ? pass.texel(corners, at) : at.x * corners[0] + at.y * corners[1] + at.z * corners[2], 1);
+}
+
 // Texels in their order, in double.
 glm::vec4 sum_of(const Elements& e, const PublishedPass& pass, const std::vector<double>& weights, const Buffer<glm::vec4>& b,
                  const std::int32_t* triangle, const glm::vec4* seen) {
     glm::dvec3 sum(0);
-    for (std::size_t i = 0; i < weights.size(); ++i) {
-        if (!(seen[i].w > 0)) continue;
-        const glm::uvec3 of = e.of[std::size_t(triangle[i])];
-        const glm::vec3 at(1.0f - seen[i].x - seen[i].y, seen[i].x, seen[i].y);
-        const std::array<glm::vec3, 3> corners = {glm::vec3(b[of.x]), glm::vec3(b[of.y]), glm::vec3(b[of.z])};
-        sum += weights[i] * glm::dvec3(pass.texel ? pass.texel(corners, at) : at.x * corners[0] + at.y * corners[1] + at.z * corners[2]);
-    }
+    for (std::size_t i = 0; i < weights.size(); ++i) sum += weights[i] * glm::dvec3(glm::vec3(shown(e, pass, b, triangle[i], seen[i])));
     return glm::vec4(glm::vec3(sum), 0);
+}
+
+// The same as a device makes it, of all that is drawn.
+void reduce(const Elements& e, const PublishedPass& pass, const std::vector<double>& weights, const Buffer<glm::vec4>& b, const Drawn& drawn,
+            const RunOptions& options, glm::vec4* irradiance) {
+    Buffer<glm::vec4> texels(drawn.seen.size());
+    parallel_bands(int(texels.size()), 4096, options.threads, [&](int a, int z) {
+        for (int i = a; i < z; ++i) texels[std::size_t(i)] = shown(e, pass, b, drawn.triangle[std::size_t(i)], drawn.seen[std::size_t(i)]);
+    });
+    for (const glm::vec4& h : reduced_irradiance(pass.row.size, texels, weights, pass.reduction, options)) *irradiance++ = glm::vec4(glm::vec3(h), 0);
 }
 
 }  // namespace
@@ -79,12 +92,15 @@ PassTimes published_irradiance(const Elements& elements, const PublishedPass& pa
         drawer.draw(first + from, n, options, drawn);
         times.draw_seconds += seconds_since(start);
         const Clock::time_point between = Clock::now();
-        parallel_bands(n, 4, options.threads, [&](int a, int z) {
-            for (int i = a; i < z; ++i) {
-                const std::size_t at = std::size_t(i) * weights.size();
-                irradiance[std::size_t(from + i)] = sum_of(elements, pass, weights, radiosity, &drawn.triangle[at], &drawn.seen[at]);
-            }
-        });
+        if (pass.reduction.box > 0)
+            reduce(elements, pass, weights, radiosity, drawn, options, &irradiance[std::size_t(from)]);
+        else
+            parallel_bands(n, 4, options.threads, [&](int a, int z) {
+                for (int i = a; i < z; ++i) {
+                    const std::size_t at = std::size_t(i) * weights.size();
+                    irradiance[std::size_t(from + i)] = sum_of(elements, pass, weights, radiosity, &drawn.triangle[at], &drawn.seen[at]);
+                }
+            });
         times.sum_seconds += seconds_since(between);
     }
     return times;

@@ -5,6 +5,7 @@
 #include <array>
 #include <functional>
 
+#include "gi/radiosity/reduce.h"
 #include "gi/radiosity/rows.h"
 
 namespace plumb::radiosity {
@@ -13,6 +14,7 @@ struct PublishedPass {
     RowParams row;
     // What a texel holds of the radiosities at its triangle's corners and their barycentrics, W/m2. Empty: linear between them.
     std::function<glm::vec3(const std::array<glm::vec3, 3>& corners, const glm::vec3& barycentrics)> texel;
+    Reduction reduction;  // by radiosity.reduce; else texels are added in their order, in double
 };
 
 struct PassTimes {

@@ -9,6 +9,7 @@
 #include "gi/radiosity/gather.h"
 #include "gi/radiosity/items.h"
 #include "gi/radiosity/lookup.h"
+#include "gi/radiosity/reduce.h"
 #include "gi/radiosity/rows.h"
 #include "gi/radiosity/solve.h"
 #include "gi/reference/closed_form_scenes.h"
@@ -94,6 +95,18 @@ void add_gathered(const Elements& e, const radiosity::FormFactors& f, const Buff
         id(i, 0) = {0, i == n / 2 ? -1 : at};
     }
     all.push_back(own<radiosity::LookupKernel>(data_of(radiosity::LookupInputs{&position, &id, &t, &irradiance}), form));
+}
+
+// Three hemicubes whose texels are from 1e-12 to 1e12 W/m2, in boxes of `box`.
+BakeCase of_reduction(const std::string& name, const std::string& meaning, int size, const glm::ivec2& box, float gain) {
+    return {name, group, meaning, [=] {
+                Buffer<glm::vec4> texels;
+                for (int i = 0; i < 9 * size * size; ++i)
+                    texels.push_back({float(host::pow(10.0, double(i * 7 % 25) - 12)), float(i % 5), i == 40 ? 1e6f : 1e-6f, i % 4 == 0 ? 0.0f : 1.0f});
+                Buffer<float> weights;
+                for (const double w : radiosity::texel_weights(size, radiosity::Weights::exact)) weights.push_back(float(w));
+                return std::vector{own<radiosity::ReduceKernel>(data_of(radiosity::ReduceInputs{&texels, size, 3 * size, &weights, box, gain}), " (" + name + ")")};
+            }};
 }
 
 void add_scene(const Scene& scene, const std::string& form, const RunOptions& options, std::vector<StageData>& all) {
@@ -202,6 +215,8 @@ void add_radiosity_cases(std::vector<BakeCase>& cases) {
     cases.push_back(of_eye("items, an eye in a wall", "in the plane of a wall, to the bit", {1, 0.125f, 0.25f}, up));
     cases.push_back(of_eye("items, an eye at a wall", "3.4e-4 m off it, as elements of a room of 2 m are", {1 - 3.4e-4f, 0.125f, 0.25f}, {-1, 0, 0}));
     cases.push_back(of_eye("items, an eye in a corner", "1e-6 m from three walls", glm::vec3(-1 + 1e-6f), {1, 2, 3}));
+    cases.push_back(of_reduction("reduced in boxes of 2", "24 orders of magnitude in one hemicube", 32, {2, 2}, 1));
+    cases.push_back(of_reduction("reduced to means at once", "a box of all columns", 64, {64, 64}, 1.0f / 4096));
     cases.push_back(of_scene("slivers among elements", "a thousandth to a ten-millionth as wide as long", slivers()));
     cases.push_back(of_scene("elements in a wall", "vertices of a floor in the plane of a wall that stands on it", vertex_in_wall()));
     cases.push_back(of_scene("areas of a million to one", "quads of 1 m to 1 mm a side in one room", million_to_one()));

@@ -49,6 +49,7 @@ TEST_CASE("stability: hemicubes, rows and corners by hand are within their budge
     CHECK(stages["radiosity.items"].size() == 10);
     CHECK(stages["radiosity.gather"].size() == 5);
     CHECK(stages["radiosity.lookup"].size() == 5);
+    CHECK(stages["radiosity.reduce"].size() == 2);
 }
 
 TEST_CASE("stability: light of a last frame is within its budget, from aside, from behind, far away", "[stability][reuse]") {

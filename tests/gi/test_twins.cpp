@@ -78,6 +78,7 @@ const TappedTwin tapped_twins[] = {
     {"gi/radiosity/items_kernel.h", {"gi/radiosity/items.comp"}},
     {"gi/radiosity/gather_kernel.h", {"gi/radiosity/gather.comp"}},
     {"gi/radiosity/lookup_kernel.h", {"gi/radiosity/lookup.comp"}},
+    {"gi/radiosity/reduce_kernel.h", {"gi/radiosity/reduce.comp"}},
     {"gi/probes/basis_kernel.h", {"gi/probes/basis.comp"}},
     {"gi/probes/irradiance_kernel.h", {"gi/probes/irradiance.comp"}},
     {"gi/probes/lightmap_write_kernel.h", {"gi/probes/lightmap_write.comp"}},

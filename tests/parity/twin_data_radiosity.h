@@ -4,6 +4,7 @@
 #include "gi/radiosity/gather.h"
 #include "gi/radiosity/items.h"
 #include "gi/radiosity/lookup.h"
+#include "gi/radiosity/reduce.h"
 #include "tests/parity/twin_data_parts.h"
 
 namespace plumb::test {
@@ -76,12 +77,22 @@ inline StageData corners_case(glm::ivec2 size, const std::string& id) {
     return named(owned_data(data_of(radiosity::LookupInputs{&position, &ids, &t, &irradiance})), id);
 }
 
+// Three hemicubes of noise, some of whose texels are dark; the first pass, and a further one without weights.
+inline StageData reduce_case(int side, bool weighted, const glm::ivec2& box, float gain, const std::string& id) {
+    const Buffer<glm::vec4> texels = noise_image({side, 9 * side}, 192, -0.4f, 3).texels;
+    Buffer<float> weights;
+    for (const double w : radiosity::texel_weights(side, radiosity::Weights::exact)) weights.push_back(float(w));
+    return named(owned_data(data_of(radiosity::ReduceInputs{&texels, side, 3 * side, weighted ? &weights : nullptr, box, gain})), id);
+}
+
 inline std::vector<StageData> radiosity_cases(glm::ivec2 size) {
     return {
         items_case(16, 2, "radiosity.items"),
         items_case(6, 3, "radiosity.items.small"),
         gather_rows_case(67, "radiosity.gather"),
         corners_case(size, "radiosity.lookup"),
+        reduce_case(24, true, {4, 2}, 1, "radiosity.reduce"),
+        reduce_case(12, false, {3, 4}, 1.0f / 12, "radiosity.reduce.means"),
     };
 }
 

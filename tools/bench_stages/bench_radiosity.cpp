@@ -10,6 +10,7 @@
 #include "gi/radiosity/gather.h"
 #include "gi/radiosity/items.h"
 #include "gi/radiosity/lookup.h"
+#include "gi/radiosity/reduce.h"
 #include "gi/radiosity/rows.h"
 #include "io/scenes/generate.h"
 #include "tools/bench_stages/isa_stages.h"
@@ -25,9 +26,9 @@ struct Box {
     radiosity::Elements elements;
     radiosity::FormFactors factors;
     radiosity::TriangleElements triangles;
-    Buffer<glm::vec4> vertices, eyes, own, leaving, irradiance;
+    Buffer<glm::vec4> vertices, eyes, own, leaving, irradiance, drawn;
     Buffer<glm::ivec4> corners;
-    Buffer<float> planes;
+    Buffer<float> planes, weights;
     Image4 position{side, side};
     Image<glm::ivec2> id{side, side};
 
@@ -50,6 +51,8 @@ struct Box {
             eye.push_back(elements.eye[k * n / hemicubes]), normal.push_back(elements.normal[k * n / hemicubes]);
         }
         eyes = radiosity::eyes_of(eye, normal);
+        drawn.assign(std::size_t(hemicubes * 3 * hemicube * hemicube), glm::vec4(2, 1, 0.5f, 1));
+        for (const double w : radiosity::texel_weights(hemicube, radiosity::Weights::exact)) weights.push_back(float(w));
         // Pixels side by side see the same triangle, as in a picture.
         const int count = int(corners.size());
         for (int y = 0; y < side; ++y)
@@ -72,12 +75,13 @@ StageData data_at(const std::string& stage) {
     const Box& b = box();
     if (stage == "items") return data_of(radiosity::ItemsInputs{&b.vertices, &b.corners, &b.eyes, hemicube}, 0, hemicubes);
     if (stage == "lookup") return data_of(radiosity::LookupInputs{&b.position, &b.id, &b.triangles, &b.irradiance});
+    if (stage == "reduce") return data_of(radiosity::ReduceInputs{&b.drawn, hemicube, 3 * hemicube, &b.weights});
     radiosity::GatherInputs in{&b.factors.blocks[0], &b.own, &b.leaving, &b.planes};
     return data_of(in);
 }
 
 [[maybe_unused]] const bool registered = [] {
-    bench::add_stages("radiosity", {{"items", stage<radiosity::ItemsKernel>}, {"gather", stage<radiosity::GatherKernel>}, {"lookup", stage<radiosity::LookupKernel>}},
+    bench::add_stages("radiosity", {{"items", stage<radiosity::ItemsKernel>}, {"gather", stage<radiosity::GatherKernel>}, {"lookup", stage<radiosity::LookupKernel>}, {"reduce", stage<radiosity::ReduceKernel>}},
                       data_at);
     for (const Isa isa : supported_isas()) {
         RunOptions options;

@@ -156,6 +156,7 @@ struct Choice {
     radiosity::Weights weights = radiosity::Weights::exact;
     decltype(radiosity::PublishedPass::texel) texel = {};
     std::function<void(Buffer<glm::vec4>&)> store = {};
+    radiosity::Reduction reduction = {};
 };
 
 std::vector<Choice> choices() {
@@ -176,6 +177,9 @@ std::vector<Choice> choices() {
         {"vertices saturated", "HEM 5.6.5", false, W::exact, {}, saturate},
         {"vertices in X8R8G8B8", "HEM 5.6.5: no exponent", false, W::exact, {}, bytes},
         {"decoder as printed", "HEM 5.7, without / 255", false, W::exact, [](const std::array<glm::vec3, 3>& c, const glm::vec3& at) { return 255.0f * through_rgbe(linear(c, at)); }},
+        {"summed on the device", "HEM 6.7.1, radiosity.reduce: boxes of 2 x 2 texels, floats", false, W::exact, {}, {}, {2}},
+        {"sums in halves", "HEM 6.7.1, RGBA16F between its passes", false, W::exact, {}, {}, {2, false, Format::rgba16f}},
+        {"means in halves", "HEM 6.7.1, weights times the texels, means of boxes", false, W::exact, {}, {}, {2, true, Format::rgba16f}},
         {"all as published", "maps, eyes, RGBE texels, vertices saturated", true, W::published, rgbe_texel, saturate},
     };
 }
@@ -183,7 +187,7 @@ std::vector<Choice> choices() {
 // Passes from black, each drawn and summed anew; H of the last.
 Buffer<glm::vec4> passes_as_published(const Box& box, const Choice& choice, int size, int passes, const RunOptions& options) {
     radiosity::PublishedPass pass;
-    pass.row.size = size, pass.row.weights = choice.weights, pass.texel = choice.texel;
+    pass.row.size = size, pass.row.weights = choice.weights, pass.texel = choice.texel, pass.reduction = choice.reduction;
     const radiosity::Elements& e = box.elements;
     Buffer<glm::vec4> b(std::size_t(e.count()), glm::vec4(0)), h;
     for (int k = 0; k < passes; ++k) {
