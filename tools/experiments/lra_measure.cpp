@@ -1,0 +1,123 @@
+// Times of plumb experiment lra, all rows of a table in turns.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "gi/frame/kept.h"
+#include "tools/experiments/lra.h"
+#include "tools/shared/sweep.h"
+
+namespace plumb::cli {
+
+namespace {
+
+// Adds what a stage took to what it is of.
+void add_stage(const frame::PlannedStage& stage, double ms, LraTimes& times) {
+    times.all += ms;
+    if (stage.name == "gbuffer")
+        times.camera += ms;
+    else if (stage.name == "rsm")
+        times.maps += ms;
+    else if (stage.name == "shadow" || stage.name == "direct")
+        times.direct += ms;
+    else if (stage.name.starts_with("screen."))
+        times.ao += ms;
+    else if (stage.name.starts_with("rsm."))
+        times.gather += ms;
+    else
+        times.rest += ms;
+}
+
+// A row again and again, all of its stages each time, in the memory of the time before. Only the second frame of a visit counts:
+// the first takes the memory, which no frame of a running program does.
+LraTimes visit(const Scene& scene, const frame::Settings& settings, const RunOptions& options, const std::function<void(const frame::Plan&, const frame::Frame&)>& look) {
+    std::uint64_t run = 0;
+    frame::KeptStages kept([&run](const graph::Node&, graph::Key) { return ++run; });
+    const frame::Plan plan = frame::plan(scene, settings);
+    frame::execute(scene, settings, plan, options, kept);
+    const frame::Frame& f = frame::execute(scene, settings, plan, options, kept);
+    LraTimes times;
+    for (std::size_t i = 0; i < plan.stages.size(); ++i)
+        if (f.stages[i].needed) add_stage(plan.stages[i], f.stages[i].ms, times);
+    look(plan, f);
+    return times;
+}
+
+void count(const Scene& scene, const frame::Plan& plan, const frame::Frame& f, int samples, LraMeasured& m) {
+    double seen = 0;
+    for (const glm::vec4& n : f.gbuffer.normal.texels) seen += n.w != 0;
+    m.maps = 0, m.samples = m.texels = 0;
+    for (std::size_t i = 0; i < plan.stages.size(); ++i) {
+        if (!f.stages[i].needed) continue;
+        const frame::PlannedStage& s = plan.stages[i];
+        if (s.name == "rsm") {
+            const double side = scene.lights[std::size_t(s.light)].rsm_size;
+            ++m.maps, m.texels += side * side;
+        }
+        if (s.name.starts_with("rsm.")) m.samples += seen * samples;
+    }
+    m.display = f.display;
+    m.triangles = flatten(scene).triangles.size();
+}
+
+double median_of(const std::vector<LraTimes>& all, double LraTimes::*part) {
+    std::vector<double> values;
+    for (const LraTimes& t : all) values.push_back(t.*part);
+    return quantile(std::move(values), 0.5);
+}
+
+LraTimes medians(const std::vector<LraTimes>& all) {
+    LraTimes m;
+    for (double LraTimes::*part : {&LraTimes::all, &LraTimes::camera, &LraTimes::maps, &LraTimes::direct, &LraTimes::ao, &LraTimes::gather, &LraTimes::rest})
+        m.*part = median_of(all, part);
+    return m;
+}
+
+}  // namespace
+
+std::vector<std::optional<LraMeasured>> measure_cases(LraWorld& world, const std::vector<LraCase>& rows, const RunOptions& options, const LraTell& tell) {
+    std::vector<std::optional<LraMeasured>> measured(rows.size());
+    std::vector<std::vector<LraTimes>> times(rows.size());
+    // In turns, every other time backwards, so that what slows the machine slows all of them.
+    for (int r = 0; r < world.request().repeats; ++r)
+        for (std::size_t k = 0; k < rows.size(); ++k) {
+            const std::size_t i = r % 2 == 0 ? k : rows.size() - 1 - k;
+            if (!lra_runs(rows[i])) continue;
+            tell(fmt::format("{}, {} of {}", rows[i].name, r + 1, world.request().repeats));
+            const Scene& scene = world.scene(rows[i]);
+            times[i].push_back(visit(scene, world.settings(rows[i]), options, [&](const frame::Plan& plan, const frame::Frame& f) {
+                if (r > 0) return;
+                measured[i].emplace();
+                count(scene, plan, f, world.request().samples, *measured[i]);
+            }));
+        }
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        if (!measured[i]) continue;
+        measured[i]->times = medians(times[i]);
+        // Of two rows of one view the fragments are the same.
+        std::size_t same = 0;
+        while (same < i && !(measured[same] && rows[same].share == rows[i].share && rows[same].size == rows[i].size)) ++same;
+        measured[i]->fragments = same < i ? measured[same]->fragments : world.fragments(rows[i]);
+    }
+    return measured;
+}
+
+std::optional<LraLine> fitted_line(const std::vector<double>& x, const std::vector<double>& y) {
+    // Weights 1/y^2: errors count as parts of y.
+    double s = 0, sx = 0, sxx = 0, sy = 0, sxy = 0;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        const double w = 1 / (y[i] * y[i]);
+        s += w, sx += w * x[i], sxx += w * x[i] * x[i], sy += w * y[i], sxy += w * x[i] * y[i];
+    }
+    const double spread = s * sxx - sx * sx;
+    if (!(spread > 1e-12 * s * sxx)) return std::nullopt;
+    LraLine line;
+    line.each = (s * sxy - sx * sy) / spread;
+    line.fixed = (sy - line.each * sx) / s;
+    for (std::size_t i = 0; i < x.size(); ++i) line.off = std::max(line.off, std::abs((line.fixed + line.each * x[i]) / y[i] - 1));
+    return line;
+}
+
+}  // namespace plumb::cli

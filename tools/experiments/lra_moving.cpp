@@ -1,0 +1,163 @@
+// Table 7.6 of LRA, and one of many lights that moves under a camera at rest.
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+#include <map>
+#include <memory>
+
+#include "gi/frame/kept.h"
+#include "tools/experiments/lra.h"
+#include "tools/shared/sweep.h"
+
+namespace plumb::cli {
+
+namespace {
+
+using page::Chart;
+using page::ChartLine;
+
+// A scene in which lights turn, frame by frame, in the memory of the frame before; `keeps`: what did not change is kept.
+class Motion {
+  public:
+    Motion(LraWorld& world, const LraCase& row, bool keeps, const RunOptions& options)
+        : world_(world), row_(row), options_(options), turned_(row.lights.size(), 0.0),
+          kept_(keeps ? frame::KeptStages::OtherKey() : [this](const graph::Node&, graph::Key) { return ++run_; }) {}
+
+    struct Frame {
+        double wall_ms = 0;      // of all: keys, too
+        LraTimes times;          // of stages that ran, by what they are of
+        int maps = 0, gathers = 0, stages = 0;  // that ran
+        std::size_t map_bytes = 0, gather_bytes = 0;  // that are held
+    };
+    // Turns these lights by a degree, then draws.
+    Frame turn(const std::vector<int>& lights) {
+        for (const int l : lights) turned_[std::size_t(l)] += 1;
+        Scene& scene = world_.scene(row_);
+        for (std::size_t l = 0; l < turned_.size(); ++l) scene.lights[l] = world_.light(row_.lights[l], int(l), turned_[l]);
+        const frame::Settings settings = world_.settings(row_);
+        const frame::Plan plan = frame::plan(scene, settings);
+        const auto start = std::chrono::steady_clock::now();
+        const frame::Frame& f = frame::execute(scene, settings, plan, options_, kept_);
+        Frame frame;
+        frame.wall_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+        for (std::size_t i = 0; i < plan.stages.size(); ++i) {
+            const frame::StageRun& run = f.stages[i];
+            if (!run.needed) continue;
+            const std::string& name = plan.stages[i].name;
+            const bool map = name == "rsm", gather = name.starts_with("rsm.");
+            (map ? frame.map_bytes : frame.gather_bytes) += map || gather ? run.bytes : 0;
+            if (run.kept) continue;
+            frame.stages += 1, frame.maps += map, frame.gathers += gather;
+            frame.times.all += run.ms;
+            (map ? frame.times.maps : gather ? frame.times.gather : name.starts_with("screen.") ? frame.times.ao : name == "direct" || name == "shadow" ? frame.times.direct : frame.times.rest) += run.ms;
+        }
+        return frame;
+    }
+
+  private:
+    LraWorld& world_;
+    LraCase row_;
+    RunOptions options_;
+    std::vector<double> turned_;
+    std::uint64_t run_ = 0;
+    frame::KeptStages kept_;
+};
+
+Motion::Frame median_of(const std::vector<Motion::Frame>& frames) {
+    Motion::Frame m = frames.front();
+    const auto median = [&](auto of) {
+        std::vector<double> values;
+        for (const Motion::Frame& f : frames) values.push_back(of(f));
+        return quantile(std::move(values), 0.5);
+    };
+    m.wall_ms = median([](const Motion::Frame& f) { return f.wall_ms; });
+    for (double LraTimes::*part : {&LraTimes::all, &LraTimes::maps, &LraTimes::direct, &LraTimes::ao, &LraTimes::gather, &LraTimes::rest})
+        m.times.*part = median([=](const Motion::Frame& f) { return f.times.*part; });
+    return m;
+}
+
+// LRA, table 7.6 as printed.
+struct Printed {
+    double fps, ms;
+};
+constexpr Printed table_6[] = {{11.66, 86.85}, {11.42, 87.56}, {11.35, 88.10}, {11.28, 88.56}};
+
+std::vector<int> first(int n) {
+    std::vector<int> all;
+    for (int i = 0; i < n; ++i) all.push_back(i);
+    return all;
+}
+
+IprSheet table_7_6(LraWorld& world, const RunOptions& options, const LraTell& tell) {
+    IprSheet sheet{"table 7.6", "lights that move", fmt::format("half of the model, {} x {}, three spots; the camera rests; frames of all rows in turns", world.size({}).x, world.size({}).y), {}, {}, {}, {}};
+    sheet.heads = {{"ms", 1}, {"ms, nothing kept", 1}, {"stages that ran"}, {"maps drawn"}, {"gathers"}, {"maps ms", 1}, {"AO ms", 1}, {"ID ms", 1}, {"direct ms", 1},
+                   {"thesis FPS", 2}, {"thesis ms", 2}, {"1000 / thesis FPS", 2}};
+    LraCase row;
+    row.share = 0.5, row.lights = {LraLight::spot, LraLight::spot, LraLight::spot};
+    std::vector<std::vector<Motion::Frame>> kept(4), anew(4);
+    for (const bool keeps : {true, false}) {
+        Motion motion(world, row, keeps, options);
+        motion.turn(first(3));
+        for (int r = 0; r < world.request().repeats; ++r)
+            for (int n = 0; n <= 3; ++n) {
+                tell(fmt::format("{} lights move, {}", n, keeps ? "kept" : "nothing kept"));
+                (keeps ? kept : anew)[std::size_t(n)].push_back(motion.turn(first(n)));
+            }
+    }
+    Chart chart{"table 7.6", "lights that move", "ms", false, false, {{"ours, kept", {}}, {"ours, nothing kept", {}}, {"LRA: 1000 / FPS", {}}}};
+    for (std::size_t n = 0; n <= 3; ++n) {
+        const Motion::Frame k = median_of(kept[n]), a = median_of(anew[n]);
+        sheet.rows.push_back({fmt::format("{}", n), "", {k.wall_ms, a.wall_ms, double(k.stages), double(k.maps), double(k.gathers), k.times.maps, k.times.ao, k.times.gather, k.times.direct,
+                                                         table_6[n].fps, table_6[n].ms, 1000 / table_6[n].fps}, {}});
+        chart.lines[0].points.push_back({double(n), k.wall_ms}), chart.lines[1].points.push_back({double(n), a.wall_ms}), chart.lines[2].points.push_back({double(n), 1000 / table_6[n].fps});
+    }
+    sheet.lines = {"The thesis draws a light's map again only where it moves, but shades every frame: its four rows differ by maps and SSAO alone. Ours also keeps what a light at rest sends to a camera at rest, "
+                   "so that a frame costs what moves: with nothing kept it is the thesis' case.",
+                   "0: nothing moves, and nothing runs. ms: the whole frame by the clock, with the keys by which it is known what changed."};
+    sheet.charts = {chart};
+    return sheet;
+}
+
+IprSheet one_of_many(LraWorld& world, const RunOptions& options, const LraTell& tell) {
+    IprSheet sheet{"one of many", "one light moves, the camera rests", fmt::format("half of the model, {} x {}; each frame turns another light; ratio: to the moving light of a scene with one", world.size({}).x, world.size({}).y), {}, {}, {}, {}};
+    sheet.heads = {{"ms", 1}, {"ratio", 2}, {"stages that ran"}, {"maps drawn"}, {"gathers"}, {"maps ms", 1}, {"direct ms", 1}, {"AO ms", 1}, {"ID ms", 1}, {"rest ms", 1}, {"beside stages ms", 1},
+                   {"held: maps MB", 1}, {"held: gathers MB", 1}, {"held a light MB", 1}};
+    for (const bool with_ao : {false, true}) {
+        std::optional<double> one;
+        for (const int n : {1, 2, 4, 8, 16}) {
+            if (n > world.request().most_lights) continue;
+            LraCase row;
+            row.share = 0.5, row.algorithms = with_ao ? lra_all() : std::vector<std::string>{"ID"}, row.lights.clear();
+            constexpr LraLight order[] = {LraLight::direct, LraLight::spot, LraLight::spot, LraLight::direct, LraLight::spot};
+            for (int i = 0; i < n; ++i) row.lights.push_back(order[i % 5]);
+            tell(fmt::format("one of {} lights moves", n));
+            Motion motion(world, row, true, options);
+            motion.turn(first(n));
+            std::vector<Motion::Frame> frames;
+            // Each kind of light as often in every row: of one light its own.
+            for (int r = 0; r < 2 * world.request().repeats + 1; ++r) frames.push_back(motion.turn({(r * 5) % n}));
+            frames.erase(frames.begin());  // the first takes memory
+            const Motion::Frame m = median_of(frames);
+            if (!one) one = m.wall_ms;
+            const double mb = 1e-6;
+            sheet.rows.push_back({fmt::format("one of {}", n), fmt::format("{}", with_ao ? "AO + ID" : "ID"),
+                                  {m.wall_ms, m.wall_ms / *one, double(m.stages), double(m.maps), double(m.gathers), m.times.maps, m.times.direct, m.times.ao, m.times.gather, m.times.rest,
+                                   m.wall_ms - m.times.all, mb * double(m.map_bytes), mb * double(m.gather_bytes), mb * double(m.map_bytes + m.gather_bytes) / n}, {}});
+        }
+    }
+    sheet.lines = {"Each light's map and what it sends to each pixel are held (16 bytes a pixel), and the sum is formed again from all of them; direct light is one stage over all lights. "
+                   "Of ambient occlusion each light's node adds to those before it: those after the one that moves run again."};
+    return sheet;
+}
+
+}  // namespace
+
+std::vector<IprSheet> lra_moving_tables(LraWorld& world, const RunOptions& options, const LraTell& tell) {
+    std::vector<IprSheet> sheets;
+    if (world.request().wants("moving")) sheets.push_back(table_7_6(world, options, tell));
+    if (world.request().wants("kept")) sheets.push_back(one_of_many(world, options, tell));
+    return sheets;
+}
+
+}  // namespace plumb::cli
