@@ -8,6 +8,7 @@
 
 #include "gi/frame/frame.h"
 #include "gi/frame/keys.h"
+#include "gi/rsm/kept_patterns.h"
 #include "raster/workspace.h"
 
 namespace plumb::frame {
@@ -44,6 +45,7 @@ struct KeptMemory {
     World world;
     BakeKey bake_key;
     raster::Workspace workspace;
+    rsm::KeptPatterns patterns;
     Frame frame;
     graph::Kept made;                                  // empty: `frame` holds nothing to rely on
     std::vector<Image4> irradiance, irradiance_error;  // [lights]: what each gather adds to the frame's

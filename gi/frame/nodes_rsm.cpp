@@ -1,9 +1,11 @@
 // Indirect light by gathers from reflective shadow maps: one of each light, and their sum.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/hash.h"
+#include "core/parallel.h"
 #include "gi/frame/filters.h"
 #include "gi/frame/frame_graph.h"
 #include "gi/reference/ray_query.h"
@@ -18,6 +20,20 @@ constexpr double ms_exact_rays = 100, ms_native_rays = 25;
 
 void add(Image4& sum, const Image4& term) {
     for (std::size_t i = 0; i < sum.size(); ++i) sum.texels[i] += term.texels[i];
+}
+
+// The sum of those images, in their order, each read once.
+void add_all(const std::vector<const Image4*>& terms, Image4& sum, int threads) {
+    parallel_bands(sum.height, 16, threads, [&](int first, int last) {
+        for (int y = first; y < last; ++y) {
+            glm::vec4* row = &sum(0, y);
+            std::fill_n(row, sum.width, glm::vec4(0));
+            for (const Image4* term : terms) {
+                const glm::vec4* from = &(*term)(0, y);
+                for (int x = 0; x < sum.width; ++x) row[x] += from[x];
+            }
+        }
+    });
 }
 
 // Adds a light's standard error to those of others: independent errors add by their squares.
@@ -98,12 +114,14 @@ void add_gather(Context& c, int l, Nodes& nodes) {
     node.adds = true;
     node.results = {{"irradiance", "irradiance", "irradiance", 0, 3, true}};
 
-    // Made for the first that asks.
-    auto pattern = [&c, l, made = std::make_shared<std::unique_ptr<rsm::Pattern>>()]() -> const rsm::Pattern& {
+    // Found or made for the first that asks.
+    auto pattern = [&c, l, made = std::make_shared<std::shared_ptr<const rsm::Pattern>>()]() -> const rsm::Pattern& {
         const Light& light = c.lights[std::size_t(l)];
-        if (!*made)
-            *made = std::make_unique<rsm::Pattern>(rsm::turned(rsm::pattern_of(c.settings.rsm, light.rsm_size, c.settings.seed),
-                                                               pattern_turn(c, c.settings.rsm.rotations)));
+        rsm::KeptPatterns none;
+        if (*made) return **made;
+        const rsm::GatherParams& params = c.settings.rsm;
+        *made = (c.memory ? c.memory->patterns : none).of(params, light.rsm_size, c.settings.seed);
+        if (const int turn = pattern_turn(c, params.rotations)) *made = std::make_shared<const rsm::Pattern>(rsm::turned(**made, turn));
         return **made;
     };
     auto inputs = [=, &c] {
@@ -227,11 +245,19 @@ void add_sum(Context& c, Nodes& nodes) {
         lend(b, "standard_error", c.frame.indirect_error);
         return b;
     };
-    node.run = [=, &c](const RunOptions&, graph::NodeRun&) {
+    node.run = [=, &c](const RunOptions& options, graph::NodeRun&) {
         if (c.keeps) {
-            begin_sum(c);
-            for (int l = 0; l < int(c.lights.size()); ++l)
-                if (!c.term(l).empty()) add_to_sum(c, c.term(l), c.term_error(l));
+            const glm::ivec2 size = gather_size(c.settings, c.size);
+            Image4& sum = sum_of(c);
+            if (sum.width != size.x || sum.height != size.y || c.frame.indirect.empty()) begin_sum(c);
+            c.frame.indirect_error = {};
+            std::vector<const Image4*> terms;
+            for (int l = 0; l < int(c.lights.size()); ++l) {
+                if (c.term(l).empty()) continue;
+                terms.push_back(&c.term(l));
+                if (!c.term_error(l).empty()) add_errors(c.frame.indirect_error, c.term_error(l));
+            }
+            add_all(terms, sum, options.threads);
         }
         if (!filtered) return;
         // Filters read the depth of its points beside it (VRSM fig. 4.4).
