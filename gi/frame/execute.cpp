@@ -39,6 +39,7 @@ void forget(Context& c, const Plan& plan) {
     if (!lights_probes(c.settings)) f.probes = {};
     if (!solves_radiosity(c.settings)) f.radiosity = {};
     if (!occludes(c.settings)) f.ao = {};
+    if (!reflects(c.settings)) f.reflect = {};
     if (c.settings.method != Method::zbuffer) f.zbuffer = {};
     if (zbuffer::per_pixel(c.settings.zbuffer.technique)) f.zbuffer.vertex_light = {};
     if (!c.settings.zbuffer.normals) f.zbuffer.vertex_normals = {};

@@ -167,6 +167,16 @@ struct AoBuffers {
     Image4 lit;                 // indirect and ambient irradiance, by the open share, W/m2
 };
 
+// Of reflections (gi/screen); empty where its stages do not run.
+struct ReflectBuffers {
+    Image4 mirror;                // xyz reflectance of the perfect mirror that a pixel sees; 0: none
+    std::vector<Image4> nearest;  // of each view that is marched by cells: the least depths of its blocks
+    std::vector<Image4> hits;     // after the camera, and after each light's map: texel, distance, view
+    std::vector<std::vector<raster::GBuffer>> seen;  // [lights][maps]: what else is known of a map's texels
+    Image4 composed;              // the picture without reflections, W/(m2 sr)
+    Image4 reflection;            // W/(m2 sr); w 1 where something was met
+};
+
 struct Frame {
     raster::GBuffer gbuffer;
     // [lights][1, or 6 faces of a point light]; size 0 where none was needed, or nothing can be seen.
@@ -188,6 +198,7 @@ struct Frame {
     RadiosityBuffers radiosity;
     ZbufferBuffers zbuffer;
     AoBuffers ao;
+    ReflectBuffers reflect;
     std::vector<SourceView> views;  // of method isr; [0] stands for the frame itself and is empty
     Image4 indirect_error;     // standard error of `indirect`, by channel, W/m2; empty where no rsm.all_rays ran
     Image4 radiance;           // outgoing, W/(m2 sr)

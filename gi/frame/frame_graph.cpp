@@ -101,11 +101,13 @@ std::vector<std::string> light_words(const Scene& scene) {
 void FrameGraph::add_nodes() {
     Context& c = *context_;
     light_words_ = light_words(c.scene);
-    const int lights = casts_shadows(c.settings) ? int(c.lights.size()) : 0, views = int(c.views.size());
+    const int lights = casts_shadows(c.settings) ? int(c.lights.size()) : 0;
+    // What mirrored rays meet is known, and lit, when the maps are there.
+    const int drawn = int(c.views.size()) - (c.views.back().kind == ViewKind::mirrored ? 1 : 0);
     add_gbuffer(c, 0, nodes_);
     add_filters_before(c, nodes_);
     if (reuses_light(c.settings)) add_light_clock(c, nodes_);
-    for (int v = 1; v < views; ++v)
+    for (int v = 1; v < drawn; ++v)
         if (c.views[std::size_t(v)].kind == ViewKind::probe_rays)
             add_probe_hits(c, v, nodes_);
         else
@@ -113,7 +115,7 @@ void FrameGraph::add_nodes() {
     for (int l = 0; l < lights; ++l) {
         add_maps(c, l, nodes_);
         add_map_blurs(c, l, nodes_);
-        for (int v = 0; v < views; ++v) add_shadow(c, l, v, nodes_);
+        for (int v = 0; v < drawn; ++v) add_shadow(c, l, v, nodes_);
         if (c.settings.method == Method::rsm) add_gather(c, l, nodes_);
     }
     add_sum(c, nodes_);
@@ -122,12 +124,13 @@ void FrameGraph::add_nodes() {
     if (c.settings.method == Method::zbuffer)
         add_zbuffer(c, nodes_);
     else
-        for (int v = 0; v < views; ++v) add_direct(c, v, nodes_);
+        for (int v = 0; v < drawn; ++v) add_direct(c, v, nodes_);
     add_isr(c, nodes_);
     add_probes(c, nodes_);
     add_radiosity(c, nodes_);
     add_ao(c, nodes_);
     add_compose(c, nodes_);
+    add_reflect(c, nodes_);
     add_relief_layers(c, nodes_);
     if (c.settings.method == Method::reference) add_traced(c, "color", "the picture", nodes_);
     add_tonemap(c, nodes_);
@@ -139,6 +142,7 @@ void FrameGraph::add_nodes() {
     if (std::find(own.begin(), own.end(), "truth.indirect") != own.end())
         add_traced(c, "truth.indirect", "the truth of indirect: one bounce of the lamps' light", nodes_);
     if (occludes(c.settings)) add_traced(c, "truth.ao", "the truth of ao: rays of its radius", nodes_);
+    if (reflects(c.settings)) add_traced(c, "truth.reflection", "the truth of reflection: mirrored rays, all light", nodes_);
 }
 
 const PlannedNode& FrameGraph::node(const PlannedStage& stage) const {
@@ -197,6 +201,8 @@ void FrameGraph::make_room() {
     f.rsms.resize(lights), f.maps_blurred_across.resize(lights), f.maps_blurred.resize(lights);
     f.isr.gathered.resize(std::size_t(c.isr_gathers)), f.isr.radiosities.resize(std::size_t(c.isr_bounces));
     f.isr.unseen.resize(std::size_t(c.isr_unseen)), f.ao.views.resize(std::size_t(c.ao_views));
+    f.reflect.hits.resize(std::size_t(c.reflect_views)), f.reflect.nearest.resize(std::size_t(c.reflect_views));
+    f.reflect.seen.resize(reflects(c.settings) ? lights : 0);
     f.views.resize(c.views.size() > 1 ? c.views.size() : 0);
     for (std::size_t v = 1; v < c.views.size(); ++v)
         f.views[v].name = c.views[v].name, f.views[v].camera = c.views[v].camera, f.views[v].size = c.views[v].size;

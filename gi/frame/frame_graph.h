@@ -9,6 +9,7 @@
 //     nodes_zbuffer.cpp  light at vertices and pixels
 //     nodes_ao.cpp       ambient occlusion
 //     nodes_reuse.cpp    light of frames before
+//     nodes_reflect.cpp  reflections
 //     nodes_shade.cpp    indirect shadows of what moves
 //     nodes_relief.cpp   their normal maps, highlights, static lamps
 #pragma once
@@ -59,6 +60,7 @@ struct Context {
     std::vector<bool> static_lamps; // static_lamps()
     int isr_gathers = 0, isr_bounces = 0, isr_unseen = 0;  // images of Frame::isr
     int ao_views = 0;               // of Frame::ao
+    int reflect_views = 0;          // of Frame::reflect
 
     // The scene as stages read it; made here where nobody has given it.
     World& world();
@@ -218,6 +220,9 @@ void add_vertex_normals(Context& c, Nodes& nodes);
 void add_ao(Context& c, Nodes& nodes);
 const Image4& indirect_to_compose(const Context& c);
 void add_compose(Context& c, Nodes& nodes);
+// After the picture: what mirrors show of it and of the lights' maps; and where the picture without them lies.
+void add_reflect(Context& c, Nodes& nodes);
+Image4& composed_picture(Context& c);
 void add_tonemap(Context& c, Nodes& nodes);
 void add_traced(Context& c, const std::string& layer, const std::string& why, Nodes& nodes);
 

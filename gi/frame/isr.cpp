@@ -59,7 +59,13 @@ std::vector<IsrView> isr_views(const Scene& scene, const Settings& settings) {
                                               : glm::ivec2(p.relight_rays, p.placement.count > 0 ? p.placement.count : p.placement.least);
         views.push_back({ViewKind::probe_rays, "probe rays", scene.camera, size});
     }
-    if (!gathers_isr(settings)) return views;
+    // What mirrored rays meet in the lights' maps: last.
+    const auto with_mirrored = [&] {
+        if (reflects(settings) && settings.reflect.views == screen::ReflectViews::lights && casts_shadows(settings))
+            views.push_back({ViewKind::mirrored, "mirrored", scene.camera, scene.frame_size});
+        return views;
+    };
+    if (!gathers_isr(settings)) return with_mirrored();
     const int guard = settings.isr.guard;
     if (guard > 0) {
         IsrView wide{ViewKind::guard, "guard", scene.camera, scene.frame_size + 2 * guard, guard / 2};
@@ -77,7 +83,7 @@ std::vector<IsrView> isr_views(const Scene& scene, const Settings& settings) {
     for (int i = 0; i < settings.isr.cameras; ++i)
         views.push_back({ViewKind::camera, fmt::format("camera {}", i + 1),
                          turned(scene.camera, i, double(settings.isr.camera_angle)), (scene.frame_size + 1) / 2});
-    return views;
+    return with_mirrored();
 }
 
 void check_isr(const Scene& scene, const Settings& settings) {

@@ -1,4 +1,5 @@
-// The views beside the frame: those that image-space radiosity draws, and what probes' rays meet, a ray a pixel.
+// The views beside the frame: those that image-space radiosity draws, what probes' rays meet, a ray a pixel, and what
+// mirrored rays meet in the lights' maps.
 //
 // Light comes from sources: what the frame itself sees, or a wider view in its place (guard band), and what is added to
 // it (depth layers, additional cameras). Every source but the frame has a G-buffer, shadows and direct light of its own
@@ -12,7 +13,7 @@
 
 namespace plumb::frame {
 
-enum class ViewKind : int { own, guard, layer, camera, probe_rays };
+enum class ViewKind : int { own, guard, layer, camera, probe_rays, mirrored };
 
 struct IsrView {
     ViewKind kind = ViewKind::own;

@@ -49,7 +49,7 @@ void add_truth_display(Context& c, Nodes& nodes) {
 
 void add_compose(Context& c, Nodes& nodes) {
     const double pixels = double(c.size.x) * c.size.y;
-    auto result = [&c]() -> Image4& { return c.frame.radiance; };
+    auto result = [&c]() -> Image4& { return composed_picture(c); };
     auto begin = [&](const StageBinding& binding) {
         PlannedNode node = begin_node(c, binding, "compose", "the picture", pixels);
         node.leave_out = [] {};  // another node makes it
@@ -99,6 +99,7 @@ void add_traced(Context& c, const std::string& layer, const std::string& why, No
         r.value(c.settings.seed);
         if (own_transport(layer)) r.image(c.frame.gbuffer.position), r.image(c.frame.gbuffer.normal);
         if (layer == "truth.ao") r.value(c.settings.ao.radius);
+        if (layer == "truth.reflection") r.image(c.frame.gbuffer.position), r.image(c.frame.gbuffer.normal), r.image(c.frame.gbuffer.id);
         const auto& [position, look_at, up, fov_y_deg, near, far, reversed_z] = c.scene.camera;
         r.value(position, look_at, up, fov_y_deg, near, far, reversed_z);
         if (params.rays == Rays::native) r.value(c.isa);

@@ -18,15 +18,15 @@ class Adder {
     Adder(Context& c, Nodes& nodes) : c_(c), params_(c.settings.isr), nodes_(nodes) {
         // The wider view takes the frame's place.
         const bool guarded = c.views.size() > 1 && c.views[1].kind == ViewKind::guard;
-        for (int v = guarded ? 1 : 0; v < int(c.views.size()); ++v) sources_.push_back(v);
+        for (int v = guarded ? 1 : 0; v < drawn(); ++v) sources_.push_back(v);
     }
 
     void add() {
-        for (int v = 0; v < int(c_.views.size()); ++v) {
+        for (int v = 0; v < drawn(); ++v) {
             add_downsample("surface", isr::Coarse::surface, "isr lit", v);
             if (v > 0 || sources_.front() == 0) add_downsample("radiosity", isr::Coarse::radiosity, "isr", v);
         }
-        for (int v = 0; v < int(c_.views.size()); ++v)
+        for (int v = 0; v < drawn(); ++v)
             if (c_.views[std::size_t(v)].kind == ViewKind::camera) add_unseen(v);
         if (params_.bounces > 1) add_downsample("reflectance", isr::Coarse::reflectance, "isr", 0);
         for (int bounce = 1; bounce <= params_.bounces; ++bounce) {
@@ -72,6 +72,8 @@ class Adder {
     }
 
     glm::ivec2 coarse() const { return isr::coarse_size(c_.size); }
+    // The views without what mirrored rays meet.
+    int drawn() const { return int(c_.views.size()) - (c_.views.back().kind == ViewKind::mirrored ? 1 : 0); }
     glm::ivec2 coarse_of(int view) const { return isr::coarse_size(c_.views[std::size_t(view)].size); }
     isr::CoarseCamera frame_camera() const { return isr::coarse_camera(c_.scene.camera, c_.size); }
     isr::CoarseCamera camera_of(int view) const {

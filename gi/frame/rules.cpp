@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 
+#include "gi/frame/mirrors.h"
 #include "gi/frame/relief_use.h"
 #include "gi/probes/bake.h"
 #include "gi/rsm/all_rays.h"
@@ -77,6 +78,8 @@ bool reflectors_missed(const PlanFacts& known, const Work& work) {
 bool no_albedo(const PlanFacts& known, const Work&) { return known.reflecting.empty(); }
 
 bool no_emission(const PlanFacts& known, const Work&) { return !known.emits; }
+
+bool no_mirror(const PlanFacts& known, const Work&) { return !any_mirror(known.scene); }
 
 // What sends indirect light in image space: emitters, and what a light shines on. As printed, unlit colours.
 bool no_radiosity(const PlanFacts& known, const Work& work) {
@@ -209,14 +212,15 @@ const std::vector<Rule>& rules() {
     static const std::vector<std::string> of_view = {"camera",      "rsm",            "shadow", "gather",  "direct",
                                                      "truth.direct", "truth.indirect", "isr",    "isr access", "probes",
                                                      "relief",       "probes shadow", "radiosity", "zbuffer", "ao",  "ao light",
-                                                     "truth.ao"};
+                                                     "truth.ao", "truth.reflection", "reflect", "reflect light"};
     static const std::vector<std::string> of_screen = {"rsm",    "shadow", "gather",   "filter",
-                                                       "direct", "isr",    "isr access", "isr lit", "zbuffer", "ao", "ao light"};
+                                                       "direct", "isr",    "isr access", "isr lit", "zbuffer", "ao", "ao light",
+                                                       "reflect", "reflect light"};
     static const std::vector<Rule> all = {
         {"scene-empty", of_view, "", "the scene is empty", scene_empty},
         {"light-off", of_light, "", "the light is off", light_off},
         {"light-black", of_light, "", "the light is black", light_black},
-        {"light-misses", {"rsm", "shadow", "gather", "ao light"}, "", "the light misses everything that is drawn", light_misses},
+        {"light-misses", {"rsm", "shadow", "gather", "ao light", "reflect light"}, "", "the light misses everything that is drawn", light_misses},
         {"paths-instead", {"rsm", "shadow", "direct", "compose"}, "", "paths are traced instead", paths_instead},
         {"camera-blind", of_view, "", "the camera sees nothing of the scene", camera_blind},
         {"no-radiance", {"probes", "probes shadow", "radiosity"}, "", "nothing sends light", no_radiance},
@@ -227,6 +231,7 @@ const std::vector<Rule>& rules() {
         {"no-light", {"direct", "truth.direct", "truth.indirect"}, "", "no light shines on the scene", no_light},
         {"nothing-reflects", {"gather", "truth.indirect", "isr", "isr access"}, "", "nothing reflects", nothing_reflects},
         {"reflectors-missed", {"gather"}, "", "nothing that the light may meet reflects", reflectors_missed},
+        {"no-mirror", {"reflect", "reflect light", "truth.reflection"}, "", "no material is a mirror", no_mirror},
         {"no-radiosity", {"isr"}, "", "nothing sends light", no_radiosity},
         {"isr-unseen", {"isr"}, "", "k_isr is 0: indirect light is not shown", isr_unseen},
         {"access-unread", {"isr access"}, "", "nothing reads how open a point is", access_unread},
@@ -239,7 +244,7 @@ const std::vector<Rule>& rules() {
         {"mesh-unseen", {"probes"}, "mesh", "is not in view", mesh_unseen},
         {"nothing-covered", of_screen, "", "no pixel sees a surface", nullptr, nothing_covered},
         {"map-dark", {"gather"}, "", "the light's map holds no flux", nullptr, map_dark},
-        {"tile-empty", {"shadow", "gather", "filter", "direct", "isr", "isr access", "isr lit", "ao", "ao light"}, "tile", "sees no surface", nullptr, tile_empty},
+        {"tile-empty", {"shadow", "gather", "filter", "direct", "isr", "isr access", "isr lit", "ao", "ao light", "reflect", "reflect light"}, "tile", "sees no surface", nullptr, tile_empty},
     };
     return all;
 }

@@ -34,7 +34,7 @@ const std::vector<MethodInfo>& methods() {
 }
 
 std::vector<std::string> method_tables() {
-    return {"rsm", "isr", "indirect", "reuse", "ao", "shadow", "direct", "compose", "tonemap", "reference", "probes", "lod", "radiosity", "zbuffer", "layout"};
+    return {"rsm", "isr", "indirect", "reuse", "ao", "reflect", "shadow", "direct", "compose", "tonemap", "reference", "probes", "lod", "radiosity", "zbuffer", "layout"};
 }
 
 std::vector<Field> table_fields(Settings& s, const std::string& table, const std::string& place) {
@@ -43,6 +43,7 @@ std::vector<Field> table_fields(Settings& s, const std::string& table, const std
     if (table == "indirect") return filter::fields(s.indirect);
     if (table == "reuse") return screen::fields(s.reuse);
     if (table == "ao") return screen::fields(s.ao);
+    if (table == "reflect") return screen::fields(s.reflect);
     if (table == "shadow") return direct::fields(s.shadow);
     if (table == "direct") return direct::fields(s.direct);
     if (table == "compose") return compose::fields(s.compose);

@@ -17,6 +17,7 @@
 #include "gi/reference/reference.h"
 #include "gi/rsm/gather.h"
 #include "gi/screen/ao_params.h"
+#include "gi/screen/reflect_params.h"
 #include "gi/screen/reuse_params.h"
 #include "gi/zbuffer/zbuffer_params.h"
 #include "raster/layout.h"
@@ -49,6 +50,7 @@ struct Settings {
     filter::FilterParams indirect;    // of the method rsm
     screen::AoParams ao;
     screen::ReuseParams reuse;        // of the method rsm
+    screen::ReflectParams reflect;
     direct::ShadowParams shadow;
     direct::DirectParams direct;
     compose::ComposeParams compose;
@@ -64,7 +66,7 @@ struct Settings {
     bool pruning = true;  // false: every stage runs, needed or not; the picture is the same
 };
 
-// The tables of a scene file that hold parameters: "rsm", "isr", "indirect", "reuse", "ao", "shadow", "direct", "compose", "tonemap", "reference",
+// The tables of a scene file that hold parameters: "rsm", "isr", "indirect", "reuse", "ao", "reflect", "shadow", "direct", "compose", "tonemap", "reference",
 // "probes", "lod", "radiosity", "zbuffer", "layout" (of a custom layout).
 std::vector<std::string> method_tables();
 
@@ -84,6 +86,8 @@ bool reuses_light(const Settings& settings);
 
 // Whether ambient occlusion darkens indirect light (nodes_ao.cpp).
 bool occludes(const Settings& settings);
+// Whether mirrors show what the views see (nodes_reflect.cpp).
+bool reflects(const Settings& settings);
 
 // Defaults, then what the scene file sets, in its order.
 Settings settings_of(const Scene& scene);

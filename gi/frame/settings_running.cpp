@@ -35,6 +35,11 @@ std::vector<Change> changes() {
             if (s.method == Method::reference) s.method = Method::rsm;
             s.ao.method = method;
         });
+    for (const screen::March march : {screen::March::steps, screen::March::hierarchical})
+        all.push_back([=](Settings& s) {
+            if (s.method == Method::reference) s.method = Method::rsm;
+            s.reflect.march = march;
+        });
     all.push_back([](Settings& s) { s.method = Method::probes; });
     all.push_back([](Settings& s) { s.method = Method::probes, s.lod.levels = std::max(s.lod.levels, 2); });
     all.push_back([](Settings& s) { s.method = Method::radiosity; });

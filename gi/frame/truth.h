@@ -17,7 +17,7 @@ bool own_transport(const std::string& layer);
 Scene lamps_only(Scene scene);
 
 struct Traced {
-    std::string layer;                 // "color", or "truth", "truth.direct", "truth.indirect", "truth.ao"
+    std::string layer;                 // "color", or "truth", "truth.direct", "truth.indirect", "truth.ao", "truth.reflection"
     reference::PathParams params;
     reference::Estimate estimate;
     std::vector<std::string> without;  // what the scene has and this layer leaves out, as the method does
@@ -41,7 +41,8 @@ class Tracer {
     // "color" and "truth": outgoing radiance by [reference]. "truth.direct" and "truth.indirect": irradiance at the
     // G-buffer's points of lamps_only(scene), without a bounce and by exactly one: emission, the environment, specular
     // and mirror parts send no light there, as they send none in the method. "truth.ao": the share of the cosine-weighted
-    // hemisphere over those points in which rays of [ao] radius meet nothing.
+    // hemisphere over those points in which rays of [ao] radius meet nothing. "truth.reflection": what their mirrors send to
+    // the camera, of the whole scene; of the G-buffer's triangles, whose materials say how much.
     Traced trace(const std::string& layer, const raster::GBuffer& gbuffer, const RunOptions& options);
     // The layer where the plan knows that no light is in it: 0, without a sample and without an error.
     Traced dark(const std::string& layer) const;

@@ -69,4 +69,13 @@ std::uint64_t cache_key(const PathParams& params, const Scene& scene, const Geom
     return h.hash;
 }
 
+std::uint64_t cache_key(const PathParams& params, const Scene& scene, const Geometry& geometry,
+                        const PointInputs& points, const glm::dvec3& eye, std::uint32_t seed, Isa isa) {
+    ContentHasher h = begin(params, scene, geometry, seed, isa);
+    h.add_image(*points.position);
+    h.add_image(*points.normal);
+    h.add(eye);
+    return h.hash;
+}
+
 }  // namespace plumb::reference

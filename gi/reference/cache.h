@@ -17,6 +17,9 @@ std::uint64_t cache_key(const PathParams& params, const Scene& scene, const Geom
 // Of trace_irradiance(): the points in place of the camera.
 std::uint64_t cache_key(const PathParams& params, const Scene& scene, const Geometry& geometry,
                         const PointInputs& points, std::uint32_t seed, Isa isa);
+// Of trace_reflection(): the eye beside them.
+std::uint64_t cache_key(const PathParams& params, const Scene& scene, const Geometry& geometry,
+                        const PointInputs& points, const glm::dvec3& eye, std::uint32_t seed, Isa isa);
 
 struct KeptEstimate {
     Estimate estimate;

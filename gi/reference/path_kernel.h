@@ -30,6 +30,7 @@ struct PathArgs {
     CameraArgs camera;
     const float* position;       // [height][width] rgba32f: points instead of a camera's pixels; null: a camera
     const float* normal;
+    std::int32_t mirrored;       // 1: the points are perfect mirrors, seen from camera.eye; 0: white, and lit
     float extent;                // m: largest |coordinate| of the scene, for the points, whose triangles are not known
     std::int32_t width, first_row;
     std::int32_t round, samples; // samples of this round
@@ -148,7 +149,8 @@ PLUMB_INLINE PathVertex<F> vertex_of(const PathArgs& in, const RayHit<F>& hit, c
     return v;
 }
 
-// A given point: white, so that what leaves it is its irradiance over pi; seen from above.
+// A given point: white, so that what leaves it is its irradiance over pi, and seen from above; or a perfect mirror, seen
+// by the eye.
 template <class F>
 PLUMB_INLINE void take_given_points(const PathArgs& in, const mask_t<F>& first, PathState<F>& s,
                                     PathVertex<F>& v) {
@@ -161,12 +163,18 @@ PLUMB_INLINE void take_given_points(const PathArgs& in, const mask_t<F>& first, 
     v.x = select3<F>(first, x, v.x);
     v.n = select3<F>(first, n, v.n);
     v.face = select3<F>(first, n, v.face);
-    s.direction = select3<F>(first, vec3<F>{-n.x, -n.y, -n.z}, s.direction);
+    vec3<F> seen_along{-n.x, -n.y, -n.z};
+    if (in.mirrored) {
+        const float* eye = in.camera.eye;
+        seen_along = normalize3<F>(vec3<F>{x.x - F(eye[0]), x.y - F(eye[1]), x.z - F(eye[2])});
+    }
+    s.direction = select3<F>(first, seen_along, s.direction);
     v.offset = select(first, ray_offset(F(in.extent)), v.offset);
     v.emission = select3<F>(first, black, v.emission);
-    v.bsdf.diffuse = select3<F>(first, vec3<F>{one, one, one}, v.bsdf.diffuse);
+    const vec3<F> white{one, one, one};
+    v.bsdf.diffuse = select3<F>(first, in.mirrored ? black : white, v.bsdf.diffuse);
     v.bsdf.specular = select3<F>(first, black, v.bsdf.specular);
-    v.bsdf.mirror = select3<F>(first, black, v.bsdf.mirror);
+    v.bsdf.mirror = select3<F>(first, in.mirrored ? white : black, v.bsdf.mirror);
 }
 
 // What a ray that the surface before sent out finds to shine: the surface that it met, or the environment.

@@ -368,6 +368,17 @@ Estimate trace_irradiance(const PathParams& params, const PathScene& scene, cons
     return run_rounds(params, scene, args, {points.position->width, points.position->height}, scale, options);
 }
 
+Estimate trace_reflection(const PathParams& params, const PathScene& scene, const PointInputs& points,
+                          const glm::dvec3& eye, std::uint32_t seed, const RunOptions& options) {
+    FpEnvironment environment;
+    check_points(points);
+    const Image4 position = anchored(scene, points);
+    PathArgs args = point_args(params, scene, {&position, points.normal}, seed);
+    args.mirrored = args.glossy = 1;
+    for (int c = 0; c < 3; ++c) args.camera.eye[c] = float(eye[c] - double(scene.anchor[c]));
+    return run_rounds(params, scene, args, {points.position->width, points.position->height}, 1, options);
+}
+
 StageInfo info() {
     PathParams defaults;
     StageInfo s;

@@ -88,6 +88,10 @@ struct PointInputs {
 Estimate trace_irradiance(const PathParams& params, const PathScene& scene, const PointInputs& points,
                           std::uint32_t seed, const RunOptions& options);
 
+// Radiance that arrives at given points along the rays of which a perfect mirror there makes rays to the eye.
+Estimate trace_reflection(const PathParams& params, const PathScene& scene, const PointInputs& points,
+                          const glm::dvec3& eye, std::uint32_t seed, const RunOptions& options);
+
 StageInfo info();
 
 }  // namespace plumb::reference

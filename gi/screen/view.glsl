@@ -1,15 +1,6 @@
 // Where points fall in the image of a view, as in view_kernel.h.
 
-struct SeenFrom {
-    vec4 anchor;
-    vec4 forward;
-    vec4 to_x;
-    vec4 to_y;
-    int width;
-    int height;
-    float least_depth;
-    float perspective;
-};
+#include "gi/screen/seen_from.glsl"
 
 struct Place {
     ivec2 texel;

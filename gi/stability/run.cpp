@@ -262,6 +262,18 @@ void look_at_reuse(const Case& c, const Scene& scene, frame::Settings settings, 
     look_beyond(c, scene, settings, base, effort, out);
 }
 
+// Reflections in surfaces that all are mirrors, in what the camera sees and in the lights' maps; as printed.
+void look_at_reflections(const Case& c, Scene scene, frame::Settings settings, const frame::Plan& base, const Effort& effort,
+                         Writer& out) {
+    using namespace screen;
+    settings.method = frame::Method::direct;
+    for (Material& m : scene.materials) m.mirror = 0.5f * (glm::vec3(1) - m.reflectance);
+    settings.reflect = {.march = March::steps, .views = ReflectViews::lights, .steps = 32, .fade = 0.1f, .attenuation = 2};
+    look_beyond(c, scene, settings, base, effort, out);
+    settings.reflect = {.march = March::steps, .variant = ReflectVariant::published, .steps = 32};
+    look_beyond(c, scene, settings, base, effort, out);
+}
+
 void run_frame(const Case& c, const Scene& scene, const Effort& effort, Writer& out) {
     const frame::Settings settings = case_settings(c, scene);
     const Drawn drawn = draw(scene, settings, effort.run);
@@ -295,6 +307,7 @@ void run_frame(const Case& c, const Scene& scene, const Effort& effort, Writer& 
     look_at_zbuffer(c, scene, settings, drawn.plan, effort, out);
     look_at_ao(c, scene, settings, drawn.plan, effort, out);
     look_at_reuse(c, scene, settings, drawn.plan, effort, out);
+    look_at_reflections(c, scene, settings, drawn.plan, effort, out);
     using compose::Operator;
     for (const Operator op : {Operator::clamp, Operator::exposure, Operator::reinhard, Operator::filmic})
         if (op != settings.tonemap.op) otherwise("tonemap", [op](frame::Settings& s) { s.tonemap.op = op; });

@@ -169,6 +169,10 @@ inline Scene random_scene(std::uint32_t seed) {
     const glm::ivec2 sizes[] = {{33, 17}, {16, 16}, {49, 31}, {1, 40}, {64, 20}};
     s.frame_size = sizes[dice.below(5)];
     s.seed = dice.word() & 0xffff;
+    // Some of its materials also mirror half of what they do not reflect.
+    Dice mirror(seed ^ 0x1b873593u);
+    for (Material& m : s.materials)
+        if (mirror.one_in(3)) m.mirror = 0.5f * (glm::vec3(1) - glm::max(m.reflectance, m.specular));
     return s;
 }
 
@@ -240,6 +244,14 @@ inline frame::Settings random_settings(std::uint32_t seed) {
             t.ao.views = screen::AoViews(open.one_in(4) ? 0 : 1);
             if (open.one_in(4)) t.ao.variant = screen::AoVariant::published;
         }
+    }
+    Dice mirror(seed ^ 0x5bd1e995u);
+    if (mirror.one_in(3)) {
+        screen::ReflectParams& p = t.reflect;
+        p.march = screen::March::steps, p.views = screen::ReflectViews(mirror.below(2));
+        p.step = mirror.between(0.05f, 1), p.steps = 1 + mirror.below(24), p.bisections = mirror.below(6);
+        if (mirror.one_in(3)) p.fade = mirror.between(0, 0.5f), p.attenuation = mirror.between(0, 5);
+        if (p.views == screen::ReflectViews::camera && mirror.one_in(4)) p.variant = screen::ReflectVariant::published;
     }
     if (t.rsm.gather == rsm::Gather::all_rays) return t;  // a truth is not filtered
     if (dice.one_in(3)) t.indirect.resolution = filter::Resolution::half;

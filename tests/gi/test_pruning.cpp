@@ -85,6 +85,7 @@ std::string difference(const Scene& scene, const frame::Frame& a, const frame::F
     }
     if (!same(a.truth_display, b.truth_display)) return "truth_display";
     if (!same(a.ao.open, b.ao.open)) return "ao";
+    if (!same(a.reflect.reflection, b.reflect.reflection)) return "reflection";
     if (!same(a.ao.lit, b.ao.lit) && a.isr.surface.empty() && b.isr.surface.empty()) return "ao.lit";
     if (a.traced.size() != b.traced.size()) return "traced";
     for (std::size_t i = 0; i < a.traced.size(); ++i)

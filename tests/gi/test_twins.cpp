@@ -105,6 +105,8 @@ const TappedTwin tapped_twins[] = {
     {"gi/screen/horizon_kernel.h", {"gi/screen/horizon.comp"}},
     {"gi/screen/blur_kernel.h", {"gi/screen/blur.comp"}},
     {"gi/screen/occlude_kernel.h", {"gi/screen/occlude.comp"}},
+    {"gi/screen/reflect_kernel.h", {"gi/screen/reflect.comp"}},
+    {"gi/screen/mirror_kernel.h", {"gi/screen/mirror.comp"}},
     {"gi/compose/compose_kernel.h", {"gi/compose/compose.comp"}},
     {"gi/compose/tonemap_kernel.h", {"gi/compose/tonemap.comp"}},
 };

@@ -203,6 +203,7 @@ inline std::vector<StageData> compute_cases(glm::ivec2 size) {
     for (StageData& data : zbuffer_cases(size)) cases.push_back(std::move(data));
     for (StageData& data : isr_cases(size)) cases.push_back(std::move(data));
     for (StageData& data : screen_cases(size)) cases.push_back(std::move(data));
+    for (StageData& data : reflect_cases(size)) cases.push_back(std::move(data));
     return cases;
 }
 

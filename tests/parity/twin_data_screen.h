@@ -1,4 +1,4 @@
-// Data for the stages of ambient occlusion.
+// Data for the stages of ambient occlusion and of reflections.
 #pragma once
 
 #include <vector>
@@ -93,6 +93,107 @@ inline StageData reuse_case(glm::ivec2 size, screen::ReuseClamp clamp, bool ther
     screen::ReuseParams params;
     params.frames = 6, params.clamp = clamp, params.sigma_depth = 0.2f, params.sigma_normal = 0.8f;
     return named(owned_data(screen::data_of(params, screen::ReuseInputs{&light, &p.position, &p.normal, before_the_steps(size), &left, {}, nullptr})), id);
+}
+
+// ---- Reflections --------------------------------------------------------------------------------------------------------
+
+// A camera before a floor, a wall behind it and a board between them, all a little rough: mirrors but for every 7th pixel.
+struct MirrorRoom {
+    Camera camera;
+    View view;
+    Image4 position, normal, mirror;
+
+    explicit MirrorRoom(glm::ivec2 size) : position(size.x, size.y), normal(size.x, size.y), mirror(size.x, size.y) {
+        camera.position = {0.3, 1.1, 2.4}, camera.look_at = {0.1, 0.45, -1}, camera.fov_y_deg = 50, camera.near = 0.05;
+        view = make_view(camera, double(size.x) / size.y);
+        struct Plane {
+            glm::dvec3 normal;
+            double offset;
+            bool board;
+        };
+        const Plane planes[] = {{{0, 1, 0}, 0, false}, {{0, 0, 1}, -1, false}, {{0, 0, 1}, 0.4, true}};
+        for (int y = 0; y < size.y; ++y)
+            for (int x = 0; x < size.x; ++x) {
+                const Ray ray = ray_through_pixel(camera, size, {x, y});
+                double nearest = 30;
+                for (const Plane& p : planes) {
+                    const double down = glm::dot(p.normal, ray.direction), t = (p.offset - glm::dot(p.normal, ray.origin)) / down;
+                    const glm::dvec3 at = ray.origin + ray.direction * t;
+                    if (!(down < 0) || !(t > 0) || t >= nearest || (p.board && (at.y > 0.7 || at.x < 0.2))) continue;
+                    if (!p.board && p.offset < 0 && at.y > 1.4) continue;  // nothing is above the wall
+                    nearest = t;
+                    const float rough = 0.02f;
+                    const glm::vec3 bump(noise(x, y, 0, 91) - 0.5f, noise(x, y, 1, 91) - 0.5f, noise(x, y, 2, 91) - 0.5f);
+                    position(x, y) = glm::vec4(glm::vec3(at), float(linear_depth(camera, at)));
+                    normal(x, y) = glm::vec4(glm::normalize(glm::vec3(p.normal) + rough * bump), 1);
+                    mirror(x, y) = (x + 3 * y) % 7 == 0 ? glm::vec4(0) : glm::vec4(0.25f + 0.5f * noise(x, y, 3, 91), 0.5f, 0.75f, 1);
+                }
+            }
+    }
+};
+
+inline StageData reflect_case(glm::ivec2 size, screen::ReflectParams params, const std::string& id) {
+    const MirrorRoom room(size);
+    params.march = screen::March::steps;
+    screen::ReflectInputs in;
+    in.position = in.seen = &room.position, in.normal = in.seen_normal = &room.normal, in.mirror = &room.mirror;
+    in.eye = room.camera.position, in.view = room.view;
+    return named(owned_data(screen::data_of(params, in)), id);
+}
+
+// What earlier views found: the camera, or another map, nearer and farther.
+inline Image4 hits_before(glm::ivec2 size) {
+    Image4 hits(size.x, size.y);
+    for (int y = 0; y < size.y; ++y)
+        for (int x = 0; x < size.x; ++x)
+            hits(x, y) = glm::vec4(x / 2, y / 3, 6 * noise(x, y, 0, 92), float((x + y) % 4 == 3 ? 1 : (x + y) % 4));
+    for (glm::vec4& hit : hits.texels)
+        if (hit.w == 0) hit = glm::vec4(0);
+    return hits;
+}
+
+inline StageData reflect_map_case(glm::ivec2 size, LightType type, int face, const std::string& id) {
+    const MirrorRoom room(size);
+    const raster::Rsm map = make_map(make_light(type, 32), face, 6);
+    const Image4 before = hits_before(size);
+    screen::ReflectParams params;
+    params.march = screen::March::steps, params.views = screen::ReflectViews::lights;
+    params.step = 0.15f, params.steps = 24, params.bisections = 5, params.thickness = 4;
+    screen::ReflectInputs in;
+    in.position = &room.position, in.normal = &room.normal, in.mirror = &room.mirror, in.eye = room.camera.position;
+    in.seen = &map.position, in.seen_normal = &map.normal, in.view = map.view, in.number = 4, in.before = &before;
+    return named(owned_data(screen::data_of(params, in)), id);
+}
+
+inline StageData mirror_case(glm::ivec2 size, bool of_maps, screen::ReflectParams params, const std::string& id) {
+    const MirrorRoom room(size);
+    Image4 hits = hits_before(size);
+    for (int i = 0; i < int(hits.size()); ++i)
+        if (hits.texels[std::size_t(i)].w > 1) hits.texels[std::size_t(i)].w += float(i % 3);
+    const Image4 composed = noise_image(size, 93, 0, 20), albedo = noise_image(size, 94, 0, 1);
+    const Image4 emission = noise_image(size, 95, 0, 3), direct = noise_image(size, 96, 0, 40);
+    screen::MirrorInputs in{&hits, &room.mirror, &composed};
+    if (of_maps) in.albedo = &albedo, in.emission = &emission, in.direct = &direct;
+    return named(owned_data(screen::data_of(params, in)), id);
+}
+
+inline std::vector<StageData> reflect_cases(glm::ivec2 size) {
+    using namespace screen;
+    ReflectParams fine, printed, fading;
+    fine.step = 0.04f, fine.steps = 100, fine.bisections = 3, fine.thickness = 2;
+    printed.variant = ReflectVariant::published;
+    fading.fade = 0.3f, fading.attenuation = 1.5f;
+    return {
+        reflect_case(size, {}, "screen.reflect"),
+        reflect_case(size, fine, "screen.reflect.fine"),
+        reflect_case(size, printed, "screen.reflect.published"),
+        reflect_map_case(size, LightType::spot, 0, "screen.reflect.spot"),
+        reflect_map_case(size, LightType::directional, 0, "screen.reflect.sun"),
+        reflect_map_case(size, LightType::point, 3, "screen.reflect.ny"),
+        mirror_case(size, true, {}, "screen.mirror"),
+        mirror_case(size, true, fading, "screen.mirror.fading"),
+        mirror_case(size, false, {}, "screen.mirror.camera"),
+    };
 }
 
 inline std::vector<StageData> screen_cases(glm::ivec2 size) {

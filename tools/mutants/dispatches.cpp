@@ -128,6 +128,14 @@ void gloss(Scene& scene) {
     }
 }
 
+// For reflections: all surfaces mirror, but every third kind.
+void polish(Scene& scene) {
+    for (std::size_t i = 0; i < scene.materials.size(); ++i) {
+        Material& m = scene.materials[i];
+        if (i % 3 != 2) m.mirror = 0.5f * (glm::vec3(1) - m.reflectance);
+    }
+}
+
 // Every stage of the panel's frame.
 void append(const Panel& panel, const std::filesystem::path& source, std::vector<Dispatch>& out) {
     Scene scene = panel.scene == "quads" ? quads() : box(source);
@@ -140,6 +148,7 @@ void append(const Panel& panel, const std::filesystem::path& source, std::vector
     for (const std::string& setting : panel.settings) set(scene, setting, panel.place);
     frame::Settings settings = frame::settings_of(scene);
     if (settings.method == frame::Method::zbuffer) gloss(scene);
+    if (settings.reflect.march != screen::March::off) polish(scene);
     frame::add_bake(scene, settings);
     const frame::Plan plan = frame::plan(scene, settings);
     const frame::Frame frame = frame::execute(scene, settings, plan, {});

@@ -41,7 +41,7 @@ bool runs(const frame::Plan& plan, const std::string& stage, int light) {
 std::string picture_name(const Scene& scene) { return file_name(io::stem_of(scene.name)); }
 
 void write_pictures(const Scene& scene, const frame::Plan& plan, const frame::Frame& frame, const std::string& name,
-                    Outputs& outputs) {
+                    Outputs& outputs, const frame::MirrorClasses* classes) {
     const std::vector<std::string> lights = light_file_names(scene);
     const frame::Plan ran = frame::plan_after_run(plan, frame);
     const raster::GBuffer& g = frame.gbuffer;
@@ -66,6 +66,8 @@ void write_pictures(const Scene& scene, const frame::Plan& plan, const frame::Fr
     }
     if (!frame.indirect_error.empty()) layers.push_back(layer("indirect.error", rgb, frame.indirect_error));
     const frame::ReliefBuffers& relief = frame.probes.relief;
+    if (!frame.reflect.reflection.empty()) layers.push_back(layer("reflection", rgb, frame.reflect.reflection));
+    if (classes) layers.push_back({"reflection.class", {"Y"}, classes->of_pixel.data(), 1});
     if (!frame.ao.open.empty()) layers.push_back({"ao", {"Y"}, &frame.ao.open.data()->x, 4});
     if (!frame.zbuffer.sent.empty()) layers.push_back(layer("sent", rgb, frame.zbuffer.sent));
     if (!relief.made.glossy.empty()) layers.push_back(layer("glossy", rgb, relief.made.glossy));

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "gi/frame/frame.h"
+#include "gi/frame/reflect_classes.h"
 #include "io/image_file.h"
 #include "tools/shared/outputs.h"
 
@@ -17,9 +18,10 @@ std::string picture_name(const Scene& scene);
 // truth.indirect, each with its standard error, where they were traced; direct and indirect unless the picture itself is
 // path traced; glossy where probes.relief ran, and the layers diffuse, normals and specular, each with a <name>.<layer>.png, with
 // probes.layers; sent of the method zbuffer (emission and pi times highlights, W/m2), and <name>.vertex_normals.png with
-// zbuffer.normals; every other layer always.
+// zbuffer.normals; reflection where mirrors reflect, and reflection.class with `classes` (the number of a MirrorClass); every
+// other layer always.
 void write_pictures(const Scene& scene, const frame::Plan& plan, const frame::Frame& frame, const std::string& name,
-                    Outputs& outputs);
+                    Outputs& outputs, const frame::MirrorClasses* classes = nullptr);
 
 // Writes every buffer that a stage reads or writes into dump/, once each and named after the stage that made it, and
 // dump/dump.json, which binds them to the stages' ports.

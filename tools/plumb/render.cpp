@@ -134,12 +134,14 @@ int render_one(Job& job) {
     if (!given.mesh.empty() && frame.radiosity.irradiance.empty())
         throw InputError("--mesh: nothing sends light, so that nothing was solved: there is no mesh");
     const std::vector<TruthRow> rows = compare_layers(frame, given.common.threads);
-    const Json truth = frame.traced.empty() ? Json(nullptr) : truth_json(frame, rows, kept.notes());
+    Json truth = frame.traced.empty() ? Json(nullptr) : truth_json(frame, rows, kept.notes());
+    const std::optional<frame::MirrorClasses> mirrors = mirror_classes(scene, settings, frame, options);
+    if (mirrors) truth["mirrors"] = mirror_json(*mirrors);
     const Json solved = radiosity_json(frame, settings, options, rows_kept.get());
 
     // Write.
     const Clock::time_point writing = Clock::now();
-    write_pictures(scene, plan, frame, picture_name(scene), job.outputs);
+    write_pictures(scene, plan, frame, picture_name(scene), job.outputs, mirrors ? &*mirrors : nullptr);
     if (given.dump) write_dump(scene, settings, plan, frame, options, job.outputs);
     if (!given.mesh.empty()) io::write_coloured(given.mesh, coloured_meshes(scene, frame), mesh_scale(settings));
     job.times.write_ms = ms_since(writing);
@@ -156,7 +158,7 @@ int render_one(Job& job) {
         return success;
     }
     std::string text = run_text(report) + radiosity_text(solved) + "\n";
-    if (!frame.traced.empty()) text += truth_text(frame, rows, kept.notes()) + "\n";
+    if (!frame.traced.empty()) text += truth_text(frame, rows, kept.notes()) + (mirrors ? mirror_text(*mirrors) : "") + "\n";
     if (!given.mesh.empty()) text += "wrote " + given.mesh + "\n";
     std::fputs((text + files_text(job.outputs, given.folder)).c_str(), stdout);
     return success;
@@ -189,9 +191,11 @@ int render_frames(Job& job) {
         FrameRun& run = runs.emplace_back(FrameRun{f, frame.stages, ms_since(start)});
         if (!frame.traced.empty())
             run.truth = truth_json(frame, compare_layers(frame, given.common.threads), references.notes());
+        const std::optional<frame::MirrorClasses> mirrors = mirror_classes(scene, settings, frame, options);
+        if (mirrors) run.truth["mirrors"] = mirror_json(*mirrors);
         run.radiosity = radiosity_json(frame, settings, options, rows_kept.get());
         const Clock::time_point writing = Clock::now();
-        write_pictures(scene, plan, frame, frame_name(picture_name(scene), f), job.outputs);
+        write_pictures(scene, plan, frame, frame_name(picture_name(scene), f), job.outputs, mirrors ? &*mirrors : nullptr);
         run.write_ms = ms_since(writing);
         job.times.render_ms += run.ms, job.times.write_ms += run.write_ms;
         warn(frame);

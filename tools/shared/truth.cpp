@@ -137,6 +137,7 @@ std::vector<TruthRow> compare_layers(const frame::Frame& frame, int threads) {
     compare("direct", "truth.direct", frame.direct, {});
     compare("indirect", "truth.indirect", frame.indirect, frame.indirect_error);
     compare("ao", "truth.ao", frame.ao.open, {});
+    compare("reflection", "truth.reflection", frame.reflect.reflection, {});
     return rows;
 }
 
@@ -151,6 +152,27 @@ Json truth_json(const frame::Frame& frame, const std::vector<TruthRow>& rows, co
     if (!own.empty()) json["own_transport"] = own;
     json["notes"] = notes;
     return json;
+}
+
+std::optional<frame::MirrorClasses> mirror_classes(const Scene& scene, const frame::Settings& settings, const frame::Frame& frame,
+                                                   const RunOptions& options) {
+    if (!frame::find_traced(frame, "truth.reflection")) return std::nullopt;
+    return frame::classify_mirrors(scene, settings, frame, options);
+}
+
+Json mirror_json(const frame::MirrorClasses& classes) {
+    Json json = {{"mirror_pixels", classes.mirrors()}};
+    for (int i = 1; i < frame::mirror_classes; ++i) json[frame::name_of(frame::MirrorClass(i))] = classes.count[std::size_t(i)];
+    return json;
+}
+
+std::string mirror_text(const frame::MirrorClasses& classes) {
+    std::string text = fmt::format("\nmirrored rays of {} pixels, against rays that meet the scene:\n", classes.mirrors());
+    for (int i = 1; i < frame::mirror_classes; ++i) {
+        const std::int64_t n = classes.count[std::size_t(i)];
+        if (n > 0) text += fmt::format("  {:<14}{:6.2f} %\n", frame::name_of(frame::MirrorClass(i)), 100.0 * double(n) / double(classes.mirrors()));
+    }
+    return text;
 }
 
 std::string truth_text(const frame::Frame& frame, const std::vector<TruthRow>& rows,

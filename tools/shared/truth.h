@@ -1,11 +1,13 @@
 // How far the layers of a picture are from their path traced truth, and whether that can be told from its noise.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/compare.h"
 #include "gi/frame/frame.h"
+#include "gi/frame/reflect_classes.h"
 #include "tools/shared/reports.h"
 
 namespace plumb::cli {
@@ -29,7 +31,7 @@ Image4 color_error(const frame::Frame& frame);
 
 // A layer beside the traced one that it approximates.
 struct TruthRow {
-    std::string name;  // "color", "direct", "indirect", "ao"
+    std::string name;  // "color", "direct", "indirect", "ao", "reflection"
     const frame::Traced* traced;
     TruthComparison comparison;
 };
@@ -42,6 +44,13 @@ Json truth_json(const frame::Frame& frame, const std::vector<TruthRow>& rows, co
 // The same for people; empty where nothing was traced.
 std::string truth_text(const frame::Frame& frame, const std::vector<TruthRow>& rows,
                        const std::vector<std::string>& notes);
+
+// What became of mirrored rays; nothing where their truth was not traced. For run.json: pixels of each class, in
+// truth.mirrors; and for people.
+std::optional<frame::MirrorClasses> mirror_classes(const Scene& scene, const frame::Settings& settings, const frame::Frame& frame,
+                                                   const RunOptions& options);
+Json mirror_json(const frame::MirrorClasses& classes);
+std::string mirror_text(const frame::MirrorClasses& classes);
 
 // One line for each layer with values that are not finite.
 std::vector<std::string> truth_warnings(const frame::Frame& frame);
