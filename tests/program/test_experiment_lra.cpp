@@ -16,9 +16,19 @@ Words lra(const Words& more) {
     words.insert(words.end(), more.begin(), more.end());
     return words;
 }
+// By their names; what was counted stands in the rows whose times it explains.
 std::map<std::string, Json> sheets_of(const Json& json) {
     std::map<std::string, Json> sheets;
-    for (const Json& sheet : json["sheets"]) sheets[sheet["id"].get<std::string>()] = sheet;
+    for (const Json& sheet : json["sheets"]) {
+        const std::string id = sheet["id"], counts = " counts";
+        if (!id.ends_with(counts)) {
+            sheets[id] = sheet;
+            continue;
+        }
+        Json& rows = sheets.at(id.substr(0, id.size() - counts.size()))["rows"];
+        REQUIRE(sheet["rows"].size() == rows.size());
+        for (std::size_t i = 0; i < rows.size(); ++i) rows[i].update(sheet["rows"][i]);
+    }
     return sheets;
 }
 Json row_of(const Json& sheet, const std::string& name) {
@@ -53,7 +63,7 @@ TEST_CASE("experiment lra: every table, the thesis' numbers beside ours, the sam
     const Json j = Json::parse(read(out + "/lra.json"));
     const std::string csv = read(out + "/lra.csv"), page = read(out + "/lra.html"), text = read(out + "/lra.txt");
     const auto sheets = sheets_of(j);
-    const std::map<std::string, std::size_t> sizes = {{"table 7.1", 8}, {"table 7.2", 7}, {"table 7.3", 4}, {"table 7.4", 6}, {"table 7.5", 5}, {"table 7.6", 4}, {"one of many", 8}};
+    const std::map<std::string, std::size_t> sizes = {{"table 7.1", 8}, {"table 7.2", 7}, {"table 7.3", 4}, {"table 7.4", 6}, {"table 7.5", 5}, {"table 7.6", 4}, {"one of many", 4}};
     REQUIRE(sheets.size() == sizes.size());
     for (const auto& [id, count] : sizes) {
         CAPTURE(id);
@@ -114,7 +124,7 @@ TEST_CASE("experiment lra: every table, the thesis' numbers beside ours, the sam
     for (const Json& row : sheets.at("one of many")["rows"]) {
         CHECK(row["maps drawn"] == 1);
         CHECK(row["gathers"] == 1);
-        CHECK(row["held: gathers MB"].get<double>() == Approx(50 * 50 * 16e-6 * std::stod(row["name"].get<std::string>().substr(7))));
+        CHECK(row["gathers MB"].get<double>() == Approx(50 * 50 * 16e-6 * std::stod(row["name"].get<std::string>().substr(7))));
     }
 
     const Result again = run(lra({"--json", "--threads", "3"}));
