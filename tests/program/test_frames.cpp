@@ -120,11 +120,15 @@ TEST_CASE("frames: run.json and the text say what each reused", "[program][frame
     double render_ms = 0, write_ms = 0;
     for (int f = 0; f < 3; ++f) {
         const Json& frame = json["frames"][std::size_t(f)];
-        CHECK(keys(frame) == Words{"frame", "stages", "total_ms", "write_ms", "saved_ms"});
+        CHECK(keys(frame) == Words{"frame", "stages", "lights", "total_ms", "write_ms", "saved_ms"});
         CHECK(frame["write_ms"].get<double>() > 0);
         render_ms += frame["total_ms"].get<double>(), write_ms += frame["write_ms"].get<double>();
         CHECK(frame["frame"] == f);
         CHECK(kept_in(frame) == (f == 0 ? Words{} : Words{"rsm (key)", "rsm (sun)"}));
+        for (const Json& light : frame["lights"]) {
+            CHECK(light["kept"] == (light["on"] && f > 0 ? 1 : 0));
+            CHECK((light["saved_ms"].get<double>() > 0) == (light["on"] && f > 0));
+        }
         for (const Json& s : frame["stages"]) {
             CHECK(keys(s) == Words{"name", "needed", "kept", "reason", "rule", "ms", "saved_ms", "parts", "bytes", "reads", "key"});
             if (!s["kept"]) continue;

@@ -1,7 +1,9 @@
 // plumb render and plan: which files come out, that nothing moves a bit of them, and that nothing is left behind.
 #include <signal.h>
 
+#include <algorithm>
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <filesystem>
 #include <map>
 
@@ -49,7 +51,7 @@ TEST_CASE("render: writes the contract's files, layers and keys", "[program][con
 
     const Json json = Json::parse(read(out + "/run.json"));
     CHECK(keys(json) == Words{"version", "scene", "settings", "isa", "kernels", "threads", "stages", "read_ms", "render_ms", "write_ms",
-                              "total_ms", "peak_bytes"});
+                              "total_ms", "peak_bytes", "lights"});
     for (const char* key : {"read_ms", "render_ms", "write_ms"}) CHECK(json[key].get<double>() > 0);
     CHECK(json["total_ms"].get<double>() >=
           json["read_ms"].get<double>() + json["render_ms"].get<double>() + json["write_ms"].get<double>());
@@ -64,7 +66,75 @@ TEST_CASE("render: writes the contract's files, layers and keys", "[program][con
     }
     CHECK(left_out == 3);  // rsm, shadow and gather of the lamp that is off
     CHECK(json["kernels"].size() == json["stages"].size() - 3);
+    // Map, shadow and gather are a light's own; what they took adds up.
+    REQUIRE(json["lights"].size() == 3);
+    for (const Json& light : json["lights"]) {
+        CAPTURE(light["name"]);
+        REQUIRE(keys(light) == Words{"name", "on", "ms", "saved_ms", "ran", "kept", "bytes"});
+        double ms = 0, bytes = 0;
+        for (const Json& s : json["stages"]) {
+            const std::string name = s["name"];
+            if (!s["needed"] || !name.ends_with("(" + light["name"].get<std::string>() + ")")) continue;
+            ms += s["ms"].get<double>(), bytes += s["bytes"].get<double>();
+        }
+        CHECK(light["on"] == (light["name"] != "lamp"));
+        CHECK(light["ran"] == (light["on"] ? 3 : 0));
+        CHECK(light["kept"] == 0);
+        CHECK(light["ms"].get<double>() == Approx(ms).margin(1e-12));
+        CHECK(light["bytes"] == bytes);
+    }
     CHECK(json["peak_bytes"].get<double>() > 1e6);
+}
+
+TEST_CASE("render: a light is switched by its number or its name", "[program][LRA 8]") {
+    const std::string folder = fresh_folder("switched"), scene = small_scene(folder);
+    const auto lit = [&](const Words& more) {
+        const std::string out = fresh_folder("switched_out");
+        render(scene, out, more);
+        Words on;
+        const Json json = Json::parse(read(out + "/run.json"));
+        for (const Json& light : json["lights"])
+            if (light["on"]) on.push_back(light["name"]);
+        return on;
+    };
+    CHECK(lit({}) == Words{"key", "sun"});
+    CHECK(lit({"--set", "light.1.on=false"}) == Words{"sun"});
+    CHECK(lit({"--set", "light.3.on=true"}) == Words{"key", "sun", "lamp"});
+    CHECK(lit({"--set", "light.lamp.on=true", "--set", "light.2.on=false"}) == Words{"key", "lamp"});
+    // As if the file said so: the same picture.
+    render(scene, folder + "/set", {"--set", "light.2.on=false"});
+    std::string text = read(scene);
+    text.insert(text.find('\n', text.find("name = \"sun\"")) + 1, "on = false\n");
+    write(scene, text);
+    render(scene, folder + "/file");
+    CHECK(read(folder + "/set/small.exr") == read(folder + "/file/small.exr"));
+    // A keyframe says nothing of a light that is switched.
+    write(scene, text + "[[keyframe]]\nframe = 0\nlight.key.on = false\n");
+    CHECK(lit({}) == Words{});
+    CHECK(lit({"--set", "light.key.on=true"}) == Words{"key"});
+}
+
+TEST_CASE("render: the ten views of LRA are layers, those of maps one of each light that is on", "[program][contract][LRA 8]") {
+    const std::string out = fresh_folder("lra_views"), scene = std::string(PLUMB_SOURCE_DIR) + "/data/scenes/cornell/lra.toml";
+    render(scene, out, {"--size", "40x40", "--set", "light.3.on=false", "--set", "light.4.on=true"});
+    const std::map<std::string, Words> views = {{"lra.exr", {"", "position", "normal", "albedo", "depth", "ao"}},
+                                                {"lra.rsm.sun.exr", {"rsm.sun.position", "rsm.sun.normal", "rsm.sun.flux", "rsm.sun.depth"}},
+                                                {"lra.rsm.key.exr", {"rsm.key.position", "rsm.key.normal", "rsm.key.flux", "rsm.key.depth"}},
+                                                {"lra.rsm.low.exr", {"rsm.low.position", "rsm.low.normal", "rsm.low.flux", "rsm.low.depth"}}};
+    Words files = {"lra.png", "run.json"};
+    for (const auto& [file, layers] : views) {
+        files.push_back(file);
+        const compare::Picture picture = io::read_picture(out + "/" + file);
+        for (const std::string& layer : layers) {
+            CAPTURE(file, layer);
+            const auto values = io::select_layer(picture, layer, file).data;
+            std::size_t seen = 0;
+            for (const float v : values) seen += v != 0 && std::isfinite(v);
+            CHECK(seen > values.size() / 20);
+        }
+    }
+    std::sort(files.begin(), files.end());
+    CHECK(files_in(out) == files);  // of lights that are off there is none
 }
 
 TEST_CASE("render: color is recomposed from the other layers, to the bit", "[program][contract]") {

@@ -218,6 +218,12 @@ TEST_CASE("usage: settings, stages, pixels and lights that do not exist", "[prog
                Equals("--set rsm.sample: unknown key 'sample'; the nearest known one is 'samples'"));
     CHECK_THAT(render({"--set", "rms.samples=3"}), Contains("nearest known one is [rsm]"));
     CHECK_THAT(render({"--set", "frame.size=3"}), Contains("[frame] is set in the scene file alone"));
+    CHECK_THAT(render({"--set", "light.4.on=false"}), Equals("--set light.4.on: expected 1 to 3, or a name"));
+    CHECK_THAT(render({"--set", "light.0.on=false"}), Equals("--set light.0.on: expected 1 to 3, or a name"));
+    CHECK_THAT(render({"--set", "light.ley.on=false"}), Equals("--set light.ley.on: unknown light; the nearest known one is 'key'"));
+    for (const char* text : {"light.1.on=1", "light.1.off=true", "light.on=true", "light.1.intensity=1,1,1"})
+        CHECK_THAT(render({"--set", text}), Contains("expected light.N.on=true or false"));
+    CHECK_THAT(refused({"experiment", "vrsm", "--scene", scene, "-o", out, "--set", "light.1.on=false"}), Contains("this command does not switch lights"));
     CHECK_THAT(render({"--set", "rsm.samples=0"}), Equals("--set rsm.samples: samples = 0: expected 1 to 65536"));
     CHECK_THAT(render({"--set", "rsm.samples"}), Contains("expected table.key=value"));
     CHECK_THAT(render({"--set", "rsm.rotations=3"}), Contains("power of two"));

@@ -46,6 +46,7 @@ Json frames_json(const FramesReport& report) {
     for (const FrameRun& f : report.frames) {
         Json json = {{"frame", f.frame},
                      {"stages", stage_runs_json(f.stages)},
+                     {"lights", f.lights},
                      {"total_ms", f.ms},
                      {"write_ms", f.write_ms},
                      {"saved_ms", reuse_of(f.stages).saved_ms}};

@@ -15,6 +15,7 @@ struct FrameRun {
     double write_ms = 0;   // of encoding and writing its files
     Json truth = nullptr;  // truth_json(), where something was path traced
     Json radiosity = nullptr;  // radiosity_json(), of that method
+    Json lights = nullptr;     // light_costs_json()
 };
 
 struct FramesReport {

@@ -16,6 +16,7 @@
 #include "tools/plumb/pictures.h"
 #include "tools/plumb/sweep_choose.h"
 #include "tools/shared/file_store.h"
+#include "tools/shared/light_costs.h"
 #include "tools/shared/output_place.h"
 #include "tools/shared/outputs.h"
 #include "tools/shared/probe_bake.h"
@@ -147,7 +148,9 @@ int render_one(Job& job) {
     job.times.write_ms = ms_since(writing);
     job.times.total_ms = ms_since(job.start);
     const RunReport report{scene, settings, options, frame.stages, job.times, peak_bytes(), truth, solved};
-    const std::string json = finish(job, run_json(report));
+    Json run = run_json(report);
+    run["lights"] = light_costs_json(scene, plan, frame.stages);
+    const std::string json = finish(job, std::move(run));
 
     // Tell.
     warn(frame);
@@ -194,6 +197,7 @@ int render_frames(Job& job) {
         const std::optional<frame::MirrorClasses> mirrors = mirror_classes(scene, settings, frame, options);
         if (mirrors) run.truth["mirrors"] = mirror_json(*mirrors);
         run.radiosity = radiosity_json(frame, settings, options, rows_kept.get());
+        run.lights = light_costs_json(scene, plan, frame.stages);
         const Clock::time_point writing = Clock::now();
         write_pictures(scene, plan, frame, frame_name(picture_name(scene), f), job.outputs, mirrors ? &*mirrors : nullptr);
         run.write_ms = ms_since(writing);
@@ -290,6 +294,7 @@ void add_render(CLI::App& program, Action& action) {
         "written (of a reflectance of 1), each as <scene>.<layer>.png, too. Equal pictures are equal files.\n"
         "Times in run.json are wall time: read_ms of reading the scene, render_ms of planning and all stages, write_ms of\n"
         "writing all files but run.json, total_ms of everything, with what --budget and comparing with the truth take.\n"
+        "\"lights\" has what each light's own stages took, and bytes of what they made.\n"
         "--truth adds the layers truth (outgoing radiance, all light), truth.direct and for rsm truth.indirect\n"
         "(irradiance, the lamps' light alone, as the method counts it), each with a layer .error, its standard error,\n"
         "<scene>.truth.png, and in run.json how far color, direct and indirect are from them. The method reference\n"

@@ -8,6 +8,7 @@
 #include "core/error.h"
 #include "io/file.h"
 #include "io/sample_rows.h"
+#include "tools/shared/light_sets.h"
 
 namespace plumb::cli {
 
@@ -139,7 +140,11 @@ frame::Settings settings_of(const Scene& scene, const SceneOptions& options) {
     }
     for (const Assignment& a : assignments) {
         if (a.table == "render") continue;
-        const std::vector<std::string> scene_tables = {"frame", "camera", "mesh", "material", "light", "environment"};
+        if (a.table == "light") {
+            check_switched(a, scene);
+            continue;
+        }
+        const std::vector<std::string> scene_tables = {"frame", "camera", "mesh", "material", "environment"};
         if (std::count(scene_tables.begin(), scene_tables.end(), a.table))
             throw InputError(fmt::format("{}: [{}] is set in the scene file alone; --set takes [render] and the tables "
                                          "of stages", a.place, a.table));

@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "io/scene_file.h"
+#include "tools/shared/light_sets.h"
 
 namespace plumb::cli {
 
@@ -11,7 +12,7 @@ void add_scene_options(CLI::App& command, SceneOptions& options) {
     command.add_option("--method", options.method, "direct, rsm, isr, probes, radiosity, zbuffer or reference; the scene file's otherwise")
         ->check(some_word())
         ->type_name("M");
-    command.add_option("--set", options.sets, "table.key=value in place of the scene file's; may be repeated")
+    command.add_option("--set", options.sets, "table.key=value in place of the scene file's, or light.N.on=false: the N-th light, or one of that name; may be repeated")
         ->allow_extra_args(false)
         ->type_name("T.K=V");
     command.add_flag("--no-pruning", options.no_pruning, "run every stage, needed or not: the picture is the same");
@@ -43,6 +44,7 @@ Scene load(const SceneOptions& options) {
         options.size.empty() ? std::nullopt : std::optional(parse_size("--size", options.size));
     Scene scene = io::load_scene(options.file, frame::method_tables());
     if (size) scene.frame_size = *size;
+    switch_lights(options.sets, scene);
     return scene;
 }
 

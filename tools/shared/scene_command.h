@@ -14,7 +14,7 @@ void add_size_option(CLI::App& command, SceneOptions& options);
 // --truth and what goes with it.
 void add_truth_options(CLI::App& command, SceneOptions& options);
 
-// The scene file's scene, of the size that is asked for.
+// The scene file's scene, of the size that is asked for, its lights switched as --set says.
 Scene load(const SceneOptions& options);
 
 // Says what was chosen for the user.
