@@ -270,6 +270,8 @@ void look_at_reflections(const Case& c, Scene scene, frame::Settings settings, c
     for (Material& m : scene.materials) m.mirror = 0.5f * (glm::vec3(1) - m.reflectance);
     settings.reflect = {.march = March::steps, .views = ReflectViews::lights, .steps = 32, .fade = 0.1f, .attenuation = 2};
     look_beyond(c, scene, settings, base, effort, out);
+    settings.reflect = {.march = March::hierarchical, .views = ReflectViews::lights, .steps = 32, .cells = 64};
+    look_beyond(c, scene, settings, base, effort, out);
     settings.reflect = {.march = March::steps, .variant = ReflectVariant::published, .steps = 32};
     look_beyond(c, scene, settings, base, effort, out);
 }

@@ -248,10 +248,11 @@ inline frame::Settings random_settings(std::uint32_t seed) {
     Dice mirror(seed ^ 0x5bd1e995u);
     if (mirror.one_in(3)) {
         screen::ReflectParams& p = t.reflect;
-        p.march = screen::March::steps, p.views = screen::ReflectViews(mirror.below(2));
+        p.march = screen::March(1 + mirror.below(2)), p.views = screen::ReflectViews(mirror.below(2));
         p.step = mirror.between(0.05f, 1), p.steps = 1 + mirror.below(24), p.bisections = mirror.below(6);
         if (mirror.one_in(3)) p.fade = mirror.between(0, 0.5f), p.attenuation = mirror.between(0, 5);
-        if (p.views == screen::ReflectViews::camera && mirror.one_in(4)) p.variant = screen::ReflectVariant::published;
+        p.cells = 1 + mirror.below(100);
+        if (p.march == screen::March::steps && p.views == screen::ReflectViews::camera && mirror.one_in(4)) p.variant = screen::ReflectVariant::published;
     }
     if (t.rsm.gather == rsm::Gather::all_rays) return t;  // a truth is not filtered
     if (dice.one_in(3)) t.indirect.resolution = filter::Resolution::half;

@@ -185,3 +185,23 @@ TEST_CASE("cornell: cornell_glossy is the same room, with a glossy and a mirrori
     }
     CHECK(blocks == 20);
 }
+
+TEST_CASE("cornell: cornell_mirror is the same room, with a floor that mirrors", "[io]") {
+    const Scene box = load_scene(data + "cornell/cornell.toml", {"rsm", "reflect"}),
+                mirror = load_scene(data + "cornell/cornell_mirror.toml", {"rsm", "reflect"});
+    const Mesh &a = box.meshes[0], &b = mirror.meshes[0];
+    REQUIRE(a.vertices.size() == b.vertices.size());
+    CHECK(std::memcmp(a.vertices.data(), b.vertices.data(), a.vertices.size() * sizeof(Vertex)) == 0);
+    REQUIRE(a.triangles == b.triangles);
+    int floor = 0;
+    for (std::size_t i = 0; i < a.triangles.size(); ++i) {
+        const Material &was = box.materials[std::size_t(a.material[i])], &is = mirror.materials[std::size_t(b.material[i])];
+        CAPTURE(i, is.name);
+        CHECK((is.mirror != glm::vec3(0)) == (is.name == "floor"));
+        CHECK((is.name == was.name) == (is.name != "floor"));
+        if (is.name != "floor") continue;
+        ++floor;
+        for (int k = 0; k < 3; ++k) CHECK(a.vertices[std::size_t(a.triangles[i][k])].position.y == 0);
+    }
+    CHECK(floor == 2);
+}

@@ -165,6 +165,39 @@ inline StageData reflect_map_case(glm::ivec2 size, LightType type, int face, con
     return named(owned_data(screen::data_of(params, in)), id);
 }
 
+// The same, from texel to texel.
+inline StageData cells_case(screen::ReflectParams params, screen::ReflectInputs in, const std::string& id) {
+    params.march = screen::March::hierarchical;
+    Image4 nearest;
+    screen::run(params, screen::NearestInputs{in.seen}, {}, nearest);
+    return named(owned_data(screen::data_of(params, screen::CellsInputs{in, &nearest, nullptr})), id);
+}
+
+inline StageData cells_own_case(glm::ivec2 size, screen::ReflectParams params, const std::string& id) {
+    const MirrorRoom room(size);
+    screen::ReflectInputs in;
+    in.position = in.seen = &room.position, in.normal = in.seen_normal = &room.normal, in.mirror = &room.mirror;
+    in.eye = room.camera.position, in.view = room.view;
+    return cells_case(params, in, id);
+}
+
+inline StageData cells_map_case(glm::ivec2 size, LightType type, int face, const std::string& id) {
+    const MirrorRoom room(size);
+    const raster::Rsm map = make_map(make_light(type, 32), face, 6);
+    const Image4 before = hits_before(size);
+    screen::ReflectParams params;
+    params.views = screen::ReflectViews::lights, params.thickness = 6;
+    screen::ReflectInputs in;
+    in.position = &room.position, in.normal = &room.normal, in.mirror = &room.mirror, in.eye = room.camera.position;
+    in.seen = &map.position, in.seen_normal = &map.normal, in.view = map.view, in.number = 4, in.before = &before;
+    return cells_case(params, in, id);
+}
+
+inline StageData nearest_case(glm::ivec2 size, const std::string& id) {
+    const MirrorRoom room(size);
+    return named(owned_data(screen::data_of(screen::ReflectParams{}, screen::NearestInputs{&room.position})), id);
+}
+
 inline StageData mirror_case(glm::ivec2 size, bool of_maps, screen::ReflectParams params, const std::string& id) {
     const MirrorRoom room(size);
     Image4 hits = hits_before(size);
@@ -179,17 +212,29 @@ inline StageData mirror_case(glm::ivec2 size, bool of_maps, screen::ReflectParam
 
 inline std::vector<StageData> reflect_cases(glm::ivec2 size) {
     using namespace screen;
-    ReflectParams fine, printed, fading;
+    ReflectParams fine, printed, thin, few, fading, short_rays;
+    thin.variant = ReflectVariant::published, thin.thickness = 0.05f;
+    few.step = 0.15f, few.steps = 7;
+    short_rays.steps = 12, short_rays.cells = 20, short_rays.thickness = 0.5f;
     fine.step = 0.04f, fine.steps = 100, fine.bisections = 3, fine.thickness = 2;
     printed.variant = ReflectVariant::published;
     fading.fade = 0.3f, fading.attenuation = 1.5f;
     return {
         reflect_case(size, {}, "screen.reflect"),
         reflect_case(size, fine, "screen.reflect.fine"),
+        reflect_case(size, few, "screen.reflect.few"),
         reflect_case(size, printed, "screen.reflect.published"),
+        reflect_case(size, thin, "screen.reflect.published.thin"),
         reflect_map_case(size, LightType::spot, 0, "screen.reflect.spot"),
         reflect_map_case(size, LightType::directional, 0, "screen.reflect.sun"),
         reflect_map_case(size, LightType::point, 3, "screen.reflect.ny"),
+        nearest_case(size, "screen.nearest"),
+        nearest_case({2 * size.x + 5, 3 * size.y}, "screen.nearest.large"),
+        cells_own_case(size, {}, "screen.cells"),
+        cells_own_case(size, short_rays, "screen.cells.short"),
+        cells_map_case(size, LightType::spot, 0, "screen.cells.spot"),
+        cells_map_case(size, LightType::directional, 0, "screen.cells.sun"),
+        cells_map_case(size, LightType::point, 3, "screen.cells.ny"),
         mirror_case(size, true, {}, "screen.mirror"),
         mirror_case(size, true, fading, "screen.mirror.fading"),
         mirror_case(size, false, {}, "screen.mirror.camera"),
