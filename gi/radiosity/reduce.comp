@@ -22,9 +22,9 @@ vec4 reduced(ivec2 at) {
     int columns = u.width * u.across;
     int left = at.x * u.across;
     int top = at.y * u.down;
-    int hemicube = top / u.rows;
-    TAP(hemicube, hemicube);
-    int own = top - hemicube * u.rows;
+    int cube = top / u.rows;
+    TAP(cube, cube);
+    int own = top - cube * u.rows;
     vec4 sum = vec4(0.0);
     for (int j = 0; j < u.down; ++j)
         for (int i = 0; i < u.across; ++i) {

@@ -39,9 +39,9 @@ PLUMB_INLINE vec4<F> reduced(const ReduceView& in, index_t<F> px, index_t<F> py,
     const int columns = u.width * u.across;
     const I left = px * I(u.across), top = py * I(u.down);
     // Rows of a hemicube are a multiple of `down`: a box lies in one.
-    const I hemicube = N::truncate_to_index((N::from_index(top) + F(0.5f)) / F(float(u.rows)));
-    tap("hemicube", hemicube, "that the box is of");
-    const I own = top - hemicube * I(u.rows);
+    const I cube = N::truncate_to_index((N::from_index(top) + F(0.5f)) / F(float(u.rows)));
+    tap("cube", cube, "of the hemicubes: that the box is of");
+    const I own = top - cube * I(u.rows);
     const F zero(0.0f);
     vec4<F> sum{zero, zero, zero, zero};
     for (int j = 0; j < u.down; ++j)
