@@ -39,6 +39,19 @@ PlannedNode begin(Context& c, const StageInfo& info, const std::string& why, glm
     return node;
 }
 
+// Of a row on the mean: what an element sees of others' fronts.
+double share_of_fronts(const radiosity::FormFactors& f) {
+    double fronts = 0;
+    for (const double sum : f.sums) fronts += sum;
+    return f.count > 0 ? fronts / f.count : 1;
+}
+constexpr double few_fronts = 0.01;
+
+bool has_alpha_masks(Context& c) {
+    const std::vector<std::int32_t>& of = c.world().geometry.material;
+    return std::any_of(of.begin(), of.end(), [&](std::int32_t m) { return m >= 0 && c.scene.materials[std::size_t(m)].alpha_cutoff > 0; });
+}
+
 void add_elements(Context& c, Nodes& nodes) {
     RadiosityBuffers& b = buffers(c);
     PlannedNode node = begin(c, radiosity::info_elements(), "irradiance is computed there", {1, 1});
@@ -63,6 +76,7 @@ void add_elements(Context& c, Nodes& nodes) {
         run.bytes = b.elements.position.size() * 80;
         run.reason = fmt::format("{} elements, {} triangles, {:.3g} m off the surface{}", b.elements.count(), b.triangles.of.size(), b.elements.offset_m,
                                  b.elements.nearer > 0 ? fmt::format("; geometry is nearer to {}", b.elements.nearer) : "");
+        if (has_alpha_masks(c)) run.reason += "; of what an alpha mask cuts, triangles without anything left are not there, all others are seen whole";
     };
     node.leave_out = [&b] { b = {}; };
     nodes.push_back(std::move(node));
@@ -105,10 +119,12 @@ std::string rows_text(const RadiosityBuffers& b, const radiosity::RadiosityParam
     if (b.factors.count == 0) return "there are no elements";
     const int blocks = b.factors.block_count();
     const double bytes = double(b.factors.all_bytes());
-    return fmt::format("{}{:.1f} MB{}, {:.2f} bytes a texel{}", b.rows_found == 0 ? "" : b.rows_found == blocks ? "kept: they lie in the store; " : "",
+    const double fronts = share_of_fronts(b.factors);
+    const std::string note = fronts < few_fronts ? fmt::format("; elements see next to nothing of each other ({:.2g} %): do normals look outwards?", 100 * fronts) : "";
+    return fmt::format("{}{:.1f} MB{}, {:.2f} bytes a texel{}{}", b.rows_found == 0 ? "" : b.rows_found == blocks ? "kept: they lie in the store; " : "",
                        bytes * 1e-6, b.factors.further ? fmt::format(", {:.1f} of them read from disk for each product", bytes * 1e-6 - double(b.factors.bytes()) * 1e-6) : "",
                        bytes / (3.0 * p.size * p.size * b.factors.count),
-                       b.rows_found > 0 && b.rows_found < blocks ? fmt::format("; {} of {} files were in the store", b.rows_found, blocks) : "");
+                       b.rows_found > 0 && b.rows_found < blocks ? fmt::format("; {} of {} files were in the store", b.rows_found, blocks) : "", note);
 }
 
 void add_rows(Context& c, Nodes& nodes) {

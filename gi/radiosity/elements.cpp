@@ -81,6 +81,7 @@ class Maker {
         const bool vertices = params.kind == Kind::vertices;
         mesh_ = probes::surface_mesh(out_.geometry, 0, 0, out_.geometry.triangles.size(), vertices);
         means_ = corner_means(scene, out_.geometry, surfaces_, options);
+        leave_out_holes();
         set_offset();
     }
 
@@ -108,6 +109,15 @@ class Maker {
     }
 
   private:
+    // Of a triangle that an alpha mask leaves nothing of no hemicube sees anything: its corners become one.
+    void leave_out_holes() {
+        for (std::size_t t = 0; t < out_.geometry.triangles.size(); ++t) {
+            if (means_[3 * t].share > 0 || means_[3 * t + 1].share > 0 || means_[3 * t + 2].share > 0) continue;
+            glm::uvec3& corners = out_.geometry.triangles[t];
+            corners = glm::uvec3(corners.x);
+        }
+    }
+
     void set_offset() {
         glm::vec3 low, high;
         bounds(out_.geometry, low, high);

@@ -65,6 +65,8 @@ struct World {
 };
 
 World world_of(const Elements& e, const RowParams& params) {
+    if (params.size < 2 || params.size > largest_hemicube || params.size % 2 != 0)
+        throw InputError(fmt::format("radiosity: size = {}: expected an even number of 2 to {} texels", params.size, largest_hemicube));
     World w;
     for (const Vertex& v : e.geometry.vertices) w.vertices.push_back(glm::vec4(v.position, 0));
     for (const glm::uvec3& t : e.of) w.of.push_back(glm::ivec4(glm::ivec3(t), 0));

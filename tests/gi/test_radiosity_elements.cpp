@@ -10,6 +10,7 @@
 #include "core/host_math.h"
 #include "core/sequences.h"
 #include "gi/radiosity/elements.h"
+#include "gi/radiosity/rows.h"
 #include "gi/reference/closed_form_scenes.h"
 #include "gi/reference/ray_query.h"
 #include "radiosity_scenes.h"
@@ -397,6 +398,29 @@ TEST_CASE("elements: textures are met in the mean, and their sum is what the sur
     CHECK(total_area(masked) == Approx(0.25).epsilon(1e-6));
     for (std::size_t i = 0; i < masked.area.size(); ++i)
         if (masked.area[i] > 0) CHECK(masked.reflectance[i].x == Approx(0.8));
+}
+
+TEST_CASE("elements: hemicubes see nothing of what an alpha mask leaves nothing of", "[radiosity][analytic]") {
+    // A floor below a sheet: of the texture that both have a mask leaves all, or nothing.
+    for (const bool open : {false, true}) {
+        Scene s;
+        const int floor = add_material(s, 0.5), sheet = add_material(s, 0.5);
+        Texture t;
+        t.name = "leaf", t.texels = Image<std::uint32_t>(2, 2);
+        for (std::uint32_t& texel : t.texels.texels) texel = open ? 0x00ffffffu : 0xffffffffu;
+        s.textures.push_back(t);
+        s.materials[std::size_t(sheet)].texture = 0, s.materials[std::size_t(sheet)].alpha_cutoff = 0.5f;
+        s.meshes.push_back(grid({0, 0, 0}, {0, 0, 1}, {1, 0, 0}, 1, 1, floor));
+        s.meshes.push_back(grid({-50, 0.25, -50}, {100, 0, 0}, {0, 0, 100}, 1, 1, sheet));
+        const Elements e = elements_of(s, {Kind::triangles});
+        const FormFactors f = form_factors(e, {16, Weights::exact}, {});
+        CAPTURE(open);
+        REQUIRE(e.count() == 4);
+        for (std::size_t i = 0; i < 2; ++i) {
+            CHECK(f.escaped[i] == Approx(open ? 1 : 0).margin(open ? 1e-6 : 0.01));
+            CHECK(e.area[2 + i] == Approx(open ? 0 : 5000));
+        }
+    }
 }
 
 TEST_CASE("elements: the same bits for any number of threads", "[radiosity][bits]") {

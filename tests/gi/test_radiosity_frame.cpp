@@ -53,6 +53,23 @@ TEST_CASE("radiosity: a closed room that emits M and reflects rho everywhere has
     }
 }
 
+TEST_CASE("radiosity: a room of triangles that look outwards is told from one that looks inwards", "[radiosity][frame]") {
+    for (const bool outwards : {false, true}) {
+        Scene scene = room(0.5f, 2);
+        for (Mesh& mesh : scene.meshes)
+            for (glm::uvec3& t : mesh.triangles)
+                if (outwards) std::swap(t.y, t.z);
+        frame::Settings settings = frame::settings_of(scene);
+        settings.radiosity.size = 16, settings.radiosity.refine = 0;
+        std::string reason;
+        for (const frame::StageRun& run : frame_of(scene, settings).stages)
+            if (run.label == "radiosity.rows") reason = run.reason;
+        CAPTURE(outwards, reason);
+        REQUIRE_FALSE(reason.empty());
+        CHECK((reason.find("do normals look outwards?") != std::string::npos) == outwards);
+    }
+}
+
 TEST_CASE("radiosity: rows add up to one in a closed room, and the sky is seen through what is open", "[radiosity][analytic]") {
     Scene scene = room(0.5f, 0);
     scene.environment.radiance = glm::vec3(1);

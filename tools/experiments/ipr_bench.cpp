@@ -60,7 +60,9 @@ IprErrors ipr_errors(const compare::Plane& own, const compare::Plane& truth, con
     if (!e.mean_truth || !(*e.mean_truth > 0)) throw InputError("experiment ipr: no light reaches what is compared but straight from lamps");
     if (!e.rms || !e.mean_error || e.nonfinite > 0) throw InputError("experiment ipr: an irradiance is not finite");
     IprErrors r;
-    r.count = int(e.pixels), r.truth = *e.mean_truth, r.noise = *e.noise, r.bias = *e.mean_error, r.rms = *e.rms;
+    r.count = int(e.pixels), r.truth = *e.mean_truth, r.noise = *e.noise, r.bias = *e.mean_error;
+    // The truth's error bounds that of a luminance from above, so that too much of it may be taken out; a bias stays.
+    r.rms = std::max(*e.rms, std::fabs(r.bias));
     for (std::size_t i = 0; i < own.size(); ++i)
         if (compared.empty() || compared.texels[i] != 0) r.mean += std::fabs(own.texels[i] - truth.texels[i]) / r.truth / r.count;
     return r;
