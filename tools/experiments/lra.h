@@ -41,7 +41,7 @@ struct LraAlgorithm {
 const std::vector<LraAlgorithm>& lra_algorithms();
 std::vector<std::string> lra_all();  // names of those with settings
 
-enum class LraLight { direct, spot };
+enum class LraLight { direct, spot, point };
 
 // What one row of a table draws, and what the thesis prints beside it.
 struct LraCase {
@@ -56,6 +56,7 @@ struct LraCase {
 // Milliseconds of a frame's stages, by what they are of; and what was counted.
 struct LraTimes {
     double all = 0, camera = 0, maps = 0, direct = 0, ao = 0, gather = 0, rest = 0;
+    double processor = 0;  // of all threads, the whole frame
     double still() const { return all - maps; }  // lights and model at rest: maps are kept (LRA 6.2.2)
 };
 struct LraFragments {
@@ -94,6 +95,9 @@ class LraWorld {
     Scene scene_;
 };
 inline constexpr double lra_half_width = 35;  // m, LRA 6.1
+
+// Of all threads, since the program began: what other programs on the machine delay least.
+double processor_ms();
 
 // Draws nothing: counts what a rasterizer would draw, by the coverage and depths of raster/screen_triangle.h; alpha masks hide nothing.
 LraFragments count_fragments(const Geometry& geometry, const View& view, glm::ivec2 size);

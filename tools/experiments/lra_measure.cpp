@@ -1,5 +1,6 @@
 // Times of plumb experiment lra, all rows of a table in turns.
 #include <fmt/format.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <cmath>
@@ -37,8 +38,10 @@ LraTimes visit(const Scene& scene, const frame::Settings& settings, const RunOpt
     frame::KeptStages kept([&run](const graph::Node&, graph::Key) { return ++run; });
     const frame::Plan plan = frame::plan(scene, settings);
     frame::execute(scene, settings, plan, options, kept);
+    const double before = processor_ms();
     const frame::Frame& f = frame::execute(scene, settings, plan, options, kept);
     LraTimes times;
+    times.processor = processor_ms() - before;
     for (std::size_t i = 0; i < plan.stages.size(); ++i)
         if (f.stages[i].needed) add_stage(plan.stages[i], f.stages[i].ms, times);
     look(plan, f);
@@ -50,13 +53,13 @@ void count(const Scene& scene, const frame::Plan& plan, const frame::Frame& f, i
     for (const glm::vec4& n : f.gbuffer.normal.texels) seen += n.w != 0;
     m.maps = 0, m.samples = m.texels = 0;
     for (std::size_t i = 0; i < plan.stages.size(); ++i) {
-        if (!f.stages[i].needed) continue;
         const frame::PlannedStage& s = plan.stages[i];
-        if (s.name == "rsm") {
-            const double side = scene.lights[std::size_t(s.light)].rsm_size;
-            ++m.maps, m.texels += side * side;
-        }
-        if (s.name.starts_with("rsm.")) m.samples += seen * samples;
+        if (!f.stages[i].needed || s.light < 0) continue;
+        // Of a point light those of its six that may see something.
+        double drawn = 0, texels = 0;
+        for (const raster::Rsm& map : f.rsms[std::size_t(s.light)]) drawn += map.size > 0, texels += double(map.size) * map.size;
+        if (s.name == "rsm") m.maps += int(drawn), m.texels += texels;
+        if (s.name.starts_with("rsm.")) m.samples += drawn * seen * samples;
     }
     m.display = f.display;
     m.triangles = flatten(scene).triangles.size();
@@ -70,12 +73,19 @@ double median_of(const std::vector<LraTimes>& all, double LraTimes::*part) {
 
 LraTimes medians(const std::vector<LraTimes>& all) {
     LraTimes m;
-    for (double LraTimes::*part : {&LraTimes::all, &LraTimes::camera, &LraTimes::maps, &LraTimes::direct, &LraTimes::ao, &LraTimes::gather, &LraTimes::rest})
+    for (double LraTimes::*part : {&LraTimes::all, &LraTimes::camera, &LraTimes::maps, &LraTimes::direct, &LraTimes::ao, &LraTimes::gather, &LraTimes::rest, &LraTimes::processor})
         m.*part = median_of(all, part);
     return m;
 }
 
 }  // namespace
+
+double processor_ms() {
+    rusage used{};
+    getrusage(RUSAGE_SELF, &used);
+    const auto ms = [](const timeval& t) { return 1e3 * double(t.tv_sec) + 1e-3 * double(t.tv_usec); };
+    return ms(used.ru_utime) + ms(used.ru_stime);
+}
 
 std::vector<std::optional<LraMeasured>> measure_cases(LraWorld& world, const std::vector<LraCase>& rows, const RunOptions& options, const LraTell& tell) {
     std::vector<std::optional<LraMeasured>> measured(rows.size());

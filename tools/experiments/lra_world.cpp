@@ -87,7 +87,7 @@ Light LraWorld::light(LraLight kind, int index, double turned_deg) const {
     const double height = 0.7 + 0.05 * (index % 5);
     const glm::dvec3 from = unit({host::cos(around), height, host::sin(around)});
     Light light;
-    light.name = fmt::format("{}{}", kind == LraLight::direct ? "direct" : "spot", index + 1);
+    light.name = fmt::format("{}{}", kind == LraLight::direct ? "direct" : kind == LraLight::spot ? "spot" : "point", index + 1);
     light.rsm_size = request_.map;
     // A turn about the vertical axis.
     const glm::dvec3 way(-(from.x * host::cos(turned) - from.z * host::sin(turned)), -from.y, -(from.x * host::sin(turned) + from.z * host::cos(turned)));
@@ -96,7 +96,7 @@ Light LraWorld::light(LraLight kind, int index, double turned_deg) const {
     if (kind == LraLight::direct) {
         light.type = LightType::directional, light.intensity = tint * 3.0f;
     } else {
-        light.type = LightType::spot, light.cone_inner_deg = 40, light.cone_outer_deg = 45;
+        light.type = kind == LraLight::spot ? LightType::spot : LightType::point, light.cone_inner_deg = 40, light.cone_outer_deg = 45;
         light.position = glm::vec3(from * spot_distance);
         light.intensity = tint * float(3 * spot_distance * spot_distance);
     }
