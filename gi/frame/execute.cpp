@@ -77,6 +77,7 @@ void execute_in(KeptMemory& memory, const Scene& scene, const Settings& settings
     memory.irradiance.resize(c.lights.size()), memory.irradiance_error.resize(c.lights.size());
     graph.make_room();
     forget(c, plan);
+    if (kept && kept->other_key()) memory.ao_shares.clear();  // then nothing is reused but what those keys say
     if (!c.keeps && sums_gathers(settings)) begin_sum(c);
 
     graph::RunWith with{options, progress};

@@ -41,6 +41,12 @@ class BakeKey {
     std::uint64_t key_ = 0;
 };
 
+// What one light's map adds to ambient occlusion, apart from what views before it have summed, and a key of all that it is made from.
+struct AoShare {
+    graph::Key key = 0;
+    Image4 sum;
+};
+
 struct KeptMemory {
     World world;
     BakeKey bake_key;
@@ -48,6 +54,7 @@ struct KeptMemory {
     rsm::KeptPatterns patterns;
     Frame frame;
     graph::Kept made;                                  // empty: `frame` holds nothing to rely on
+    std::vector<AoShare> ao_shares;                    // [AoBuffers::views]; empty where nothing is kept
     std::vector<Image4> irradiance, irradiance_error;  // [lights]: what each gather adds to the frame's
 };
 

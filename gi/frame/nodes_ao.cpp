@@ -2,6 +2,9 @@
 // indirect light.
 #include <fmt/format.h>
 
+#include <memory>
+
+#include "core/parallel.h"
 #include "gi/frame/frame_graph.h"
 #include "gi/frame/isr.h"
 #include "gi/screen/screen.h"
@@ -52,7 +55,25 @@ void add_own(Context& c, Nodes& nodes) {
     nodes.push_back(std::move(node));
 }
 
-// One map of a light. Where it sees nothing what was summed before goes on.
+AoShare& share_of(Context& c, int index) {
+    std::vector<AoShare>& all = c.memory->ao_shares;
+    if (all.size() <= std::size_t(index)) all.resize(std::size_t(index) + 1);
+    return all[std::size_t(index)];
+}
+
+// before + share, as the stage adds what it is given before: the same operations, the same bits.
+void add_share(const Image4& before, const Image4& share, int threads, Image4& sum) {
+    if (sum.width != before.width || sum.height != before.height) sum = Image4(before.width, before.height);
+    parallel_bands(before.height, 16, threads, [&](int first, int last) {
+        for (std::size_t i = std::size_t(first) * std::size_t(before.width); i < std::size_t(last) * std::size_t(before.width); ++i) {
+            const glm::vec4 &a = before.texels[i], &b = share.texels[i];
+            sum.texels[i] = {a.x + b.x, a.y + b.y, a.z, a.w};
+        }
+    });
+}
+
+// One map of a light. Where frames keep what they made, its share is kept apart: where only what was summed before it is another, it is
+// added again and not sampled. Where it sees nothing what was summed before goes on.
 void add_map(Context& c, int light, int map, Nodes& nodes) {
     const screen::AoParams& p = c.settings.ao;
     PlannedNode node = begin_node(c, stage<screen::SsaoKernel>(), "ao light", "how open points are to this light",
@@ -67,21 +88,37 @@ void add_map(Context& c, int light, int map, Nodes& nodes) {
     };
     node.leave_out = [=] { result() = before(); };
     node.reads_left_out = [=](graph::Reads& r) { r.image(before()); };
-    compute(c, node, p,
-            [=, &c] {
-                const raster::GBuffer& g = c.frame.gbuffer;
-                const raster::Rsm& rsm = c.maps(light)[std::size_t(map)];
-                return screen::SsaoInputs{&g.position, &g.normal, &rsm.position, rsm.view, false, &before(), nullptr};
-            },
-            result);
-    node.in_steps = true;
-    node.run = [=, run = node.run](const RunOptions& options, graph::NodeRun& row) {
-        if (is_drawn()) return run(options, row);
-        result() = before();
+    auto inputs = [=, &c](bool alone) {
+        const raster::GBuffer& g = c.frame.gbuffer;
+        const raster::Rsm& rsm = c.maps(light)[std::size_t(map)];
+        return screen::SsaoInputs{&g.position, &g.normal, &rsm.position, rsm.view, false, alone ? nullptr : &before(), nullptr};
     };
-    node.reads = [=, reads = node.reads](graph::Reads& r) {
-        if (is_drawn()) return reads(r);
-        r.image(before());
+    compute(c, node, p, [=] { return inputs(false); }, result);
+    node.in_steps = true;
+    const auto key = std::make_shared<graph::Key>(0);  // of its share
+    node.run = [=, &c, &p, run = node.run, work = node.tile_work()](const RunOptions& options, graph::NodeRun& row) {
+        if (!is_drawn()) {
+            result() = before();
+            return;
+        }
+        if (!c.keeps) return run(options, row);
+        const raster::Covered tiles = c.tiles_to_shade(work, c.frame.gbuffer.covered, row);
+        AoShare& share = share_of(c, index);
+        if (share.key != *key || share.sum.empty()) {
+            screen::SsaoInputs in = inputs(true);
+            in.tiles = or_all(tiles);
+            screen::run(p, in, options, share.sum);
+            share.key = *key;
+        }
+        add_share(before(), share.sum, options.threads, result());
+        row.bytes = bytes_of(result()) + bytes_of(share.sum);
+    };
+    node.reads = [=, &p, reads = node.reads](graph::Reads& r) {
+        if (!is_drawn()) return r.image(before());
+        graph::Reads alone = r;
+        alone.dispatch(stage<screen::SsaoKernel>(), data_of(p, inputs(true)));
+        *key = alone.key();
+        reads(r);
     };
     node.dispatches = [=, dispatches = node.dispatches] {
         return is_drawn() ? dispatches() : std::vector<StageData>();
@@ -133,6 +170,7 @@ const Image4& indirect_to_compose(const Context& c) {
 }
 
 void add_ao(Context& c, Nodes& nodes) {
+    if (c.memory && (!occludes(c.settings) || c.settings.ao.views != screen::AoViews::lights)) c.memory->ao_shares.clear();
     if (!occludes(c.settings)) return;
     screen::validate(c.settings.ao);
     add_own(c, nodes);

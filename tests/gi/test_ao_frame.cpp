@@ -4,6 +4,8 @@
 #include <cstring>
 
 #include "core/error.h"
+#include "gi/frame/kept.h"
+#include "gi/frame/kept_memory.h"
 #include "tests/gi/keys_of.h"
 #include "tests/gi/moving_scene.h"
 
@@ -139,6 +141,50 @@ TEST_CASE("ao: every map of every light that shines is a view; those that see no
     REQUIRE(left != away.stages.end());
     CHECK_FALSE(left->needed);
     CHECK(left->rule == "light-misses");
+}
+
+TEST_CASE("ao: of lights at rest nothing is sampled again, and every frame has the bits of a fresh one", "[frame][frames][ao][LRA 4.4]") {
+    Scene scene = room();
+    frame::Settings settings = occluding();
+    frame::KeptStages kept;
+    const auto next = [&](const char* what) {
+        CAPTURE(what);
+        const frame::Frame& f = frame::execute(scene, settings, frame::plan(scene, settings), {}, kept);
+        const frame::Frame fresh = render(scene, settings);
+        REQUIRE(f.ao.views.size() == fresh.ao.views.size());
+        for (std::size_t v = 0; v < f.ao.views.size(); ++v) CHECK(same(f.ao.views[v], fresh.ao.views[v]));
+        CHECK(same(f.ao.open, fresh.ao.open));
+        CHECK(same(f.radiance, fresh.radiance));
+    };
+    next("the first");
+    scene.lights[0].position.x += 0.2f;
+    next("the first light moves");
+    scene.lights[1].position.y -= 0.1f;
+    next("a point light moves");
+    scene.lights[2].direction = {0.2f, -0.5f, -1};
+    next("the sun moves");
+    scene.camera.position.x += 0.1;
+    next("the camera moves");
+    scene.meshes[0].transform[3].y += 0.05;
+    next("the room moves");
+    settings.ao.radius = 0.4f;
+    next("another radius");
+    scene.lights[0].on = false;
+    next("a light less");
+    settings.ao.views = AoViews::camera;
+    next("the camera alone");
+    scene.lights[0].on = true, settings.ao.views = AoViews::lights, scene.frame_size = {40, 48};
+    next("all again, another size");
+
+    // The share of the sun is what is added where a light before it moves: one that is spoiled shows, until the sun moves.
+    std::vector<frame::AoShare>& shares = kept.memory().ao_shares;
+    REQUIRE(shares.size() == kept.memory().frame.ao.views.size());
+    for (glm::vec4& share : shares.back().sum.texels) share.x += 1;
+    scene.lights[0].position.x -= 0.1f;
+    const frame::Frame fresh = render(scene, settings);
+    CHECK_FALSE(same(frame::execute(scene, settings, frame::plan(scene, settings), {}, kept).ao.open, fresh.ao.open));
+    scene.lights[2].direction = {0.1f, -0.5f, -1};
+    next("the sun moves, and is sampled again");
 }
 
 TEST_CASE("ao: more views bring it nearer to the rays' truth, whose bits are the same everywhere", "[frame][ao][truth]") {

@@ -52,6 +52,7 @@ std::vector<std::string> lra_guesses() {
         "Targets of 16-bit floats (layout lra), 200 samples within 0.08 of a map's side, 64 samples of SSAO by camera and lights, hard shadows: radii are not said.",
         "The thesis measures frames a second of a GeForce RTX 2060 SUPER, waiting for a display of 60; ours are milliseconds of stages on processor cores. What can be compared is how they grow.",
         "\"Lights at rest\" are a frame's stages but its maps, which are kept (LRA 6.2.2); the camera's are drawn anew, as the thesis does.",
+        "Processor time: of all threads, a whole frame with all of its maps; other programs on the machine delay it least.",
         "Fragments: of the camera, all triangles, two-sided, without alpha masks; \"that pass\": the depth test in file order, as they are drawn.",
     };
 }
