@@ -212,7 +212,8 @@ inline StageData mirror_case(glm::ivec2 size, bool of_maps, screen::ReflectParam
 
 inline std::vector<StageData> reflect_cases(glm::ivec2 size) {
     using namespace screen;
-    ReflectParams fine, printed, thin, few, fading, short_rays;
+    ReflectParams fine, printed, thin, few, fading, short_rays, hasty;
+    hasty.cells = 9;
     thin.variant = ReflectVariant::published, thin.thickness = 0.05f;
     few.step = 0.15f, few.steps = 7;
     short_rays.steps = 12, short_rays.cells = 20, short_rays.thickness = 0.5f;
@@ -232,6 +233,7 @@ inline std::vector<StageData> reflect_cases(glm::ivec2 size) {
         nearest_case({2 * size.x + 5, 3 * size.y}, "screen.nearest.large"),
         cells_own_case(size, {}, "screen.cells"),
         cells_own_case(size, short_rays, "screen.cells.short"),
+        cells_own_case(size, hasty, "screen.cells.hasty"),
         cells_map_case(size, LightType::spot, 0, "screen.cells.spot"),
         cells_map_case(size, LightType::directional, 0, "screen.cells.sun"),
         cells_map_case(size, LightType::point, 3, "screen.cells.ny"),
