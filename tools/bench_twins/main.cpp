@@ -81,9 +81,12 @@ void measure(const vulkan::Device& device, const std::string& file, const Option
         if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), data.stage) == wanted.end()) continue;
         const StageBinding& binding = parity::find_binding(data.stage, "bench twins");
         vulkan::PreparedTwin twin(device, binding, data, how);
-        const auto planned = std::find_if(plan.stages.begin(), plan.stages.end(), [&](const frame::PlannedStage& s) {
-            return data.label == s.label || data.label.starts_with(s.label + " ");
-        });
+        // A dispatch may have a face behind the row's label. Of a stage without a light and with one, each has its own row.
+        auto planned = std::find_if(plan.stages.begin(), plan.stages.end(),
+                                    [&](const frame::PlannedStage& s) { return data.label == s.label; });
+        if (planned == plan.stages.end())
+            planned = std::find_if(plan.stages.begin(), plan.stages.end(),
+                                   [&](const frame::PlannedStage& s) { return data.label.starts_with(s.label + " "); });
         const frame::PlannedNode& node = graph.node(*planned);
         auto run_ours = [&] {
             return clock_ms([&] {
