@@ -168,10 +168,9 @@ Crossing walk(MirroredRay ray, Track k, bool looking) {
         bool on = single || clear;
         bool by_x = of_x.t <= of_y.t;
         looking = looking && (!on || leaves < k.last);
-        int along_x = texel_at(k, k.x_0, k.x_1, leaves, low.x, high.x);
-        int along_y = texel_at(k, k.y_0, k.y_1, leaves, low.y, high.y);
-        int next_x = by_x ? (of_x.up ? high.x : low.x - 1) : along_x;
-        int next_y = by_x ? along_y : (of_y.up ? high.y : low.y - 1);
+        int beside = texel_at(k, by_x ? k.y_0 : k.x_0, by_x ? k.y_1 : k.x_1, leaves, by_x ? low.y : low.x, by_x ? high.y : high.x);
+        int next_x = by_x ? (of_x.up ? high.x : low.x - 1) : beside;
+        int next_y = by_x ? beside : (of_y.up ? high.y : low.y - 1);
         x = on ? min(max(next_x, 0), u.view.width - 1) : x;
         y = on ? min(max(next_y, 0), u.view.height - 1) : y;
         in_front = on ? d_out < least : in_front;

@@ -171,8 +171,10 @@ PLUMB_INLINE Crossing<F> walk(const CellsInputsView& in, const MirroredRay<F>& r
         const mask_t<F> on = single | clear, by_x = of_x.t <= of_y.t;
         const mask_t<F> within = leaves < k.last, into = !on;
         looking = looking & (into | within);
-        const I next_x = select(by_x, select(of_x.up, high_x, low_x - I(1)), texel_at(k, k.x_0, k.x_1, leaves, low_x, high_x));
-        const I next_y = select(by_x, texel_at(k, k.y_0, k.y_1, leaves, low_y, high_y), select(of_y.up, high_y, low_y - I(1)));
+        const I beside = texel_at(k, select(by_x, k.y_0, k.x_0), select(by_x, k.y_1, k.x_1), leaves, select(by_x, low_y, low_x),
+                                  select(by_x, high_y, high_x));
+        const I next_x = select(by_x, select(of_x.up, high_x, low_x - I(1)), beside);
+        const I next_y = select(by_x, beside, select(of_y.up, high_y, low_y - I(1)));
         x = select(on, min(max(next_x, none), width - I(1)), x), y = select(on, min(max(next_y, none), height - I(1)), y);
         in_front = (in_front & into) | (on & (d_out < least));
         t = select(on, leaves, t);

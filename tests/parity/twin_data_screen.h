@@ -146,7 +146,7 @@ inline Image4 hits_before(glm::ivec2 size) {
     Image4 hits(size.x, size.y);
     for (int y = 0; y < size.y; ++y)
         for (int x = 0; x < size.x; ++x)
-            hits(x, y) = glm::vec4(x / 2, y / 3, 6 * noise(x, y, 0, 92), float((x + y) % 4 == 3 ? 1 : (x + y) % 4));
+            hits(x, y) = glm::vec4((5 * x + y) % size.x, (3 * y + x) % size.y, 6 * noise(x, y, 0, 92), float((x + y) % 4 == 3 ? 1 : (x + y) % 4));
     for (glm::vec4& hit : hits.texels)
         if (hit.w == 0) hit = glm::vec4(0);
     return hits;
@@ -203,6 +203,9 @@ inline StageData mirror_case(glm::ivec2 size, bool of_maps, screen::ReflectParam
     Image4 hits = hits_before(size);
     for (int i = 0; i < int(hits.size()); ++i)
         if (hits.texels[std::size_t(i)].w > 1) hits.texels[std::size_t(i)].w += float(i % 3);
+    // A dump's hits may lie outside of the picture, a texel beside it or far.
+    const glm::vec2 outside[] = {{-1, 2}, {size.x, 2}, {2, -1}, {2, size.y}, {-1000, 3}, {3, 70000}};
+    for (int i = 0; i < 6; ++i) hits.texels[std::size_t(19 * i + 5)] = glm::vec4(outside[i].x, outside[i].y, 1, 1);
     const Image4 composed = noise_image(size, 93, 0, 20), albedo = noise_image(size, 94, 0, 1);
     const Image4 emission = noise_image(size, 95, 0, 3), direct = noise_image(size, 96, 0, 40);
     screen::MirrorInputs in{&hits, &room.mirror, &composed};
