@@ -110,6 +110,14 @@ void add_march_of_camera(Context& c, Nodes& nodes) {
 
 // ---- In the lights' maps -------------------------------------------------------------------------------------------------
 
+// Maps have positions of their own: none is rebuilt from depth, which parallel rays do not allow.
+raster::Layout layout_of_maps(const Context& c) {
+    raster::Layout layout = c.settings.layout;
+    layout.name = "custom";
+    layout.position_from_depth = layout.depth_over_far = false;
+    return layout;
+}
+
 // What the maps of a light do not hold of their texels: normals where no gather reads them, reflectance, emission, triangles.
 void add_seen(Context& c, int light, Nodes& nodes) {
     const Light& of = c.lights[std::size_t(light)];
@@ -160,7 +168,7 @@ void add_seen(Context& c, int light, Nodes& nodes) {
         wants.position = false;
         each([&](const raster::Rsm& map, int m, const std::string&) {
             raster::GBuffer& g = drawn()[std::size_t(m)];
-            raster::draw_gbuffer(geometry(), c.world().surfaces, map.view, glm::ivec2(map.size), c.settings.layout, options, g, wants,
+            raster::draw_gbuffer(geometry(), c.world().surfaces, map.view, glm::ivec2(map.size), layout_of_maps(c), options, g, wants,
                                  c.memory ? &c.memory->workspace : nullptr);
             run.bytes += bytes_of(g.normal) + bytes_of(g.albedo) + bytes_of(g.emission) + bytes_of(g.id);
         });
@@ -180,7 +188,7 @@ void add_seen(Context& c, int light, Nodes& nodes) {
         const raster::Rsm& map = c.maps(light)[std::size_t(m)];
         if (map.size == 0) return std::vector<TapValue>{{"face", -1, {double(m)}, "sees nothing"}};
         return raster::explain_gbuffer(geometry(), c.world().surfaces, map.view, glm::ivec2(side), {texel.x - m * side, texel.y},
-                                       c.settings.layout);
+                                       layout_of_maps(c));
     };
     nodes.push_back(std::move(node));
 }

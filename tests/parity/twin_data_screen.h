@@ -79,17 +79,27 @@ inline StageData occlude_case(glm::ivec2 size, const std::string& id) {
     return named(owned_data(screen::data_of(params, screen::OccludeInputs{&indirect, &open})), id);
 }
 
-// The rough wall of steps(), as the camera sees it now and as another one, moved and turned, saw it before.
-inline StageData reuse_case(glm::ivec2 size, screen::ReuseClamp clamp, bool there, const std::string& id) {
-    const Points p = steps(size, 5), before = steps(size, 5);
+// The rough wall of steps(), as the camera sees it now and as another view saw it before. Its normals look along all three axes.
+enum class SawBefore : int { nothing, aside, among, sun };
+inline StageData reuse_case(glm::ivec2 size, screen::ReuseClamp clamp, SawBefore saw, const std::string& id) {
+    Points p = steps(size, 5), before = steps(size, 5);
+    for (int i = 0; i < size.x * size.y; ++i)
+        for (Image4* normal : {&p.normal, &before.normal}) {
+            glm::vec4& n = normal->texels[std::size_t(i)];
+            if (i / 3 % 3 == 1) n = {n.z, -n.x, n.y, n.w};
+            if (i / 3 % 3 == 2) n = {-n.y, n.z, n.x, n.w};
+        }
     const Image4 light = noise_image(size, 84, 0, 4), last = noise_image(size, 85, 0, 5);
     Image4 age = noise_image(size, 86, 1, 9);
     for (std::size_t i = 0; i < age.size(); ++i) age.texels[i].w = i % 9 == 4 ? 0.0f : 1.0f;
     Camera camera;
     camera.position = {0.0062 * size.x, -0.0047 * size.y, 0.13}, camera.look_at = {0.0054 * size.x, -0.0043 * size.y, -2};
     camera.up = {0.1, 1, 0}, camera.fov_y_deg = 13, camera.near = 0.05, camera.far = 300;
-    screen::LastFrame left{last, age, before.position, before.normal, make_view(camera, double(size.x) / size.y), size};
-    if (!there) left = {};
+    View view = make_view(camera, double(size.x) / size.y);
+    if (saw == SawBefore::among) view = among_the_steps(size);
+    if (saw == SawBefore::sun) view = raster::light_view(make_light(LightType::directional, 32), glm::vec3(-1, -1, -3), glm::vec3(1, 1, -1));
+    screen::LastFrame left{last, age, before.position, before.normal, view, size};
+    if (saw == SawBefore::nothing) left = {};
     screen::ReuseParams params;
     params.frames = 6, params.clamp = clamp, params.sigma_depth = 0.2f, params.sigma_normal = 0.8f;
     return named(owned_data(screen::data_of(params, screen::ReuseInputs{&light, &p.position, &p.normal, before_the_steps(size), &left, {}, nullptr})), id);
@@ -268,9 +278,11 @@ inline std::vector<StageData> screen_cases(glm::ivec2 size) {
         ao_blur_case(size, AoBlur::box, AoVariant::published, "screen.blur.published"),
         ao_blur_case(size, AoBlur::none, AoVariant::corrected, "screen.blur.none"),
         occlude_case(size, "screen.occlude"),
-        reuse_case(size, ReuseClamp::none, true, "screen.reuse"),
-        reuse_case(size, ReuseClamp::box, true, "screen.reuse.box"),
-        reuse_case(size, ReuseClamp::box, false, "screen.reuse.first"),
+        reuse_case(size, ReuseClamp::none, SawBefore::aside, "screen.reuse"),
+        reuse_case(size, ReuseClamp::box, SawBefore::aside, "screen.reuse.box"),
+        reuse_case(size, ReuseClamp::box, SawBefore::among, "screen.reuse.among"),
+        reuse_case(size, ReuseClamp::box, SawBefore::sun, "screen.reuse.sun"),
+        reuse_case(size, ReuseClamp::box, SawBefore::nothing, "screen.reuse.first"),
     };
 }
 
