@@ -135,8 +135,8 @@ void reuse(ivec2 at) {
 }
 
 void main() {
-    ivec2 at = ivec2(gl_GlobalInvocationID.xy);
-    if (at.x >= u.width || at.y >= u.height) return;
-    TAP_BEGIN(at, 0);
-    reuse(at);
+    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    if (pixel.x >= u.width || pixel.y >= u.height) return;
+    TAP_BEGIN(pixel, 0);
+    reuse(pixel);
 }
