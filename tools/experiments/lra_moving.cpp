@@ -166,7 +166,7 @@ IprSheet one_of_many(LraWorld& world, const RunOptions& options, const LraTell& 
                                    m.wall_ms - m.times.all, mb * double(m.map_bytes), mb * double(m.gather_bytes), mb * double(m.map_bytes + m.gather_bytes) / n}, {}});
         }
     sheet.lines = {"Each light's map and what it sends to each pixel are held (16 bytes a pixel), and the sum is formed again from all of them; direct light is one stage over all lights. "
-                   "Of ambient occlusion each light's node adds to those before it: those after the one that moves run again.",
+                   "Of ambient occlusion each light's node adds to those before it: those after the one that moves run again, but only to add what they hold (16 bytes a pixel).",
                    "Beside stages: hashes of the scene, by which it is known what changed."};
     return sheet;
 }
