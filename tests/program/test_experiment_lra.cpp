@@ -89,6 +89,7 @@ TEST_CASE("experiment lra: every table, the thesis' numbers beside ours, the sam
         CHECK(row["samples, millions"].get<double>() == Approx(name.find("ID") != name.npos ? 2e-4 * seen : 0).epsilon(0.02));
         CHECK(row["maps"] == 1);
         CHECK(row["map texels, millions"].get<double>() == Approx(128 * 128e-6));
+        CHECK((row["IS ms"] > 0) == (name.find("IS") != name.npos));
         CHECK((row["AO ms"] > 0) == (name.find("AO") != name.npos));
         CHECK((row["ID ms"] > 0) == (name.find("ID") != name.npos));
         CHECK(row["fragments"] >= row["fragments that pass"]);

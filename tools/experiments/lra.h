@@ -55,10 +55,12 @@ struct LraCase {
 
 // Milliseconds of a frame's stages, by what they are of; and what was counted.
 struct LraTimes {
-    double all = 0, camera = 0, maps = 0, direct = 0, ao = 0, gather = 0, rest = 0;
+    double all = 0, camera = 0, maps = 0, direct = 0, mirrors = 0, ao = 0, gather = 0, rest = 0;
     double processor = 0;  // of all threads, the whole frame
     double still() const { return all - maps; }  // lights and model at rest: maps are kept (LRA 6.2.2)
 };
+// Adds what a stage of that name took to what it is of.
+void add_stage(const std::string& name, double ms, LraTimes& times);
 struct LraFragments {
     std::uint64_t triangles = 0;           // that touch the frame
     std::uint64_t covered = 0;             // pixels with a surface

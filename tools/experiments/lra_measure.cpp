@@ -14,23 +14,6 @@ namespace plumb::cli {
 
 namespace {
 
-// Adds what a stage took to what it is of.
-void add_stage(const frame::PlannedStage& stage, double ms, LraTimes& times) {
-    times.all += ms;
-    if (stage.name == "gbuffer")
-        times.camera += ms;
-    else if (stage.name == "rsm")
-        times.maps += ms;
-    else if (stage.name == "shadow" || stage.name == "direct")
-        times.direct += ms;
-    else if (stage.name.starts_with("screen."))
-        times.ao += ms;
-    else if (stage.name.starts_with("rsm."))
-        times.gather += ms;
-    else
-        times.rest += ms;
-}
-
 // A row again and again, all of its stages each time, in the memory of the time before. Only the second frame of a visit counts:
 // the first takes the memory, which no frame of a running program does.
 LraTimes visit(const Scene& scene, const frame::Settings& settings, const RunOptions& options, const std::function<void(const frame::Plan&, const frame::Frame&)>& look) {
@@ -43,7 +26,7 @@ LraTimes visit(const Scene& scene, const frame::Settings& settings, const RunOpt
     LraTimes times;
     times.processor = processor_ms() - before;
     for (std::size_t i = 0; i < plan.stages.size(); ++i)
-        if (f.stages[i].needed) add_stage(plan.stages[i], f.stages[i].ms, times);
+        if (f.stages[i].needed) add_stage(plan.stages[i].name, f.stages[i].ms, times);
     look(plan, f);
     return times;
 }
@@ -73,12 +56,30 @@ double median_of(const std::vector<LraTimes>& all, double LraTimes::*part) {
 
 LraTimes medians(const std::vector<LraTimes>& all) {
     LraTimes m;
-    for (double LraTimes::*part : {&LraTimes::all, &LraTimes::camera, &LraTimes::maps, &LraTimes::direct, &LraTimes::ao, &LraTimes::gather, &LraTimes::rest, &LraTimes::processor})
+    for (double LraTimes::*part : {&LraTimes::all, &LraTimes::camera, &LraTimes::maps, &LraTimes::direct, &LraTimes::mirrors, &LraTimes::ao, &LraTimes::gather, &LraTimes::rest, &LraTimes::processor})
         m.*part = median_of(all, part);
     return m;
 }
 
 }  // namespace
+
+void add_stage(const std::string& name, double ms, LraTimes& times) {
+    times.all += ms;
+    if (name == "gbuffer")
+        times.camera += ms;
+    else if (name == "rsm")
+        times.maps += ms;
+    else if (name == "shadow" || name == "direct")
+        times.direct += ms;
+    else if (name == "screen.reflect" || name == "screen.cells" || name == "screen.nearest" || name == "screen.mirror")
+        times.mirrors += ms;
+    else if (name.starts_with("rsm.") || name == "screen.reuse")
+        times.gather += ms;
+    else if (name.starts_with("screen."))
+        times.ao += ms;
+    else
+        times.rest += ms;
+}
 
 double processor_ms() {
     rusage used{};

@@ -52,8 +52,7 @@ class Motion {
             (map ? frame.map_bytes : frame.gather_bytes) += map || gather ? run.bytes : 0;
             if (run.kept) continue;
             frame.stages += 1, frame.maps += map, frame.gathers += gather;
-            frame.times.all += run.ms;
-            (map ? frame.times.maps : gather ? frame.times.gather : name.starts_with("screen.") ? frame.times.ao : name == "direct" || name == "shadow" ? frame.times.direct : frame.times.rest) += run.ms;
+            add_stage(name, run.ms, frame.times);
         }
         return frame;
     }
@@ -75,7 +74,7 @@ Motion::Frame median_of(const std::vector<Motion::Frame>& frames) {
         return quantile(std::move(values), 0.5);
     };
     m.wall_ms = median([](const Motion::Frame& f) { return f.wall_ms; });
-    for (double LraTimes::*part : {&LraTimes::all, &LraTimes::maps, &LraTimes::direct, &LraTimes::ao, &LraTimes::gather, &LraTimes::rest, &LraTimes::processor})
+    for (double LraTimes::*part : {&LraTimes::all, &LraTimes::maps, &LraTimes::direct, &LraTimes::mirrors, &LraTimes::ao, &LraTimes::gather, &LraTimes::rest, &LraTimes::processor})
         m.times.*part = median([=](const Motion::Frame& f) { return f.times.*part; });
     return m;
 }
@@ -94,7 +93,7 @@ std::vector<int> first(int n) {
 
 IprSheet table_7_6(LraWorld& world, const RunOptions& options, const LraTell& tell) {
     IprSheet sheet{"table 7.6", "lights that move", fmt::format("half of the model, {} x {}, three spots; the camera rests; frames of all rows in turns", world.size({}).x, world.size({}).y), {}, {}, {}, {}};
-    sheet.heads = {{"ms", 1}, {"ms, nothing kept", 1}, {"processor ms", 1}, {"processor ms, nothing kept", 1}, {"stages that ran"}, {"maps drawn"}, {"gathers"}, {"maps ms", 1}, {"AO ms", 1}, {"ID ms", 1}, {"direct ms", 1},
+    sheet.heads = {{"ms", 1}, {"ms, nothing kept", 1}, {"processor ms", 1}, {"processor ms, nothing kept", 1}, {"stages that ran"}, {"maps drawn"}, {"gathers"}, {"maps ms", 1}, {"IS ms", 1}, {"AO ms", 1}, {"ID ms", 1}, {"direct ms", 1},
                    {"thesis FPS", 2}, {"thesis ms", 2}, {"1000 / thesis FPS", 2}};
     LraCase row;
     row.share = 0.5, row.lights = {LraLight::spot, LraLight::spot, LraLight::spot};
@@ -111,7 +110,7 @@ IprSheet table_7_6(LraWorld& world, const RunOptions& options, const LraTell& te
     Chart chart{"table 7.6", "lights that move", "ms", false, false, {{"ours, kept, processor time", {}}, {"ours, nothing kept, processor time", {}}, {"LRA: 1000 / FPS", {}}}};
     for (std::size_t n = 0; n <= 3; ++n) {
         const Motion::Frame k = median_of(kept[n]), a = median_of(anew[n]);
-        sheet.rows.push_back({fmt::format("{}", n), "", {k.wall_ms, a.wall_ms, k.times.processor, a.times.processor, double(k.stages), double(k.maps), double(k.gathers), k.times.maps, k.times.ao, k.times.gather, k.times.direct,
+        sheet.rows.push_back({fmt::format("{}", n), "", {k.wall_ms, a.wall_ms, k.times.processor, a.times.processor, double(k.stages), double(k.maps), double(k.gathers), k.times.maps, k.times.mirrors, k.times.ao, k.times.gather, k.times.direct,
                                                          table_6[n].fps, table_6[n].ms, 1000 / table_6[n].fps}, {}});
         chart.lines[0].points.push_back({double(n), k.times.processor}), chart.lines[1].points.push_back({double(n), a.times.processor}), chart.lines[2].points.push_back({double(n), 1000 / table_6[n].fps});
     }
@@ -152,7 +151,7 @@ Beside beside_one(LraWorld& world, int n, bool with_ao, const RunOptions& option
 
 IprSheet one_of_many(LraWorld& world, const RunOptions& options, const LraTell& tell) {
     IprSheet sheet{"one of many", "one light moves, the camera rests", fmt::format("half of the model, {} x {}, spots; frames of a scene with one light, which moves, and of one with more, in turns; each frame turns another light", world.size({}).x, world.size({}).y), {}, {}, {}, {}};
-    sheet.heads = {{"ms", 1}, {"one light ms", 1}, {"ratio", 2}, {"processor ms", 1}, {"ratio of these", 2}, {"stages that ran"}, {"maps drawn"}, {"gathers"}, {"maps ms", 1}, {"direct ms", 1}, {"AO ms", 1}, {"ID ms", 1}, {"rest ms", 1}, {"beside stages ms", 1},
+    sheet.heads = {{"ms", 1}, {"one light ms", 1}, {"ratio", 2}, {"processor ms", 1}, {"ratio of these", 2}, {"stages that ran"}, {"maps drawn"}, {"gathers"}, {"maps ms", 1}, {"direct ms", 1}, {"IS ms", 1}, {"AO ms", 1}, {"ID ms", 1}, {"rest ms", 1}, {"beside stages ms", 1},
                    {"held: maps MB", 1}, {"gathers MB", 2}, {"a light MB", 1}};
     for (const bool with_ao : {false, true})
         for (const int n : {1, 4, 16}) {
@@ -162,7 +161,7 @@ IprSheet one_of_many(LraWorld& world, const RunOptions& options, const LraTell& 
             const Motion::Frame& m = b.many;
             const double mb = 1e-6;
             sheet.rows.push_back({fmt::format("one of {}", n), with_ao ? "all algorithms" : "ID",
-                                  {m.wall_ms, b.one.wall_ms, b.ratio, m.times.processor, b.processor_ratio, double(m.stages), double(m.maps), double(m.gathers), m.times.maps, m.times.direct, m.times.ao, m.times.gather, m.times.rest,
+                                  {m.wall_ms, b.one.wall_ms, b.ratio, m.times.processor, b.processor_ratio, double(m.stages), double(m.maps), double(m.gathers), m.times.maps, m.times.direct, m.times.mirrors, m.times.ao, m.times.gather, m.times.rest,
                                    m.wall_ms - m.times.all, mb * double(m.map_bytes), mb * double(m.gather_bytes), mb * double(m.map_bytes + m.gather_bytes) / n}, {}});
         }
     sheet.lines = {"Each light's map and what it sends to each pixel are held (16 bytes a pixel), and the sum is formed again from all of them; direct light is one stage over all lights. "

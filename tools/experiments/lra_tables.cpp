@@ -53,7 +53,7 @@ std::string half(const LraWorld& world) {
 
 IprSheet sheet_of(const std::string& id, const std::string& title, const std::string& notes, const Rows& rows, const Results& results) {
     IprSheet sheet{id, title, notes, {}, {}, {}, {}};
-    sheet.heads = {{"ms, lights at rest", 1}, {"maps ms", 1}, {"ms of all", 1}, {"G-buffer ms", 1}, {"direct ms", 1}, {"AO ms", 1}, {"ID ms", 1}, {"processor ms", 1},
+    sheet.heads = {{"ms, lights at rest", 1}, {"maps ms", 1}, {"ms of all", 1}, {"G-buffer ms", 1}, {"direct ms", 1}, {"IS ms", 1}, {"AO ms", 1}, {"ID ms", 1}, {"processor ms", 1},
                    {"thesis FPS", 2}, {"thesis ms", 2}, {"1000 / thesis FPS", 2}, {"triangles"}, {"that touch the frame"}, {"covered pixels"},
                    {"fragments"}, {"fragments that pass"}, {"overdraw", 2}, {"samples, millions", 2}, {"maps"}, {"map texels, millions", 2}};
     for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -61,13 +61,13 @@ IprSheet sheet_of(const std::string& id, const std::string& title, const std::st
         IprSheetRow row{r.name, results[i] ? "" : "not run: no stage", {}, {}};
         const std::optional<double> period = r.thesis_fps ? std::optional(1000 / *r.thesis_fps) : std::nullopt;
         if (!results[i]) {
-            row.values.resize(8);
+            row.values.resize(9);
             row.values.insert(row.values.end(), {r.thesis_fps, r.thesis_ms, period});
             row.values.resize(sheet.heads.size());
         } else {
             const LraMeasured& m = *results[i];
             const LraTimes& t = m.times;
-            row.values = {t.still(), t.maps, t.all, t.camera, t.direct, t.ao, t.gather, t.processor, r.thesis_fps, r.thesis_ms, period, double(m.triangles),
+            row.values = {t.still(), t.maps, t.all, t.camera, t.direct, t.mirrors, t.ao, t.gather, t.processor, r.thesis_fps, r.thesis_ms, period, double(m.triangles),
                           double(m.fragments.triangles), double(m.fragments.covered), double(m.fragments.drawn), double(m.fragments.passing),
                           m.fragments.overdraw(), 1e-6 * m.samples, double(m.maps), 1e-6 * m.texels};
         }
@@ -146,7 +146,7 @@ IprSheet table_7_1(LraWorld& world, const RunOptions& options, const LraTell& te
     const auto more = [&](std::size_t without, std::size_t with) { return results[with]->times.processor - results[without]->times.processor; };
     sheet.lines = {
         "The thesis' None, IS, AO and IS + AO all take 16.6 to 17.0 ms: the 60 frames a second of a display, not what they cost. Only beside ID it can be read: AO 44.77 - 42.28 = 2.5 ms, "
-        "IS 54.89 - 42.28 = 12.6 ms, and both are not free, as its text has it.",
+        "IS 54.89 - 42.28 = 12.6 ms: neither is free.",
         fmt::format("Ours, processor time: AO {:.0f} ms alone and {:.0f} beside ID, ID {:.0f} alone and {:.0f} beside AO.", more(0, 2), more(3, 6), more(0, 3), more(2, 6))};
     for (const std::size_t i : {std::size_t(0), std::size_t(6), std::size_t(7)})
         if (results[i]) sheet.rows[i].pictures.push_back({"", results[i]->display});
@@ -247,7 +247,7 @@ IprSheet table_7_5(LraWorld& world, const RunOptions& options, const LraTell& te
 
 // What was counted, and what it explains, as a table of its own: one with all columns is wider than a page.
 IprSheet take_counts(IprSheet& sheet) {
-    constexpr std::ptrdiff_t times = 11;
+    constexpr std::ptrdiff_t times = 12;
     IprSheet counts{sheet.id + " counts", "what was counted", sheet.notes, {sheet.heads.begin() + times, sheet.heads.end()}, {}, std::move(sheet.lines), {}};
     for (IprSheetRow& row : sheet.rows) {
         counts.rows.push_back({row.name, row.settings, {row.values.begin() + times, row.values.end()}, {}});
