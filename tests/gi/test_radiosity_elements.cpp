@@ -394,10 +394,18 @@ TEST_CASE("elements: textures are met in the mean, and their sum is what the sur
     // A mask that leaves the white quarter alone.
     for (std::uint32_t& texel : s.textures[0].texels.texels) texel = texel == 0xffffffffu ? texel : 0;
     s.materials[0].alpha_cutoff = 0.5f;
-    const Elements masked = vertices_of(s);
-    CHECK(total_area(masked) == Approx(0.25).epsilon(1e-6));
-    for (std::size_t i = 0; i < masked.area.size(); ++i)
-        if (masked.area[i] > 0) CHECK(masked.reflectance[i].x == Approx(0.8));
+    for (const Kind kind : {Kind::vertices, Kind::triangles}) {
+        ElementParams p;
+        p.kind = kind;
+        const Elements masked = elements_of(s, p);
+        CHECK(total_area(masked) == Approx(0.25).epsilon(1e-6));
+        for (std::size_t i = 0; i < masked.area.size(); ++i)
+            if (masked.area[i] > 0) CHECK(masked.reflectance[i].x == Approx(0.8));
+        if (kind == Kind::vertices) continue;
+        // The triangle below the diagonal has a triangle of legs 1/4 of it, the other one the rest.
+        CHECK(masked.area[0] == Approx(1 / 32.0).epsilon(1e-6));
+        CHECK(masked.area[1] == Approx(7 / 32.0).epsilon(1e-6));
+    }
 }
 
 TEST_CASE("elements: hemicubes see nothing of what an alpha mask leaves nothing of", "[radiosity][analytic]") {

@@ -86,6 +86,61 @@ TEST_CASE("emitters: behind a plate there is what rays find of them", "[radiosit
         if (dark.eye[i].y < 1) CHECK(nothing[i].x == 0);
 }
 
+TEST_CASE("emitters: of one triangle, a board's edge hides the part that similar triangles say", "[radiosity][analytic]") {
+    // A right triangle of legs 0.2 in a height of 3, and a board in 1.5 up to x = 0.6: of the lamp a point sees what is beyond
+    // x = 2 0.6 - eye's x, or nearly so. The part of it that is seen is similar to the whole: its square.
+    constexpr double leg = 0.2, lamp = 3, board = 1.5, edge = 0.6;
+    for (const bool at_corner : {false, true}) {  // which end of the leg has the corner
+        Scene s = floor_and_lamp(leg, leg, lamp, 1);
+        Mesh& m = s.meshes[1];
+        m.triangles.pop_back(), m.material.pop_back();
+        const glm::vec3 flat(0, float(lamp), 0), along(float(leg), 0, 0), aside(0, 0, float(leg));
+        const glm::vec3 corners[2][3] = {{flat, flat + along, flat + aside}, {flat + along, flat + along + aside, flat}};
+        for (int k = 0; k < 3; ++k) m.vertices[m.triangles[0][k]].position = corners[at_corner][k];
+        s.meshes[0] = grid({0, 0, 0}, {0, 0, 1}, {2, 0, 0}, 2, 80, 0);
+        const Scene free = s;
+        s.meshes.push_back(grid({-9, board, -9}, {0, 0, 18}, {9 + edge, 0, 0}, 1, 1, 0));
+        const Elements e = elements_with(s, 0.02), open = elements_with(free, 0.02);
+        const Buffer<glm::vec4> sent = emitters_at(s, e, {}), all = emitters_at(free, open, {});
+        int partly = 0;
+        for (std::size_t i = 0; i < all.size(); ++i) {
+            if (open.normal[i].y < 0.9f) continue;
+            const glm::dvec3 eye(e.eye[i]);
+            REQUIRE(e.position[i] == open.position[i]);
+            const double shadow = (eye.x + (edge - eye.x) * (lamp - eye.y) / (board - eye.y)) / leg, x = std::min(std::max(shadow, 0.0), 1.0);
+            const double truth = at_corner ? 1 - x * x : (1 - x) * (1 - x), seen = double(sent[i].x) / double(all[i].x);
+            CAPTURE(at_corner, eye.x, truth);
+            CHECK(seen == Approx(truth).margin(0.08));
+            partly += truth > 0.25 && truth < 0.75;
+        }
+        CHECK(partly > 5);
+    }
+}
+
+TEST_CASE("emitters: a textured lamp sends what it has in the mean, wherever on it that is", "[radiosity][analytic]") {
+    // A quarter of it is lit: along its left, its right, and either other side; from far it is a lamp of a quarter of the exitance.
+    for (int side = 0; side < 4; ++side) {
+        Scene s = floor_and_lamp(0.04, 0.04, 3, 1);
+        Texture stripe;
+        stripe.texels = side < 2 ? Image<std::uint32_t>(8, 1, 0xff000000u) : Image<std::uint32_t>(1, 8, 0xff000000u);
+        for (int k = 0; k < 2; ++k) stripe.texels.texels[std::size_t(side % 2 ? 7 - k : k)] = 0xffffffffu;
+        stripe.filter = Filter::nearest;
+        s.textures.push_back(stripe);
+        s.materials[1].emission_texture = 0;
+        const Elements e = elements_with(s, 0.02);
+        const Buffer<glm::vec4> sent = emitters_at(s, e, {});
+        int below = 0;
+        for (std::size_t i = 0; i < sent.size(); ++i) {
+            const glm::dvec3 eye(e.eye[i]);
+            if (e.normal[i].y < 0.9f) continue;
+            CAPTURE(side, eye.x, eye.z);
+            CHECK(double(sent[i].x) == Approx(emitted / 4 * factor(eye.x, eye.z, 0.04, 0.04, 3 - eye.y)).epsilon(0.02));
+            ++below;
+        }
+        CHECK(below == 81);
+    }
+}
+
 TEST_CASE("emitters: they are lamps up to a share of the area, and what they send is not seen twice", "[radiosity]") {
     const Scene s = floor_and_lamp(0.4, 0.3, 1.5, 1);  // 0.12 of 16.12 m2
     const double share = 0.12 / 16.12;
@@ -154,6 +209,48 @@ TEST_CASE("sky: a map's upper half is pi L of a floor, half of it of a wall, and
     CHECK(own_light(s, e, rows, params, one) == own_light(s, e, rows, params, more));
 }
 
+TEST_CASE("sky: at a wall's foot a map's octants come from where they are, and none from behind the wall", "[radiosity][sky][analytic]") {
+    // A map of eight octants: the integral of directions over one is pi / 4 along each of its axes. A floor at the foot of a wall,
+    // which fills half of what it sees, gets pi L / 4 of an octant before both and nothing of others, whichever axes they look
+    // along. No texel's middle lies on a border between octants.
+    constexpr double radiance = 3;
+    RadiosityParams params;
+    params.size = 32;
+    for (int way = 0; way < 24; ++way) {
+        const int axis = way / 8, other = (axis + 1 + way % 2) % 3, third = 3 - axis - other;
+        Point3 up(0), out(0), along(0);
+        up[axis] = way & 2 ? 1 : -1, out[other] = way & 4 ? 1 : -1, along[third] = 1;  // of the floor, of the wall, of the edge between
+        if (glm::dot(glm::cross(along, out), up) < 0) along = -along;
+        Scene s;
+        const int white = add_material(s, 0.5);
+        s.meshes.push_back(grid(-0.5 * along, along, out, 1, 1, white));
+        s.meshes.push_back(grid(-50.0 * along, 50.0 * up, 100.0 * along, 1, 1, white));
+        s.environment.radiance = glm::vec3(float(radiance));
+        const Elements e = elements_of(s, {});
+        REQUIRE(e.count() == 8);
+        const FormFactors rows = form_factors(e, row_params(params), {});
+        int looked = 0;
+        for (int first = 0; first < 8; first += 3) {  // three of them at once, a channel each
+            s.environment.map = Image4(4, 2, glm::vec4(0));
+            for (int c = 0; c < 3 && first + c < 8; ++c) s.environment.map.texels[std::size_t(first + c)][c] = 1;
+            const Buffer<glm::vec4> own = own_light(s, e, rows, params, {});
+            for (std::size_t i = 0; i < 4; ++i) {
+                REQUIRE(glm::dot(Point3(e.normal[i]), up) == 1);
+                if (glm::dot(Point3(e.position[i]), out) > 0) continue;
+                for (int c = 0; c < 3 && first + c < 8; ++c, ++looked) {
+                    // u = 1/2 + atan2(x, -z) / (2 pi): longitudes from -180 degrees on, 90 a column.
+                    const int column = (first + c) % 4;
+                    const Point3 octant(column < 2 ? -1 : 1, first + c < 4 ? 1 : -1, column % 3 == 0 ? 1 : -1);
+                    const bool seen = glm::dot(octant, up) > 0 && glm::dot(octant, out) > 0;
+                    CAPTURE(way, i, octant.x, octant.y, octant.z);
+                    CHECK(double(own[i][c]) == Approx(seen ? radiance * M_PI / 4 : 0).epsilon(1e-5).margin(0));
+                }
+            }
+        }
+        CHECK(looked == 16);
+    }
+}
+
 TEST_CASE("lamps: the power that elements get of a spot is what it sends, on a mesh coarser than its cone", "[radiosity][analytic]") {
     // A cone of 20 degrees from 3 m: a disc of 1.09 m, on triangles of 0.5 m.
     Scene s;
@@ -181,4 +278,38 @@ TEST_CASE("lamps: the power that elements get of a spot is what it sends, on a m
     s.lights[0].type = LightType::directional;
     const Elements e = elements_of(s, {});
     for (const glm::vec4& h : lamps_on(s, e, {})) CHECK(h.x == Approx(5).epsilon(1e-5));
+}
+
+TEST_CASE("lamps: light on part of a triangle goes to its corners by their interpolants", "[radiosity][analytic]") {
+    // A right triangle of legs 1 under a light straight from above, and a board over x < s. Of the light that is left the corner at
+    // x = 1 has the integral of 6 x (1 - x) from s on, each of the others that of 3 (1 - x)^2: over all s 1/2 and 1/4. In the mean
+    // over which corner comes first, as sixteen places alone are 1/10 off.
+    Scene s;
+    const int white = add_material(s, 0.5);
+    s.meshes.push_back(grid({0, 0, 0}, {0, 0, 1}, {1, 0, 0}, 1, 1, white));  // corners 0, 2 and 1 at (0, 0), (1, 0) and (0, 1)
+    s.meshes[0].material = {white};
+    Light sun;
+    sun.name = "sun", sun.type = LightType::directional, sun.direction = {0, -1, 0}, sun.intensity = {4, 4, 4};
+    s.lights.push_back(sun);
+    s.meshes.push_back({});
+    constexpr int edges = 20;
+    double far_over_all = 0, near_over_all = 0;
+    for (int k = 0; k < edges; ++k) {
+        const double edge = (k + 0.5) / edges, rest = 1 - edge;
+        s.meshes[1] = grid({-1, 1, -1}, {0, 0, 3}, {1 + edge, 0, 0}, 1, 1, white);
+        double far = 0, near = 0;
+        for (const glm::uvec3& corners : {glm::uvec3(0, 1, 2), glm::uvec3(1, 2, 0), glm::uvec3(2, 0, 1)}) {
+            s.meshes[0].triangles = {corners};
+            const Elements e = elements_of(s, {});
+            REQUIRE(e.count() == 7);
+            const Buffer<glm::vec4> light = lamps_on(s, e, {});
+            for (std::size_t i = 0; i < 3; ++i) (e.position[i].x == 1 ? far : near) += double(light[i].x) / (e.position[i].x == 1 ? 12 : 24);
+        }
+        CAPTURE(edge);
+        CHECK(far == Approx(1 - edge * edge * (3 - 2 * edge)).margin(0.08));
+        CHECK(near == Approx(rest * rest * rest).margin(0.08));
+        far_over_all += far / edges, near_over_all += near / edges;
+    }
+    CHECK(far_over_all == Approx(0.5).margin(0.01));
+    CHECK(near_over_all == Approx(0.25).margin(0.01));
 }

@@ -105,6 +105,55 @@ TEST_CASE("radiosity: rows from memory, from a store, and read for each product 
     }
 }
 
+TEST_CASE("radiosity: rows partly in memory bring the same products, whichever large or small block is the last", "[radiosity][store][bits]") {
+    // Half of a cube, a plate that looks up and sees nothing, and the same once more: large blocks and small ones after them.
+    // Where all has radiosity 1 an element of the cube gets 1, and one of the plates nothing.
+    test::CubeFaces faces;
+    faces.reflectance = {0.2, 0.9, 0.5, 0.7, 0.3, 0.8};
+    Scene s = test::cube(12, faces);
+    for (const std::size_t place : {std::size_t(3), std::size_t(7)})
+        s.meshes.insert(s.meshes.begin() + std::ptrdiff_t(place), test::grid({0, 2, double(place)}, {0, 0, 1}, {1, 0, 0}, 19, 19, 0));
+    const Elements e = elements_of(s, {});
+    const FormFactors plain = form_factors(e, small, {});
+    const int blocks = plain.block_count();
+    REQUIRE(e.count() == 6 * 169 + 2 * 400);
+    REQUIRE(blocks == 8);
+    const auto bytes = [&](int block) { return plain.blocks[std::size_t(block)].bytes(); };
+
+    Buffer<glm::vec4> ones(std::size_t(e.count()), glm::vec4(1)), uneven = ones, brought, truth;
+    for (std::size_t i = 0; i < uneven.size(); ++i) uneven[i] = glm::vec4(float(i % 7), 1, 1e-3f * float(i), 0);
+    brought = truth = Buffer<glm::vec4>(ones.size(), glm::vec4(0));
+    const Transport whole = transport_of(plain, e);
+    whole.gather(ones, brought, {}), whole.gather(uneven, truth, {});
+    for (std::size_t i = 0; i < ones.size(); ++i) {
+        const bool plate = e.position[i].y > 1.5f;
+        CHECK(double(brought[i].x) == Approx(plate ? 0 : 1).epsilon(1e-5).margin(0));
+    }
+
+    DamagedStore store;
+    rows_within(e, small, {{}, ~std::uint64_t(0), &store});
+    const std::uint64_t read = 2 * plan_rows(e.count(), small.size, ~std::uint64_t(0), true).block;  // what is read has room beside
+    std::uint64_t before = 0;
+    int smaller = 0;
+    for (int fit = 0; fit < blocks; before += bytes(fit++)) {
+        // Just room for `fit` blocks, and one byte too little for the next one.
+        for (const std::uint64_t room : {before, before + bytes(fit) - 1}) {
+            const RowsMade part = rows_within(e, small, {{}, read + room, &store});
+            CAPTURE(fit, room);
+            REQUIRE(part.factors.further);
+            CHECK(part.factors.blocks.size() == std::size_t(fit));
+            for (int later = fit + 1; later < blocks; ++later) smaller += bytes(later) <= room - before;
+            for (int block = 0; block < blocks; ++block)
+                part.factors.with_block(block, [&](const RowBlock& b) { CHECK(b.first == block * rows_of_block); });
+            Buffer<glm::vec4> products(ones.size(), glm::vec4(0));
+            transport_of(part.factors, e).gather(uneven, products, {});
+            for (std::size_t i = 0; i < ones.size(); ++i)
+                if (std::memcmp(&products[i], &truth[i], sizeof truth[i]) != 0) FAIL_CHECK("element " << i);
+        }
+    }
+    CHECK(smaller > 4);  // blocks that would have fitted after one that did not
+}
+
 TEST_CASE("radiosity: every solver has the same bits with rows in memory and rows on disk", "[radiosity][store][bits]") {
     const Elements e = room();
     DamagedStore store;
