@@ -42,7 +42,7 @@ TEST_CASE("data/scenes: every generated scene has a file that is read", "[io][sc
             if (beside.path().extension() == ".obj" || beside.path().extension() == ".mtl")
                 folder.put(beside.path().filename().string(), text_of(beside.path()));
         const Scene s = load_scene(folder.put(entry.path().filename().string(), text),
-                                   {"rsm", "shadow", "tonemap", "layout", "probes", "radiosity", "zbuffer"});
+                                   {"rsm", "ao", "reflect", "shadow", "tonemap", "layout", "probes", "radiosity", "zbuffer"});
         CHECK(!s.meshes.empty());
         CHECK(s.frame_size.x >= 512);
         seen.insert(name[1]);
