@@ -13,7 +13,7 @@ enum class ReuseClamp : int { none, box };
 // fields() says what each means.
 struct ReuseParams {
     int frames = 0;
-    ReuseClamp clamp = ReuseClamp::box;
+    ReuseClamp clamp = ReuseClamp::none;
     float sigma_depth = 0.02f;
     float sigma_normal = 0.3f;
 };

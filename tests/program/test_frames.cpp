@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <filesystem>
+#include <fmt/format.h>
 
 #include "io/image_file.h"
 #include "tests/program/program.h"
@@ -156,6 +157,23 @@ TEST_CASE("frames: without keyframes all is kept, and said", "[program][frames]"
     CHECK_THAT(r.out, Contains("note: no [[keyframe]] in the file: nothing moves, and every frame is the same"));
     CHECK_THAT(r.out, Contains("everything"));
     CHECK(read(folder + "/out/small.0000.exr") == read(folder + "/out/small.0001.exr"));
+}
+
+TEST_CASE("frames: of light that is reused a layer has how many frames it is the mean of", "[program][frames][reuse]") {
+    const std::string out = fresh_folder("frames_reused"), scene = std::string(PLUMB_SOURCE_DIR) + "/data/scenes/cornell/cornell_reuse.toml";
+    render(scene, out, {"--size", "24x24", "--frames", "3"});
+    for (int f = 0; f < 3; ++f) {
+        const std::string file = fmt::format("{}/cornell_reuse.{:04}.gathered.exr", out, f);
+        const compare::Picture picture = io::read_picture(file);
+        CAPTURE(f);
+        int seen = 0;
+        for (const float frames : io::select_layer(picture, "frames", file).data) {
+            if (frames > 0) CHECK(frames == Approx(f + 1).epsilon(1e-3));
+            seen += frames > 0;
+        }
+        CHECK(seen > 24 * 24 / 2);
+        for (const float ghost : io::select_layer(picture, "ghost", file).data) CHECK(ghost >= 0);
+    }
 }
 
 TEST_CASE("frames: references of each frame are kept in the cache", "[program][frames]") {

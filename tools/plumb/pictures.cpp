@@ -83,8 +83,12 @@ void write_pictures(const Scene& scene, const frame::Plan& plan, const frame::Fr
     // What was gathered, before it was filtered, has a size of its own.
     if (!frame.gathered.empty())
         outputs.write(name + ".gathered.exr", [&](const std::string& path) {
-            io::write_exr(path, frame.gathered.width, frame.gathered.height,
-                          {layer("irradiance", rgb, frame.gathered), {"depth", {"Z"}, &frame.gathered.data()->w, 4}});
+            std::vector<io::Layer> own = {layer("irradiance", rgb, frame.gathered), {"depth", {"Z"}, &frame.gathered.data()->w, 4}};
+            if (!frame.reused_age.empty()) {
+                own.push_back({"frames", {"Y"}, &frame.reused_age.data()->x, 4});
+                own.push_back({"ghost", {"Y"}, &frame.reused_age.data()->z, 4});
+            }
+            io::write_exr(path, frame.gathered.width, frame.gathered.height, own);
         });
 
     // Write the reflective shadow maps.
