@@ -118,6 +118,12 @@ float reached_at(Track k, float depth) {
     return t;
 }
 
+// How much deeper one is.
+float deeper(float one, float other) {
+    precise float by = one - other;
+    return by;
+}
+
 Crossing walk(MirroredRay ray, Track k, bool looking) {
     Crossing c = Crossing(0.0, ivec2(0), 0.0, false);
     bool in_front = true;
@@ -153,13 +159,13 @@ Crossing walk(MirroredRay ray, Track k, bool looking) {
         TAP(depths, vec2(d_in, d_out));
         bool clear = max(d_in, d_out) < least;
         bool before = in_front || d_in < least;
-        bool met = single && !clear && before && min(d_in, d_out) - least <= u.thickness;
+        bool met = single && !clear && before && deeper(min(d_in, d_out), least) <= u.thickness;
         if (met) {
             vec3 q = texelFetch(map_position, ivec2(x, y), 0).xyz;
             vec3 n_q = texelFetch(map_normal, ivec2(x, y), 0).xyz;
             met = may_be_met(ray, q, n_q, u.bias);
             float reaches = d_in < least ? min(max(reached_at(k, least), t), leaves) : t;
-            if (met) c = Crossing(reaches, ivec2(x, y), depth_at(k, reaches) - least, true);
+            if (met) c = Crossing(reaches, ivec2(x, y), deeper(depth_at(k, reaches), least), true);
         }
         TAP(met, met);
         looking = !met;

@@ -42,7 +42,7 @@ TEST_CASE("data/scenes: every generated scene has a file that is read", "[io][sc
             if (beside.path().extension() == ".obj" || beside.path().extension() == ".mtl")
                 folder.put(beside.path().filename().string(), text_of(beside.path()));
         const Scene s = load_scene(folder.put(entry.path().filename().string(), text),
-                                   {"rsm", "ao", "reflect", "shadow", "tonemap", "layout", "probes", "radiosity", "zbuffer"});
+                                   {"rsm", "ao", "reflect", "reuse", "shadow", "tonemap", "layout", "probes", "radiosity", "zbuffer"});
         CHECK(!s.meshes.empty());
         CHECK(s.frame_size.x >= 512);
         seen.insert(name[1]);
@@ -56,7 +56,7 @@ TEST_CASE("data/scenes: every scene whose mesh is a file is read, and leaves not
         if (entry.path().extension() != ".toml") continue;
         if (text_of(entry.path()).find("generate") != std::string::npos) continue;
         INFO(entry.path());
-        const Scene s = load_scene(entry.path().string(), {"rsm", "ao", "reflect", "shadow", "tonemap", "layout", "probes", "radiosity", "zbuffer"});
+        const Scene s = load_scene(entry.path().string(), {"rsm", "ao", "reflect", "reuse", "shadow", "tonemap", "layout", "probes", "radiosity", "zbuffer"});
         CHECK(!s.meshes.empty());
         // What it is lit by: lights, what emits, or the sky.
         bool lit = !s.lights.empty() || s.environment.radiance != glm::vec3(0);

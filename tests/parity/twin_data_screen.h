@@ -215,7 +215,7 @@ inline StageData mirror_case(glm::ivec2 size, bool of_maps, screen::ReflectParam
         if (hits.texels[std::size_t(i)].w > 1) hits.texels[std::size_t(i)].w += float(i % 3);
     // A dump's hits may lie outside of the picture, a texel beside it or far.
     const glm::vec2 outside[] = {{-1, 2}, {size.x, 2}, {2, -1}, {2, size.y}, {-1000, 3}, {3, 70000}};
-    for (int i = 0; i < 6; ++i) hits.texels[std::size_t(19 * i + 5)] = glm::vec4(outside[i].x, outside[i].y, 1, 1);
+    for (int i = 0; i < 6; ++i) hits.texels[std::size_t(19 * i + 5) % hits.size()] = glm::vec4(outside[i].x, outside[i].y, 1, 1);
     const Image4 composed = noise_image(size, 93, 0, 20), albedo = noise_image(size, 94, 0, 1);
     const Image4 emission = noise_image(size, 95, 0, 3), direct = noise_image(size, 96, 0, 40);
     screen::MirrorInputs in{&hits, &room.mirror, &composed};
@@ -272,7 +272,7 @@ inline std::vector<StageData> screen_cases(glm::ivec2 size) {
         ssao_light_case(size, LightType::spot, 0, printed, "screen.ssao.spot.published"),
         horizon_case(size, 3, 6, "screen.horizon"),
         horizon_case(size, 1, 3, "screen.horizon.one"),
-        horizon_case(size, 3, 5, "screen.horizon.among", true),
+        horizon_case(size, 1, 3, "screen.horizon.among", true),
         ao_blur_case(size, AoBlur::box, AoVariant::corrected, "screen.blur"),
         ao_blur_case(size, AoBlur::edge_aware, AoVariant::corrected, "screen.blur.edges"),
         ao_blur_case(size, AoBlur::box, AoVariant::published, "screen.blur.published"),
