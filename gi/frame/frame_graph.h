@@ -65,6 +65,7 @@ struct Context {
     // The scene as stages read it; made here where nobody has given it.
     World& world();
 
+    View camera_view() const { return make_view(scene.camera, double(size.x) / size.y, scene.convention, size); }
     raster::GBuffer& gbuffer(int view) { return view == 0 ? frame.gbuffer : frame.views[std::size_t(view)].gbuffer; }
     // What direct light of the frame reads.
     Buffer<float>& lit(int view) {

@@ -19,10 +19,6 @@ namespace {
 
 using screen::AoMethod;
 
-View camera_view(const Context& c) {
-    return make_view(c.scene.camera, double(c.size.x) / c.size.y, c.scene.convention, c.size);
-}
-
 // A view's image in their order.
 Image4& of_view(Context& c, int index) { return c.frame.ao.views[std::size_t(index)]; }
 
@@ -41,14 +37,14 @@ void add_own(Context& c, Nodes& nodes) {
         compute(c, node, p,
                 [&c] {
                     const raster::GBuffer& g = c.frame.gbuffer;
-                    return screen::HorizonInputs{&g.position, &g.normal, camera_view(c), nullptr};
+                    return screen::HorizonInputs{&g.position, &g.normal, c.camera_view(), nullptr};
                 },
                 result);
     else
         compute(c, node, p,
                 [&c] {
                     const raster::GBuffer& g = c.frame.gbuffer;
-                    return screen::SsaoInputs{&g.position, &g.normal, &g.position, camera_view(c), true, nullptr, nullptr};
+                    return screen::SsaoInputs{&g.position, &g.normal, &g.position, c.camera_view(), true, nullptr, nullptr};
                 },
                 result);
     node.in_steps = true;

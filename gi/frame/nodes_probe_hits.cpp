@@ -131,7 +131,7 @@ void add_levels(Context& c, Nodes& nodes) {
     const StageBinding& binding = stage<probes::LevelKernel>();
     PlannedNode node = begin_node(c, binding, "probes", "what is far takes less", double(c.views[1].size.y) * 2);
     node.of_pixels = false;
-    const auto view = [&c] { return make_view(c.scene.camera, double(c.size.x) / c.size.y, c.scene.convention, c.size); };
+    const auto view = [&c] { return c.camera_view(); };
     const auto clusters = [&p, view] {
         const View v = view();
         probes::LevelInputs in{&p.boxes.cluster_low, &p.boxes.cluster_high, probes::rule_at(p.lod, glm::vec3(v.eye), glm::vec3(v.forward))};

@@ -146,7 +146,7 @@ void add_indirect(Context& c, Nodes& nodes) {
     ProbeBuffers& p = c.frame.probes;
     add_of_pixels(c, nodes, "where pixels lie on the lightmap", "uv",
                   [&c, &p] {
-                      const View v = make_view(c.scene.camera, double(c.size.x) / c.size.y, c.scene.convention, c.size);
+                      const View v = c.camera_view();
                       return probes::LightmapUvInputs{&c.frame.gbuffer.position, &c.frame.gbuffer.id, &p.charted,
                                                       probes::fragment_rule_at(p.lod, glm::vec3(v.eye), glm::vec3(v.forward))};
                   },

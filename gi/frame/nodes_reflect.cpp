@@ -25,10 +25,6 @@ using screen::March;
 // Milliseconds for a million triangles and texels, as nodes_raster.cpp has them.
 constexpr double ms_texels = 60;
 
-View camera_view(const Context& c) {
-    return make_view(c.scene.camera, double(c.size.x) / c.size.y, c.scene.convention, c.size);
-}
-
 double pixels(const Context& c) { return double(c.size.x) * c.size.y; }
 
 // Which map a view is; the camera's is none.
@@ -103,7 +99,7 @@ void add_march_of_camera(Context& c, Nodes& nodes) {
     nodes.push_back(begin_march(c, "reflect", "where mirrored rays meet what is seen", -1, index, [&c] {
         screen::ReflectInputs in = rays_of(c);
         in.seen = &c.frame.gbuffer.position, in.seen_normal = &c.frame.gbuffer.normal;
-        in.view = camera_view(c), in.number = camera_number;
+        in.view = c.camera_view(), in.number = camera_number;
         return in;
     }));
 }

@@ -22,7 +22,6 @@ namespace {
 // Milliseconds for a million triangles and pixels, as nodes_raster.cpp has them.
 constexpr double ms_pixels = 60;
 
-View own_view(const Context& c) { return make_view(c.scene.camera, double(c.size.x) / c.size.y, c.scene.convention, c.size); }
 
 // A join of images that other nodes made, pixel by pixel: it has no row of its own. of_pixel(i) writes all of `outputs`.
 template <class OfPixel>
@@ -98,7 +97,7 @@ void add_plain(Context& c, Nodes& nodes) {
         Bundle b;
         const World& w = c.world();
         lend_surfaces(w.geometry, w.plain, b);
-        const Buffer<glm::vec4> clip = raster::clip_positions(w.geometry, own_view(c), 0);
+        const Buffer<glm::vec4> clip = raster::clip_positions(w.geometry, c.camera_view(), 0);
         add(b, "clip_positions", {std::int64_t(clip.size()), 4}, clip.empty() ? nullptr : &clip.data()->x);
         lend(b, "objects", {std::int64_t(w.geometry.object.size())}, w.geometry.object.data());
         return b;
@@ -121,7 +120,7 @@ void add_plain(Context& c, Nodes& nodes) {
     };
     node.run = [&c, &g](const RunOptions& options, graph::NodeRun& run) {
         const World& w = c.world();
-        raster::draw_gbuffer(w.geometry, w.plain, own_view(c), c.size, c.settings.layout, options, g, {}, c.memory ? &c.memory->workspace : nullptr);
+        raster::draw_gbuffer(w.geometry, w.plain, c.camera_view(), c.size, c.settings.layout, options, g, {}, c.memory ? &c.memory->workspace : nullptr);
         run.bytes = 4 * bytes_of(g.normal);
     };
     node.leave_out = [&c, &g, size = c.size] {
@@ -131,9 +130,9 @@ void add_plain(Context& c, Nodes& nodes) {
         g.id = Image<glm::ivec2>(size.x, size.y, glm::ivec2(-1));
         g.covered = raster::Covered(size);
     };
-    node.dispatches = [&c] { return std::vector<StageData>{raster::gbuffer_data(c.world().geometry, c.world().plain, own_view(c), c.size)}; };
+    node.dispatches = [&c] { return std::vector<StageData>{raster::gbuffer_data(c.world().geometry, c.world().plain, c.camera_view(), c.size)}; };
     node.explain = [&c](glm::ivec2 pixel) {
-        return raster::explain_gbuffer(c.world().geometry, c.world().plain, own_view(c), c.size, pixel, c.settings.layout);
+        return raster::explain_gbuffer(c.world().geometry, c.world().plain, c.camera_view(), c.size, pixel, c.settings.layout);
     };
     nodes.push_back(std::move(node));
 }
@@ -207,7 +206,7 @@ void add_relief_stage(Context& c, Nodes& nodes) {
     const auto inputs = [&c, &p, &r] {
         probes::ReliefInputs in;
         in.maps = c.relief.maps, in.highlights = c.relief.highlights;
-        in.eye = glm::vec3(own_view(c).eye);
+        in.eye = glm::vec3(c.camera_view().eye);
         in.position = &c.frame.gbuffer.position, in.normal = &c.frame.gbuffer.normal, in.irradiance = &p.joined;
         in.mapped = &r.asked.irradiance, in.plain = &r.fixed_unmapped.irradiance;
         in.light = &r.asked.light, in.from_light = &r.asked.from_light, in.specular = &r.specular;

@@ -30,8 +30,6 @@ void add_light_clock(Context& c, Nodes& nodes) {
 
 namespace {
 
-View own_view(const Context& c) { return make_view(c.scene.camera, double(c.size.x) / c.size.y, c.scene.convention, c.size); }
-
 // What the next frame finds.
 void add_latch(Context& c, Image4 Frame::*light, Nodes& nodes) {
     PlannedNode node = begin_node(c, "light latch", "", "", 0, {});
@@ -47,7 +45,7 @@ void add_latch(Context& c, Image4 Frame::*light, Nodes& nodes) {
     };
     node.outputs = [] { return Bundle(); };
     node.run = [=, &c](const RunOptions&, graph::NodeRun&) {
-        c.frame.next_light = {c.frame.*light, c.frame.reused_age, points(false), points(true), own_view(c), c.size};
+        c.frame.next_light = {c.frame.*light, c.frame.reused_age, points(false), points(true), c.camera_view(), c.size};
     };
     node.leave_out = [] {};
     nodes.push_back(std::move(node));
@@ -66,7 +64,7 @@ void add_reuse(Context& c, Nodes& nodes) {
     const auto inputs = [=, &c] {
         const Frame& f = c.frame;
         return screen::ReuseInputs{&f.gathered, half ? &f.half_position : &f.gbuffer.position,
-                                   half ? &f.half_normal : &f.gbuffer.normal, own_view(c), &f.last_light, c.size, nullptr};
+                                   half ? &f.half_normal : &f.gbuffer.normal, c.camera_view(), &f.last_light, c.size};
     };
     const screen::ReuseParams& params = c.settings.reuse;
     node.dispatches = [=, &params] { return std::vector<StageData>{screen::data_of(params, inputs())}; };

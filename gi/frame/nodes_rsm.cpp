@@ -91,7 +91,7 @@ PlannedNode begin_gather(Context& c, int l) {
 // What a gather by rays reads beside the points and the maps.
 void add_offsets(Context& c, int light, rsm::GatherInputs& in) {
     const World& world = c.world();
-    const View view = make_view(c.scene.camera, double(c.size.x) / c.size.y, c.scene.convention, c.size);
+    const View view = c.camera_view();
     in.offsets = rsm::ray_offsets(c.settings.layout, world.low, world.high, view, c.size);
     // Each light chooses for itself: their errors are independent.
     in.seed = std::uint32_t(pcg(std::int32_t(c.settings.seed) + pcg(std::int32_t(light))));

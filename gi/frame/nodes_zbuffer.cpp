@@ -11,8 +11,7 @@ namespace {
 
 using zbuffer::Technique;
 
-View own_view(const Context& c) { return make_view(c.scene.camera, double(c.size.x) / c.size.y, c.scene.convention, c.size); }
-glm::vec3 eye_of(const Context& c) { return glm::vec3(own_view(c).eye); }
+glm::vec3 eye_of(const Context& c) { return glm::vec3(c.camera_view().eye); }
 
 // The vertices as stages read them.
 void add_table(Context& c, Nodes& nodes) {
@@ -125,12 +124,12 @@ void add_vertex_normals(Context& c, Nodes& nodes) {
     };
     node.reads = [=, &c](graph::Reads& r) {
         r.image(c.frame.display), r.image(c.frame.gbuffer.position), r.list(c.frame.zbuffer.table.vertices);
-        r.value(length(), own_view(c).world_to_clip(), own_view(c).eye, own_view(c).forward);
+        r.value(length(), c.camera_view().world_to_clip(), c.camera_view().eye, c.camera_view().forward);
     };
     node.outputs = [&made] { return lent("display", made); };
     node.run = [=, &c, &made](const RunOptions&, graph::NodeRun&) {
         made = c.frame.display;
-        zbuffer::draw_normals(c.frame.zbuffer.table, own_view(c), c.frame.gbuffer.position, length(), made);
+        zbuffer::draw_normals(c.frame.zbuffer.table, c.camera_view(), c.frame.gbuffer.position, length(), made);
     };
     node.leave_out = [&c, &made] { made = c.frame.display; };
     nodes.push_back(std::move(node));

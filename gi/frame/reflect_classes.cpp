@@ -8,6 +8,7 @@
 #include "core/parallel.h"
 #include "core/ray_query.h"
 #include "gi/frame/isr.h"
+#include "gi/probes/receivers.h"
 #include "gi/reference/ray_query.h"
 #include "raster/light_view.h"
 
@@ -107,11 +108,7 @@ MirrorClasses classify_mirrors(const Scene& scene, const Settings& settings, con
     }
     const raster::Surfaces surfaces = raster::prepare(scene, geometry);
     const auto query = reference::build_ray_query(geometry, surfaces, settings.reference.rays);
-    glm::vec3 low, high;
-    bounds(geometry, low, high);
-    double extent = 0;
-    for (int c = 0; c < 3; ++c) extent = std::max({extent, std::abs(double(low[c])), std::abs(double(high[c]))});
-    const double offset = extent * 0x1p-18;
+    const double offset = double(probes::offset_of(probes::extent_of(geometry)));
     const std::vector<Followed> views = followed_views(scene, settings, frame);
     parallel_bands(size.y, 8, options.threads, [&](int first, int last) {
         for (int y = first; y < last; ++y)

@@ -57,12 +57,13 @@ Buffer<glm::vec4> reduced_irradiance(int size, const Buffer<glm::vec4>& texels, 
     const float whole = how.means ? float(weights.size()) : 1.0f;
     Buffer<float> scaled;
     for (const double w : weights) scaled.push_back(float(w) * whole);
-    Buffer<glm::vec4> before = texels, after;
+    Buffer<glm::vec4> before, after;
+    const Buffer<glm::vec4>* from = &texels;
     const Buffer<float>* first = &scaled;
     int columns = size, rows = rows_of_hemicube(size);
     for (const glm::ivec2 box : reduction_boxes(size, how.box)) {
         const float gain = how.means ? 1.0f / float(box.x * box.y) : 1.0f;
-        const StageData d = data_of(ReduceInputs{&before, columns, rows, first, box, gain});
+        const StageData d = data_of(ReduceInputs{from, columns, rows, first, box, gain});
         after.assign(std::size_t(d.size.x) * std::size_t(d.size.y), glm::vec4(0));
         Bundle outputs;
         lend(outputs, "sums", {std::int64_t(after.size()), 4}, &after[0].x);
@@ -72,7 +73,7 @@ Buffer<glm::vec4> reduced_irradiance(int size, const Buffer<glm::vec4>& texels, 
                 for (int i = a; i < z; ++i) quantise(how.store, after[std::size_t(i)]);
             });
         before.swap(after);
-        first = nullptr, columns /= box.x, rows /= box.y;
+        from = &before, first = nullptr, columns /= box.x, rows /= box.y;
     }
     return before;
 }

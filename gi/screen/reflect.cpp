@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "core/host_math.h"
+#include "gi/run_two.h"
 #include "gi/screen/screen.h"
 
 namespace plumb::screen {
@@ -82,13 +83,7 @@ StageData data_of(const ReflectParams& params, const MirrorInputs& in) {
 }
 
 void run(const ReflectParams& params, const MirrorInputs& in, const RunOptions& options, Image4& reflection, Image4& radiance) {
-    const StageData data = data_of(params, in);
-    Bundle outputs;
-    for (const auto& [name, image] : {std::pair("reflection", &reflection), std::pair("radiance", &radiance)}) {
-        if (size_of(*image) != data.size) *image = Image4(data.size.x, data.size.y);
-        lend(outputs, name, {data.size.y, data.size.x, 4}, &image->data()->x);
-    }
-    stage<MirrorKernel>().bind(data)->run(options, {}, outputs);
+    run_two(stage<MirrorKernel>(), data_of(params, in), options, reflection, radiance);
 }
 
 }  // namespace plumb::screen

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "gi/lend.h"
+#include "gi/run_two.h"
 #include "gi/screen/ssao.h"
 
 namespace plumb::screen {
@@ -49,18 +49,11 @@ StageData data_of(const ReuseParams& params, const ReuseInputs& in) {
     lend(d, {{"irradiance", in.irradiance}, {"position", in.position}, {"normal", in.normal},
              {"last_irradiance", image(&LastFrame::irradiance)}, {"last_age", image(&LastFrame::age)},
              {"last_position", image(&LastFrame::position)}, {"last_normal", image(&LastFrame::normal)}});
-    lend_tiles(d, in.tiles);
     return d;
 }
 
 void run_reuse(const ReuseParams& params, const ReuseInputs& in, const RunOptions& options, Image4& light, Image4& age) {
-    const StageData d = data_of(params, in);
-    Bundle outputs;
-    for (const auto& [slot, image] : {std::pair("reused", &light), std::pair("age", &age)}) {
-        if (size_of(*image) != d.size) *image = Image4(d.size.x, d.size.y);
-        lend(outputs, slot, {d.size.y, d.size.x, 4}, &image->data()->x);
-    }
-    stage<ReuseKernel>().bind(d)->run(options, {}, outputs);
+    run_two(stage<ReuseKernel>(), data_of(params, in), options, light, age);
 }
 
 int turn_of_frame(std::uint32_t frame, int rotations) {

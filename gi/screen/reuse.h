@@ -6,7 +6,6 @@
 #include "gi/screen/last_frame.h"
 #include "gi/screen/reuse_kernel.h"
 #include "gi/screen/reuse_params.h"
-#include "raster/covered.h"
 
 namespace plumb::screen {
 
@@ -18,7 +17,6 @@ struct ReuseInputs {
     View view;                           // that sees them
     const LastFrame* last = nullptr;     // null, or empty: there is none
     glm::ivec2 frame{0};                 // pixels of the picture, of which they may be half; 0: they are its
-    const raster::Covered* tiles = nullptr;
 };
 
 inline StageDescription<ReuseInputsView> describe(ReuseKernel) {

@@ -56,7 +56,7 @@ BakeCase of_pair(const std::string& name, const std::string& meaning, const Pair
                 screen::ReuseParams params;
                 params.frames = 16;
                 StageData data = owned(stage<screen::ReuseKernel>(),
-                                       screen::data_of(params, screen::ReuseInputs{&light, &now.position, &now.normal, now.view, &last, {}, nullptr}));
+                                       screen::data_of(params, screen::ReuseInputs{&light, &now.position, &now.normal, now.view, &last, {}}));
                 data.label = data.stage + " (reuse, " + name + ")";
                 return std::vector{data};
             }};

@@ -6,7 +6,7 @@
 
 #include "core/error.h"
 #include "core/host_math.h"
-#include "gi/lend.h"
+#include "gi/run_two.h"
 #include "raster/light_view.h"
 
 namespace plumb::zbuffer {
@@ -67,16 +67,6 @@ void add_lights(StageData& d, const std::vector<Light>* lights) {
 void lend_id(StageData& d, const Image<glm::ivec2>* id) {
     if (!id) throw InputError(fmt::format("{}: id must be bound", d.stage));
     lend(d.inputs, "id", {std::int64_t(id->size()), 2}, &id->data()->x);
-}
-
-// Both of a stage's images.
-void run_two(const StageBinding& binding, const StageData& data, const RunOptions& options, Image4& first, Image4& second) {
-    Bundle outputs;
-    for (const auto& [slot, image] : {std::pair(&binding.outputs[0], &first), std::pair(&binding.outputs[1], &second)}) {
-        if (size_of(*image) != data.size) *image = Image4(data.size.x, data.size.y);
-        lend(outputs, slot->name, {data.size.y, data.size.x, 4}, &image->data()->x);
-    }
-    binding.bind(data)->run(options, {}, outputs);
 }
 
 }  // namespace

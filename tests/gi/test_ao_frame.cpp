@@ -7,42 +7,19 @@
 #include "gi/frame/kept.h"
 #include "gi/frame/kept_memory.h"
 #include "tests/gi/keys_of.h"
-#include "tests/gi/moving_scene.h"
+#include "tests/gi/open_room.h"
 
 using namespace plumb;
+using test::has;
+using test::render;
+using test::same;
 
 namespace {
 
 using screen::AoMethod;
 using screen::AoViews;
 
-// A room of 2 m without its front, a block on its floor, a spot, a point light and a sun.
-Scene room() {
-    Scene s;
-    s.name = "room";
-    s.materials.resize(1);
-    s.materials[0].reflectance = glm::vec3(0.7f);
-    Mesh& m = s.meshes.emplace_back();
-    m.name = "room";
-    moving::add_quad(m, {-1, 0, 1}, {2, 0, 0}, {0, 0, -2}, 0);   // floor
-    moving::add_quad(m, {-1, 2, -1}, {2, 0, 0}, {0, 0, 2}, 0);   // ceiling
-    moving::add_quad(m, {-1, 0, -1}, {2, 0, 0}, {0, 2, 0}, 0);   // back
-    moving::add_quad(m, {-1, 0, 1}, {0, 0, -2}, {0, 2, 0}, 0);   // left
-    moving::add_quad(m, {1, 0, -1}, {0, 0, 2}, {0, 2, 0}, 0);    // right
-    moving::add_quad(m, {-0.3f, 0, 0.3f}, {0.6f, 0, 0}, {0, 0.6f, 0}, 0);      // block: front
-    moving::add_quad(m, {-0.3f, 0.6f, 0.3f}, {0.6f, 0, 0}, {0, 0, -0.6f}, 0);  // top
-    moving::add_quad(m, {0.3f, 0, -0.3f}, {-0.6f, 0, 0}, {0, 0.6f, 0}, 0);     // back
-    s.lights.push_back(moving::spot("key", {0.1f, 1.9f, 0.1f}, {0, -1, 0}, 6));
-    s.lights.push_back(moving::spot("bulb", {-0.6f, 1.2f, 0.2f}, {0, -1, 0}, 2));
-    s.lights.back().type = LightType::point;
-    s.lights.push_back(moving::spot("sun", {0, 0, 0}, {0.1f, -0.4f, -1}, 1));
-    s.lights.back().type = LightType::directional;
-    for (Light& light : s.lights) light.rsm_size = 64;
-    s.camera.position = {0.3, 1.2, 3.4}, s.camera.look_at = {0, 0.9, 0}, s.camera.up = {0, 1, 0};
-    s.camera.fov_y_deg = 45, s.camera.near = 0.1, s.camera.far = 20;
-    s.frame_size = {48, 40};
-    return s;
-}
+Scene room() { return test::open_room(); }
 
 frame::Settings occluding(AoViews views = AoViews::lights) {
     frame::Settings settings;
@@ -50,19 +27,6 @@ frame::Settings occluding(AoViews views = AoViews::lights) {
     settings.ao.method = AoMethod::ssao, settings.ao.views = views, settings.ao.samples = 32;
     settings.ao.ambient = glm::vec3(1);
     return settings;
-}
-
-frame::Frame render(const Scene& scene, const frame::Settings& settings, const RunOptions& options = {}) {
-    return frame::execute(scene, settings, frame::plan(scene, settings), options);
-}
-
-bool same(const Image4& a, const Image4& b) {
-    return a.width == b.width && a.height == b.height && !a.empty() &&
-           std::memcmp(a.data(), b.data(), a.size() * sizeof(glm::vec4)) == 0;
-}
-
-bool has(const frame::Plan& plan, const std::string& label) {
-    return std::any_of(plan.stages.begin(), plan.stages.end(), [&](const frame::PlannedStage& s) { return s.label == label; });
 }
 
 // The mean difference to the truth of the layer ao, over the pixels that see a surface.

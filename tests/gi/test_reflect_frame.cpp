@@ -8,9 +8,12 @@
 #include "core/error.h"
 #include "gi/frame/reflect_classes.h"
 #include "tests/gi/keys_of.h"
-#include "tests/gi/moving_scene.h"
+#include "tests/gi/open_room.h"
 
 using namespace plumb;
+using test::has;
+using test::render;
+using test::same;
 
 namespace {
 
@@ -20,32 +23,11 @@ using screen::ReflectViews;
 
 constexpr double pi = 3.14159265358979;
 
-// A room of 2 m without its front, a block on its floor, which is a mirror; a spot, a point light and a sun.
+// Its floor is a mirror.
 Scene room(bool with_floor = true) {
-    Scene s;
-    s.name = "room";
+    Scene s = test::open_room({with_floor ? 1 : -1, 0.1f, 0.6f, 0.7, {64, 52}});
     s.materials.resize(2);
-    s.materials[0].reflectance = glm::vec3(0.7f);
     s.materials[1].reflectance = glm::vec3(0.125f), s.materials[1].mirror = {0.75f, 0.5f, 0.25f};
-    Mesh& m = s.meshes.emplace_back();
-    m.name = "room";
-    if (with_floor) moving::add_quad(m, {-1, 0, 1}, {2, 0, 0}, {0, 0, -2}, 1);
-    moving::add_quad(m, {-1, 2, -1}, {2, 0, 0}, {0, 0, 2}, 0);   // ceiling
-    moving::add_quad(m, {-1, 0, -1}, {2, 0, 0}, {0, 2, 0}, 0);   // back
-    moving::add_quad(m, {-1, 0, 1}, {0, 0, -2}, {0, 2, 0}, 0);   // left
-    moving::add_quad(m, {1, 0, -1}, {0, 0, 2}, {0, 2, 0}, 0);    // right
-    moving::add_quad(m, {-0.3f, 0, 0.1f}, {0.6f, 0, 0}, {0, 0.6f, 0}, 0);       // block: front
-    moving::add_quad(m, {-0.3f, 0.6f, 0.1f}, {0.6f, 0, 0}, {0, 0, -0.4f}, 0);   // top
-    moving::add_quad(m, {0.3f, 0, -0.3f}, {-0.6f, 0, 0}, {0, 0.6f, 0}, 0);      // back
-    s.lights.push_back(moving::spot("key", {0.1f, 1.9f, 0.6f}, {0, -1, 0}, 6));
-    s.lights.push_back(moving::spot("bulb", {-0.6f, 1.2f, 0.2f}, {0, -1, 0}, 2));
-    s.lights.back().type = LightType::point;
-    s.lights.push_back(moving::spot("sun", {0, 0, 0}, {0.1f, -0.4f, -1}, 1));
-    s.lights.back().type = LightType::directional;
-    for (Light& light : s.lights) light.rsm_size = 64;
-    s.camera.position = {0.3, 1.2, 3.4}, s.camera.look_at = {0, 0.7, 0}, s.camera.up = {0, 1, 0};
-    s.camera.fov_y_deg = 45, s.camera.near = 0.1, s.camera.far = 20;
-    s.frame_size = {64, 52};
     return s;
 }
 
@@ -55,19 +37,6 @@ frame::Settings mirroring(ReflectViews views = ReflectViews::camera) {
     settings.reflect.march = March::steps, settings.reflect.views = views, settings.reflect.step = 0.05f;
     settings.reference.rays = Rays::exact;
     return settings;
-}
-
-frame::Frame render(const Scene& scene, const frame::Settings& settings, const RunOptions& options = {}) {
-    return frame::execute(scene, settings, frame::plan(scene, settings), options);
-}
-
-bool same(const Image4& a, const Image4& b) {
-    return a.width == b.width && a.height == b.height && !a.empty() &&
-           std::memcmp(a.data(), b.data(), a.size() * sizeof(glm::vec4)) == 0;
-}
-
-bool has(const frame::Plan& plan, const std::string& label) {
-    return std::any_of(plan.stages.begin(), plan.stages.end(), [&](const frame::PlannedStage& s) { return s.label == label; });
 }
 
 double length(const glm::vec3& v) { return std::sqrt(double(v.x) * v.x + double(v.y) * v.y + double(v.z) * v.z); }

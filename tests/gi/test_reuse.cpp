@@ -49,7 +49,7 @@ struct Made {
 
 Made reuse_of(const ReuseParams& params, const Shot& shot, const LastFrame& last) {
     Made made;
-    run_reuse(params, {&shot.irradiance, &shot.position, &shot.normal, shot.view, &last, {}, nullptr}, {}, made.light, made.age);
+    run_reuse(params, {&shot.irradiance, &shot.position, &shot.normal, shot.view, &last, {}}, {}, made.light, made.age);
     return made;
 }
 

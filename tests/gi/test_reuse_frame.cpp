@@ -2,13 +2,14 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <cstring>
 
 #include "gi/frame/kept.h"
 #include "tests/gi/keys_of.h"
-#include "tests/gi/moving_scene.h"
+#include "tests/gi/open_room.h"
 
 using namespace plumb;
+using test::render;
+using test::same;
 
 namespace {
 
@@ -24,10 +25,6 @@ frame::Settings ten_samples(int frames) {
     settings.rsm.samples = 10, settings.reuse.frames = frames;
     settings.reuse.clamp = screen::ReuseClamp::none;
     return settings;
-}
-
-bool same(const Image4& a, const Image4& b) {
-    return a.width == b.width && a.height == b.height && !a.empty() && std::memcmp(a.data(), b.data(), a.size() * sizeof(glm::vec4)) == 0;
 }
 
 double rms(const Image4& a, const Image4& b) {
@@ -48,7 +45,7 @@ TEST_CASE("reuse: the first frame is that of the gather alone, to the bit", "[fr
     for (const filter::Blur blur : {filter::Blur::none, filter::Blur::separable}) {
         frame::Settings on = ten_samples(8), off = ten_samples(0);
         on.indirect.blur = off.indirect.blur = blur;
-        const frame::Frame a = frame::execute(scene, on, frame::plan(scene, on), {}), b = frame::execute(scene, off, frame::plan(scene, off), {});
+        const frame::Frame a = render(scene, on), b = render(scene, off);
         CHECK(same(a.radiance, b.radiance));
         CHECK_FALSE(a.reused_age.empty());
         CHECK(b.reused_age.empty());
@@ -59,7 +56,7 @@ TEST_CASE("reuse: under a still camera frames of ten turned samples become what 
     const Scene scene = scene_of({48, 36});
     frame::Settings all = ten_samples(0);
     all.rsm.samples = 640;
-    const Image4 truth = frame::execute(scene, all, frame::plan(scene, all), {}).indirect;
+    const Image4 truth = render(scene, all).indirect;
     const frame::Settings settings = ten_samples(64);
     frame::KeptStages kept;
     double first = 0, last = 0;

@@ -102,7 +102,7 @@ inline StageData reuse_case(glm::ivec2 size, screen::ReuseClamp clamp, SawBefore
     if (saw == SawBefore::nothing) left = {};
     screen::ReuseParams params;
     params.frames = 6, params.clamp = clamp, params.sigma_depth = 0.2f, params.sigma_normal = 0.8f;
-    return named(owned_data(screen::data_of(params, screen::ReuseInputs{&light, &p.position, &p.normal, before_the_steps(size), &left, {}, nullptr})), id);
+    return named(owned_data(screen::data_of(params, screen::ReuseInputs{&light, &p.position, &p.normal, before_the_steps(size), &left, {}})), id);
 }
 
 // ---- Reflections --------------------------------------------------------------------------------------------------------

@@ -116,6 +116,9 @@ TEST_CASE("experiment ipr: errors as they are defined", "[experiment]") {
     CHECK(e.bias == Approx(-0.5 / 4 / 2));
     CHECK(e.rms == Approx(std::sqrt(1.25 / 4 - 0.01) / 2));
     CHECK(e.noise == Approx(0.05));
+    // Where as much noise is taken out as there is error, the bias stays.
+    error.texels = {5, 5, 5, 5};
+    CHECK(ipr_errors(own, truth, error).rms == Approx(0.5 / 4 / 2));
     own.texels[0] = std::nan("");
     CHECK_THROWS_AS(ipr_errors(own, truth, error), InputError);
     std::fill(truth.texels.begin(), truth.texels.end(), 0.0);
