@@ -136,6 +136,34 @@ TEST_CASE("reuse: light stays where its surface is while the camera moves", "[sc
     CHECK(made.light(30, 30).x == Approx(1).epsilon(1e-4));  // (2 + 0) / 2
 }
 
+TEST_CASE("reuse: picks of half an odd picture move by half of its pixels", "[screen][reuse][analytic]") {
+    const glm::ivec2 full(47, 35), half(24, 18);
+    const double width = 4.0 / full.y;  // of a pixel on the wall at z = -2, m
+    const auto seen = [&](double right, Image4& position, Image4& normal) {
+        Camera camera;
+        camera.position = {right, 0, 0}, camera.look_at = {right, 0, -1}, camera.fov_y_deg = 90, camera.near = 0.05, camera.far = 100;
+        for (int y = 0; y < half.y; ++y)
+            for (int x = 0; x < half.x; ++x) {
+                const Ray ray = ray_through_pixel(camera, full, glm::min(2 * glm::ivec2(x, y) + 1, full - 1));
+                position(x, y) = glm::vec4(glm::vec3(ray.origin + ray.direction * (-2 / ray.direction.z)), 2), normal(x, y) = {0, 0, 1, 1};
+            }
+        return make_view(camera, double(full.x) / full.y);
+    };
+    Image4 before(half.x, half.y), now = before, normal = before, light = before, age(half.x, half.y, glm::vec4(1));
+    const View then = seen(0, before, normal), view = seen(2 * width, now, normal);
+    for (std::size_t i = 0; i < light.size(); ++i) light.texels[i] = glm::vec4(4 + before.texels[i].x, 0, 0, 0);
+    const LastFrame last{light, age, before, normal, then, full};
+    const Image4 dark(half.x, half.y);
+    Made made;
+    run_reuse(mean_of(16), {&dark, &now, &normal, view, &last, full}, {}, made.light, made.age);
+    // The last column's pick has no pixel to its right.
+    for (int x = 0; x < half.x - 3; ++x) {
+        CAPTURE(x);
+        CHECK(made.age(x, 7).x == Approx(2).epsilon(1e-4));
+        CHECK(made.light(x, 7).x == Approx((4 + now(x, 7).x) / 2).epsilon(2e-5));
+    }
+}
+
 TEST_CASE("reuse: what comes from behind an edge begins anew", "[screen][reuse][analytic]") {
     // The camera goes right by four pixels of the wall: it sees the wall from x = -1/4 on, where it saw it from 0 on.
     Shot first(0, true), shot(4 * pixel_width, true);

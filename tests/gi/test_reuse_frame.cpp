@@ -86,6 +86,30 @@ TEST_CASE("reuse: the mean of 64 frames is the mean of the 64 rotations", "[fram
     }
 }
 
+TEST_CASE("reuse: a turned pattern has its rotations in another order, offsets and weights of one together", "[rsm][reuse]") {
+    for (const auto& [gather, texels] : {std::pair(rsm::Gather::disc, rsm::Texels::whole), std::pair(rsm::Gather::paths, rsm::Texels::whole),
+                                         std::pair(rsm::Gather::paths, rsm::Texels::continuous)}) {
+        rsm::GatherParams params;
+        params.gather = gather, params.texels = texels, params.samples = 6, params.directions = 3, params.steps = 2, params.rotations = 8;
+        const rsm::Pattern plain = rsm::pattern_of(params, 64, 1), turned = rsm::turned(plain, 3);
+        const std::size_t n = 6, r = 8;
+        const bool own_weights = plain.weights.size() == n * r;
+        REQUIRE(own_weights == (gather == rsm::Gather::paths));
+        int moved = 0;
+        for (std::size_t k = 0; k < n; ++k)
+            for (std::size_t i = 0; i < r; ++i) {
+                const std::size_t to = k * r + i, from = k * r + (i + 3) % r;
+                if (!plain.offsets.empty()) CHECK(turned.offsets[to] == plain.offsets[from]);
+                for (std::size_t c = 0; c < 2 && !plain.positions.empty(); ++c) CHECK(turned.positions[2 * to + c] == plain.positions[2 * from + c]);
+                if (own_weights) CHECK(turned.weights[to] == plain.weights[from]);
+                moved += own_weights && turned.weights[to] != plain.weights[to];
+            }
+        CHECK((moved > 0) == own_weights);
+        if (!own_weights) CHECK(turned.weights == plain.weights);
+    }
+    CHECK(rsm::turned({}, 3).offsets.empty());
+}
+
 TEST_CASE("reuse: at half size of an odd picture a still camera sees every pixel again", "[frame][reuse]") {
     const Scene scene = scene_of({47, 35});
     frame::Settings settings = ten_samples(8);
