@@ -57,7 +57,14 @@ void measure(const vulkan::Device& device, const std::string& file, const Option
     words.sets = options.sets;
     words.method = options.method;
     frame::Settings settings = cli::settings_of(scene, words);
-    settings.layout = options.half_maps ? raster::Layout::rgba16f : raster::Layout::fp32;
+    // Maps alone are halves: what a stage writes is compared with a twin that writes floats.
+    settings.layout = raster::Layout::fp32;
+    if (options.half_maps) {
+        raster::Layout& to = settings.layout;
+        to.name = "custom";
+        to.rsm_position = to.rsm_normal = to.rsm_flux = Format::rgba16f;
+        to.rsm_depth = Format::r16f;
+    }
     if (options.samples > 0) settings.rsm.samples = options.samples;
     for (Light& light : scene.lights)
         if (options.rsm_size > 0) light.rsm_size = options.rsm_size;
