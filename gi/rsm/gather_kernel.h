@@ -75,13 +75,28 @@ PLUMB_INLINE F form(const vec3<F>& x, const vec3<F>& n, const vec3<F>& x_p, cons
     return form;
 }
 
-// The disc gather (Dachsbacher and Stamminger 2005; LRA 4.3.3): N samples around the projection of x, each with the
-// number of texels that it stands for.
-//
-// differs: samples come from a table of rotations, and unless `continuous` they are whole texels away from the one rounded
-// projection (texels_kernel.h). LRA's listing also takes the receiver's normal in both cosines.
-template <class F, bool continuous = false, class Component, class Tap>
-PLUMB_INLINE vec3<F> gather_disc(const GatherInputsView<Component>& in, index_t<F> px, index_t<F> py, Tap& tap) {
+// What the samples of a pixel share.
+template <class F, bool continuous>
+struct ProjectedPoint {
+    vec3<F> x, n;
+    TexelsOf<F, continuous> texels;
+    index_t<F> rotation;
+    mask_t<F> near;  // where samples may meet the map
+};
+
+// The samples of a pixel that are asked for and added together: [first, end).
+struct SampleGroup {
+    int first, end;
+};
+
+template <class I>
+PLUMB_INLINE I rotation_of(const GatherUniforms& u, const I& px, const I& py) {
+    return shift_right(pixel_hash(px, py, I(0), I(std::int32_t(u.seed))).x, 16) & I(u.rotations - 1);
+}
+
+template <class F, bool continuous, class Component, class Tap>
+PLUMB_INLINE ProjectedPoint<F, continuous> projected_point(const GatherInputsView<Component>& in, const index_t<F>& px,
+                                                       const index_t<F>& py, Tap& tap) {
     using N = number<F>;
     using I = index_t<F>;
     const GatherUniforms& u = in.u;
@@ -89,15 +104,25 @@ PLUMB_INLINE vec3<F> gather_disc(const GatherInputsView<Component>& in, index_t<
     const vec3<F> x = xyz<F>(N::fetch4(in.position, pixel));      tap("x", x, "world, m");
     const vec3<F> n = xyz<F>(N::fetch4(in.normal, pixel));        tap("n", n, "unit normal of x");
     const TexelsOf<F, continuous> texels(u.map, x, tap);
-    const I hash = pixel_hash(px, py, I(0), I(std::int32_t(u.seed))).x;
-    const I rotation = shift_right(hash, 16) & I(u.rotations - 1);
+    const I rotation = rotation_of<I>(u, px, py);
     tap("rotation", rotation, "row of the table of offsets");
+    return {x, n, texels, rotation, texels.near(u.map.size, u.reach)};
+}
 
-    const mask_t<F> near = texels.near(u.map.size, u.reach);
-    vec3<F> sum{F(0.0f), F(0.0f), F(0.0f)};
-    for (int k = 0; any(near) && k < u.samples; ++k) {
+// Adds samples of the disc (Dachsbacher and Stamminger 2005; LRA 4.3.3), N around the projection of x, each with the
+// number of texels that it stands for. `rotation` is the point's own or, in a packet of one rotation, that number.
+//
+// differs: samples come from a table of rotations, and unless `continuous` they are whole texels away from the one rounded
+// projection (texels_kernel.h). LRA's listing also takes the receiver's normal in both cosines.
+template <class F, bool continuous, class Component, class Row, class Tap>
+PLUMB_INLINE void gather_samples(const GatherInputsView<Component>& in, const ProjectedPoint<F, continuous>& point,
+                                 const Row& rotation, SampleGroup samples, vec3<F>& sum, Tap& tap) {
+    using N = number<F>;
+    using I = index_t<F>;
+    const GatherUniforms& u = in.u;
+    for (int k = samples.first; k < samples.end; ++k) {
         tap.sample(k);
-        const ivec2<I> texel = texels.texel(in, rotation + I(k * u.rotations), tap);
+        const ivec2<I> texel = point.texels.texel(in, rotation + Row(k * u.rotations), tap);
         tap("texel", texel, "LRA 4.3.3: p + r (xi1 sin 2 pi xi2, xi1 cos 2 pi xi2)");
 
         // A sample outside the map contributes nothing, and the divisor stays.
@@ -111,17 +136,32 @@ PLUMB_INLINE vec3<F> gather_disc(const GatherInputsView<Component>& in, index_t<
         tap("flux", flux, "Phi_p, W");
         tap("weight", weight, "texels: 2 pi r^2 xi1 / N; published: xi1^2, normalised");
 
-        const F g = form(x, n, x_p, n_p, F(u.least_distance2), tap) * weight;
+        const F g = form(point.x, point.n, x_p, n_p, F(u.least_distance2), tap) * weight;
         sum.x += flux.x * g;
         sum.y += flux.y * g;
         sum.z += flux.z * g;
         tap("sum", sum, "sum so far of weight Phi_p form, W/m2");
     }
+}
+
+template <class F, bool continuous, class Tap>
+PLUMB_INLINE vec3<F> irradiance_of(const GatherUniforms& u, const ProjectedPoint<F, continuous>& point,
+                                   const vec3<F>& sum, Tap& tap) {
     tap.sample(-1);
     const vec3<F> zero{F(0.0f), F(0.0f), F(0.0f)};
-    const vec3<F> irradiance = select3<F>(near, sum * F(u.scale), zero);
+    const vec3<F> irradiance = select3<F>(point.near, sum * F(u.scale), zero);
     tap("irradiance", irradiance, "E = sum / pi, W/m2");
     return irradiance;
+}
+
+// The whole of a pixel. rotation_packets.h puts the same parts together and asks for records ahead.
+template <class F, bool continuous = false, class Component, class Tap>
+PLUMB_INLINE vec3<F> gather_disc(const GatherInputsView<Component>& in, index_t<F> px, index_t<F> py, Tap& tap) {
+    const auto point = projected_point<F, continuous>(in, px, py, tap);
+    vec3<F> sum{F(0.0f), F(0.0f), F(0.0f)};
+    if (any(point.near))
+        gather_samples<F, continuous>(in, point, point.rotation, SampleGroup{0, in.u.samples}, sum, tap);
+    return irradiance_of<F, continuous>(in.u, point, sum, tap);
 }
 
 // Every texel of the map, without visibility: what the disc gather estimates. Rows are summed one by one and then
@@ -161,16 +201,24 @@ PLUMB_INLINE vec3<F> gather_all(const AllInputsView& in, index_t<F> px, index_t<
     return irradiance;
 }
 
+// Rows are shaded in an order of their own: rotation_packets.h.
 template <bool continuous_texels, class Component = float>
 struct DiscKernel {
     using View = GatherInputsView<Component>;
     static constexpr bool continuous = continuous_texels;
+    static constexpr int group = 8;  // samples
 
+    static int groups(const GatherUniforms& u) { return (u.samples + group - 1) / group; }
+    static SampleGroup samples(const GatherUniforms& u, int i) { return {i * group, min(u.samples, (i + 1) * group)}; }
+
+    template <class F, class Point, class Row, class Tap>
+    PLUMB_INLINE static void gather(const View& in, const Point& point, const Row& rotation, int i, vec3<F>& sum, Tap& tap) {
+        gather_samples<F, continuous>(in, point, rotation, samples(in.u, i), sum, tap);
+    }
     template <class F, class Tap>
     PLUMB_INLINE static vec4<F> item(const View& in, index_t<F> px, index_t<F> py, Tap& tap) {
         return vec4<F>(gather_disc<F, continuous>(in, px, py, tap), F(0.0f));
     }
-    static float* out(const View& in) { return in.irradiance; }
 };
 
 struct AllKernel {

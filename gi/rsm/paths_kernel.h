@@ -102,11 +102,7 @@ PLUMB_INLINE F visibility_of(const PathsInputsView<Component>& in, const vec3<F>
 
 // What the paths of a pixel share.
 template <class F, bool continuous>
-struct ShadingPoint {
-    vec3<F> x, n;
-    TexelsOf<F, continuous> texels;
-    index_t<F> rotation;
-    mask_t<F> near;     // where samples may meet the map
+struct PathsPoint : ProjectedPoint<F, continuous> {
     mask_t<F> sighted;  // where paths are lines of sight: they start where x lies
 };
 
@@ -118,8 +114,8 @@ PLUMB_INLINE I rotation_of(const PathsUniforms& u, const I& px, const I& py) {
 }
 
 template <class F, bool continuous, class Component, class Tap>
-PLUMB_INLINE ShadingPoint<F, continuous> shading_point(const PathsInputsView<Component>& in, const index_t<F>& px,
-                                                       const index_t<F>& py, Tap& tap) {
+PLUMB_INLINE PathsPoint<F, continuous> projected_point(const PathsInputsView<Component>& in, const index_t<F>& px,
+                                                     const index_t<F>& py, Tap& tap) {
     using N = number<F>;
     using I = index_t<F>;
     const PathsUniforms& u = in.u;
@@ -131,12 +127,12 @@ PLUMB_INLINE ShadingPoint<F, continuous> shading_point(const PathsInputsView<Com
     tap("rotation", rotation, "column of the tables of offsets and weights");
     const mask_t<F> sighted = texels.in_place(u.map);
     tap("sighted", sighted, "0 where the projection is held on the map: nothing hides a sample there");
-    return {x, n, texels, rotation, texels.near(u.map.size, u.reach), sighted};
+    return {{x, n, texels, rotation, texels.near(u.map.size, u.reach)}, sighted};
 }
 
 // Adds a path's samples to the sum. `rotation` is the point's own or, in a packet of one rotation, that number.
 template <class F, bool continuous, class Component, class Row, class Tap>
-PLUMB_INLINE void gather_path(const PathsInputsView<Component>& in, const ShadingPoint<F, continuous>& point,
+PLUMB_INLINE void gather_path(const PathsInputsView<Component>& in, const PathsPoint<F, continuous>& point,
                               const Row& rotation, int path, vec3<F>& sum, Tap& tap) {
     using N = number<F>;
     using I = index_t<F>;
@@ -173,8 +169,8 @@ PLUMB_INLINE void gather_path(const PathsInputsView<Component>& in, const Shadin
 }
 
 template <class F, bool continuous, class Tap>
-PLUMB_INLINE vec3<F> irradiance_of(const PathsUniforms& u, const ShadingPoint<F, continuous>& point,
-                                   const vec3<F>& sum, Tap& tap) {
+PLUMB_INLINE vec3<F> irradiance_of(const PathsUniforms& u, const PathsPoint<F, continuous>& point, const vec3<F>& sum,
+                                   Tap& tap) {
     tap.sample(-1);
     const vec3<F> zero{F(0.0f), F(0.0f), F(0.0f)};
     const vec3<F> irradiance = select3<F>(point.near, sum * F(u.scale), zero);
@@ -182,22 +178,30 @@ PLUMB_INLINE vec3<F> irradiance_of(const PathsUniforms& u, const ShadingPoint<F,
     return irradiance;
 }
 
-// The whole of a pixel. paths_packets.h puts the same parts together and asks for records ahead.
+// The whole of a pixel. rotation_packets.h puts the same parts together and asks for records ahead.
 template <class F, bool continuous = false, class Component, class Tap>
 PLUMB_INLINE vec3<F> gather_paths(const PathsInputsView<Component>& in, index_t<F> px, index_t<F> py, Tap& tap) {
-    const auto point = shading_point<F, continuous>(in, px, py, tap);
+    const auto point = projected_point<F, continuous>(in, px, py, tap);
     vec3<F> sum{F(0.0f), F(0.0f), F(0.0f)};
     for (int path = 0; any(point.near) && path < in.u.directions; ++path)
         gather_path<F, continuous>(in, point, point.rotation, path, sum, tap);
     return irradiance_of<F, continuous>(in.u, point, sum, tap);
 }
 
-// Rows are shaded in an order of their own: paths_packets.h.
+// Rows are shaded in an order of their own: rotation_packets.h.
 template <bool continuous_texels, class Component = float>
 struct PathsKernel {
     using View = PathsInputsView<Component>;
     static constexpr bool continuous = continuous_texels;
 
+    static int groups(const PathsUniforms& u) { return u.directions; }
+    static SampleGroup samples(const PathsUniforms& u, int path) { return {path * u.steps, (path + 1) * u.steps}; }
+
+    template <class F, class Point, class Row, class Tap>
+    PLUMB_INLINE static void gather(const View& in, const Point& point, const Row& rotation, int path, vec3<F>& sum,
+                                    Tap& tap) {
+        gather_path<F, continuous>(in, point, rotation, path, sum, tap);
+    }
     template <class F, class Tap>
     PLUMB_INLINE static vec4<F> item(const View& in, index_t<F> px, index_t<F> py, Tap& tap) {
         return vec4<F>(gather_paths<F, continuous>(in, px, py, tap), F(0.0f));

@@ -1,35 +1,26 @@
 #include "core/shade_rows.h"
-#include "gi/rsm/paths_packets.h"
+#include "gi/rsm/rotation_packets.h"
 
 namespace plumb {
 
 using namespace rsm;
 
-template struct Rows<DiscKernel<false, float>, Isa::PLUMB_ISA>;
-template struct Rows<DiscKernel<false, Half>, Isa::PLUMB_ISA>;
-template struct Rows<DiscKernel<true, float>, Isa::PLUMB_ISA>;
-template struct Rows<DiscKernel<true, Half>, Isa::PLUMB_ISA>;
 template struct Rows<AllKernel, Isa::PLUMB_ISA>;
 
-template <>
-void Rows<PathsKernel<false, float>, Isa::PLUMB_ISA>::run(const PathsInputsView<float>& in, int first, int last,
-                                                      const Tiles& tiles, float*) {
-    shade_paths<PLUMB_ISA::Real, false>(in, first, last, tiles);
-}
-template <>
-void Rows<PathsKernel<false, Half>, Isa::PLUMB_ISA>::run(const PathsInputsView<Half>& in, int first, int last,
-                                                      const Tiles& tiles, float*) {
-    shade_paths<PLUMB_ISA::Real, false>(in, first, last, tiles);
-}
-template <>
-void Rows<PathsKernel<true, float>, Isa::PLUMB_ISA>::run(const PathsInputsView<float>& in, int first, int last,
-                                                      const Tiles& tiles, float*) {
-    shade_paths<PLUMB_ISA::Real, true>(in, first, last, tiles);
-}
-template <>
-void Rows<PathsKernel<true, Half>, Isa::PLUMB_ISA>::run(const PathsInputsView<Half>& in, int first, int last,
-                                                      const Tiles& tiles, float*) {
-    shade_paths<PLUMB_ISA::Real, true>(in, first, last, tiles);
-}
+#define PLUMB_BY_ROTATION(...)                                                                                        \
+    template <>                                                                                                       \
+    void Rows<__VA_ARGS__, Isa::PLUMB_ISA>::run(const __VA_ARGS__::View& in, int first, int last, const Tiles& tiles, \
+                                                float*) {                                                             \
+        shade_by_rotation<PLUMB_ISA::Real, __VA_ARGS__>(in, first, last, tiles);                                      \
+    }
+
+PLUMB_BY_ROTATION(DiscKernel<false, float>)
+PLUMB_BY_ROTATION(DiscKernel<false, Half>)
+PLUMB_BY_ROTATION(DiscKernel<true, float>)
+PLUMB_BY_ROTATION(DiscKernel<true, Half>)
+PLUMB_BY_ROTATION(PathsKernel<false, float>)
+PLUMB_BY_ROTATION(PathsKernel<false, Half>)
+PLUMB_BY_ROTATION(PathsKernel<true, float>)
+PLUMB_BY_ROTATION(PathsKernel<true, Half>)
 
 }  // namespace plumb
