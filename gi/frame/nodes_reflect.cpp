@@ -2,6 +2,9 @@
 // what was met in a light's map, and the picture with what mirrors show.
 #include <fmt/format.h>
 
+#include <span>
+
+#include "core/parallel.h"
 #include "gi/frame/filters.h"
 #include "gi/frame/frame_graph.h"
 #include "gi/frame/isr.h"
@@ -189,13 +192,14 @@ void add_seen(Context& c, int light, Nodes& nodes) {
     nodes.push_back(std::move(node));
 }
 
-// One map of a light. Where it sees nothing what was found before goes on.
+// One map of a light, for the rays that met nothing that the camera sees: of itself alone, so that a light at rest keeps
+// what its maps show while another moves (choose_nearest). Where the map sees nothing the camera's hits stay.
 void add_march_of_map(Context& c, SeenMap seen, Nodes& nodes) {
     const int light = seen.light, index = c.reflect_views++;
     const std::size_t map = std::size_t(seen.map);
     const Light& of = c.lights[std::size_t(light)];
     auto result = [=, &c]() -> Image4& { return c.frame.reflect.hits[std::size_t(index)]; };
-    auto before = [=, &c]() -> Image4& { return c.frame.reflect.hits[std::size_t(index - 1)]; };
+    auto before = [&c]() -> Image4& { return c.frame.reflect.hits.front(); };
     auto is_drawn = [=, &c] { return c.maps(light).size() > map && c.maps(light)[map].size > 0; };
     // Adds a node that is left out where the map sees nothing.
     auto add = [&](PlannedNode node, std::function<void()> otherwise, std::function<void(graph::Reads&)> reads_otherwise) {
@@ -229,16 +233,31 @@ void add_march_of_map(Context& c, SeenMap seen, Nodes& nodes) {
         [=] { result() = before(); }, [=](graph::Reads& r) { r.image(before()); });
 }
 
-// The surfaces that were met in maps, a pixel each, as if a view saw them.
+// Of the hits of all views the camera's or, where it has none, the nearest; of equals the first.
+void choose_nearest(std::span<const Image4> views, const RunOptions& options, Image4& nearest) {
+    nearest = views.front();
+    parallel_bands(nearest.height, 16, options, [&](int first, int last) {
+        const std::size_t begin = std::size_t(first) * nearest.width, end = std::size_t(last) * nearest.width;
+        for (const Image4& view : views.subspan(1))
+            for (std::size_t i = begin; i < end; ++i) {
+                const glm::vec4 hit = view.texels[i];
+                glm::vec4& chosen = nearest.texels[i];
+                if (hit.w > camera_number && (chosen.w == 0 || (chosen.w > camera_number && hit.z < chosen.z))) chosen = hit;
+            }
+    });
+}
+
+// The nearest hits, and the surfaces that were met in maps, a pixel each, as if a view saw them.
 void add_met(Context& c, int view, const std::vector<SeenMap>& maps, Nodes& nodes) {
     PlannedNode node = begin_node(c, "surfaces in mirrors", "", "", 0, {});
     node.listed = false;
-    auto hits = [&c]() -> const Image4& { return c.frame.reflect.hits.back(); };
+    const std::size_t index = std::size_t(c.reflect_views++);
+    auto hits = [=, &c]() -> Image4& { return c.frame.reflect.hits[index]; };
     auto known = [&c](SeenMap m) -> const raster::GBuffer& {
         return c.frame.reflect.seen[std::size_t(m.light)][std::size_t(m.map)];
     };
     node.reads = [=, &c](graph::Reads& r) {
-        r.image(hits());
+        for (std::size_t i = 0; i < index; ++i) r.image(c.frame.reflect.hits[i]);
         for (const SeenMap m : maps) {
             const std::vector<raster::Rsm>& drawn = c.maps(m.light);
             if (drawn.size() <= std::size_t(m.map) || drawn[std::size_t(m.map)].size == 0) continue;
@@ -249,7 +268,7 @@ void add_met(Context& c, int view, const std::vector<SeenMap>& maps, Nodes& node
     node.outputs = [=, &c] {
         Bundle b;
         const raster::GBuffer& g = c.gbuffer(view);
-        lend(b, "position", g.position), lend(b, "normal", g.normal), lend(b, "albedo", g.albedo), lend(b, "emission", g.emission);
+        lend(b, "hit", hits()), lend(b, "position", g.position), lend(b, "normal", g.normal), lend(b, "albedo", g.albedo), lend(b, "emission", g.emission);
         lend(b, "id", {g.id.height, g.id.width, 2}, reinterpret_cast<const std::int32_t*>(g.id.data()));
         return b;
     };
@@ -259,24 +278,32 @@ void add_met(Context& c, int view, const std::vector<SeenMap>& maps, Nodes& node
         g.id = Image<glm::ivec2>(size.x, size.y, glm::ivec2(-1));
         g.covered = raster::Covered(size);
     };
-    node.run = [=, &c](const RunOptions&, graph::NodeRun&) {
+    node.run = [=, &c](const RunOptions& options, graph::NodeRun&) {
         clear();
         raster::GBuffer& g = c.gbuffer(view);
-        for (std::size_t i = 0; i < g.position.size(); ++i) {
-            const glm::vec4 hit = hits().texels[i];
-            const int number = int(hit.w);
-            if (number <= camera_number) continue;
-            const SeenMap m = maps[std::size_t(number - camera_number - 1)];
-            const glm::ivec2 at(int(hit.x), int(hit.y));
-            const raster::GBuffer& of = known(m);
-            g.position.texels[i] = c.maps(m.light)[std::size_t(m.map)].position(at.x, at.y);
-            g.normal.texels[i] = of.normal(at.x, at.y);
-            g.albedo.texels[i] = of.albedo(at.x, at.y), g.emission.texels[i] = of.emission(at.x, at.y);
-            g.id.texels[i] = of.id(at.x, at.y);
-        }
+        Image4& nearest = hits();
+        choose_nearest(std::span(c.frame.reflect.hits).first(index), options, nearest);
+        parallel_bands(nearest.height, 16, options, [&](int first, int last) {
+            const std::size_t end = std::size_t(last) * nearest.width;
+            for (std::size_t i = std::size_t(first) * nearest.width; i < end; ++i) {
+                const glm::vec4 hit = nearest.texels[i];
+                const int number = int(hit.w);
+                if (number <= camera_number) continue;
+                const SeenMap m = maps[std::size_t(number - camera_number - 1)];
+                const glm::ivec2 at(int(hit.x), int(hit.y));
+                const raster::GBuffer& of = known(m);
+                g.position.texels[i] = c.maps(m.light)[std::size_t(m.map)].position(at.x, at.y);
+                g.normal.texels[i] = of.normal(at.x, at.y);
+                g.albedo.texels[i] = of.albedo(at.x, at.y), g.emission.texels[i] = of.emission(at.x, at.y);
+                g.id.texels[i] = of.id(at.x, at.y);
+            }
+        });
         g.covered = covered_by(g.normal);
     };
-    node.leave_out = clear;
+    node.leave_out = [=, &c] {
+        clear();
+        hits() = c.frame.reflect.hits.front();
+    };
     nodes.push_back(std::move(node));
 }
 
