@@ -15,6 +15,9 @@
 // lies on that plane, whatever its slope and its texels, hides nothing above it.
 #pragma once
 
+#include <type_traits>
+
+#include "core/tap.h"
 #include "gi/reference/warp_kernel.h"
 #include "gi/screen/view_kernel.h"
 
@@ -116,7 +119,16 @@ PLUMB_INLINE mask_t<F> hides(const SsaoUniforms& u, const Receiver<F>& r, const 
     return hidden;
 }
 
-// Means over the samples.
+// Whether q may hide a point at `depth`, from one of its four numbers.
+template <class F>
+PLUMB_INLINE mask_t<F> may_hide(const SsaoInputsView& in, const Place<F>& place, F depth) {
+    using I = index_t<F>;
+    const I texel = select(place.inside, place.texel.y * I(in.u.view.width) + place.texel.x, I(0));
+    const F seen = number<F>::fetch(in.map_position, texel * I(4) + I(in.u.published != 0 ? 2 : 3));
+    return place.inside & (in.u.published != 0 ? seen >= F(in.u.bias) - depth : seen < depth);
+}
+
+// Sums over the samples.
 template <class F>
 struct Occlusion {
     F open;      // o
@@ -130,6 +142,8 @@ PLUMB_INLINE Occlusion<F> occlusion_of(const SsaoInputsView& in, const Receiver<
     const SsaoUniforms& u = in.u;
     const F zero(0.0f), one(1.0f), radius(u.radius);
     F occlusion(0.0f), distance(0.0f), count(0.0f);
+    // In the open most packets meet nothing before a sample: they read a number and not four, and divide once less.
+    constexpr bool skips = number<F>::width > 1 && std::is_same_v<Tap, NoTap>;
     for (int k = 0; any(covered) && k < u.samples; ++k) {
         tap.sample(k);
         const float* local = in.samples + 4 * std::ptrdiff_t(k);
@@ -139,14 +153,15 @@ PLUMB_INLINE Occlusion<F> occlusion_of(const SsaoInputsView& in, const Receiver<
         tap("s", s, "the sample from p, m");
         const Place<F> place =
             place_of<F>(u.view, {r.from_anchor.x + s.x, r.from_anchor.y + s.y, r.from_anchor.z + s.z}, tap);
-        const Surface<F> q = surface_at<F>(in, r, place, tap);
         const F depth = u.published != 0 ? -(r.p.z + s.z) : place.depth;
+        count += u.published != 0 ? one : select(place.inside, one, zero);
+        if (skips && u.weighted == 0 && !any(may_hide<F>(in, place, depth))) continue;
+        const Surface<F> q = surface_at<F>(in, r, place, tap);
         const mask_t<F> hidden = hides<F>(u, r, q, depth, tap);
         const F near = radius / max(abs(r.depth - q.depth), radius);
         const F range = near * near * (F(3.0f) - (near + near));
         tap("range", range, "smoothstep(0, 1, R / |d_p - d_q|)");
         occlusion += select(hidden, range, zero);
-        count += u.published != 0 ? one : select(place.inside, one, zero);
         if (u.weighted != 0) {
             const vec3<F> to = u.published != 0 ? s : q.to_q;
             const F length = min(sqrt(dot3(to, to)), radius);
