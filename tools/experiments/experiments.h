@@ -15,6 +15,7 @@ void add_ddgi(CLI::App& experiment, Action& action);
 void add_ipr(CLI::App& experiment, Action& action);
 void add_hemicube(CLI::App& experiment, Action& action);
 void add_lra(CLI::App& experiment, Action& action);
+void add_screen(CLI::App& experiment, Action& action);
 void add_indirect_shadow(CLI::App& experiment, Action& action);
 
 }  // namespace plumb::cli

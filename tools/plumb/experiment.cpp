@@ -6,7 +6,7 @@ namespace plumb::cli {
 
 void add_experiment(CLI::App& program, Action& action) {
     CLI::App* command =
-        program.add_subcommand("experiment", "repeat what is known or published: closed-forms, one-bounce, vrsm, isr, probes, probe-ladder, ddgi, ipr, hemicube, lra, indirect-shadow");
+        program.add_subcommand("experiment", "repeat what is known or published: closed-forms, one-bounce, vrsm, isr, probes, probe-ladder, ddgi, ipr, hemicube, lra, screen, indirect-shadow");
     command->require_subcommand(1);
     command->footer(
         "Experiments:\n"
@@ -20,6 +20,7 @@ void add_experiment(CLI::App& program, Action& action) {
         "  plumb experiment ipr SCENE -o out\n"
         "  plumb experiment hemicube -o out\n"
         "  plumb experiment lra -o out\n"
+        "  plumb experiment screen SCENES... -o out\n"
         "  plumb experiment indirect-shadow SCENE -o out\n"
         "plumb experiment NAME --help tells more.");
     add_closed_forms(*command, action);
@@ -32,6 +33,7 @@ void add_experiment(CLI::App& program, Action& action) {
     add_ipr(*command, action);
     add_hemicube(*command, action);
     add_lra(*command, action);
+    add_screen(*command, action);
     add_indirect_shadow(*command, action);
 }
 
