@@ -106,6 +106,7 @@ const std::vector<ListedStage>& stages() {
         listed(stage<screen::BlurKernel>()),
         listed(stage<screen::OccludeKernel>()),
         listed(stage<compose::ComposeKernel>()),
+        listed(stage<screen::LobeKernel>()),
         listed(stage<screen::ReflectKernel>()),
         listed(stage<screen::NearestKernel>()),
         listed(stage<screen::CellsKernel>()),

@@ -40,6 +40,7 @@ void forget(Context& c, const Plan& plan) {
     if (!solves_radiosity(c.settings)) f.radiosity = {};
     if (!occludes(c.settings)) f.ao = {};
     if (!reflects(c.settings)) f.reflect = {};
+    if (c.settings.reflect.lobe == screen::Lobe::off) f.reflect.rays = {};
     if (c.settings.method != Method::zbuffer) f.zbuffer = {};
     if (zbuffer::per_pixel(c.settings.zbuffer.technique)) f.zbuffer.vertex_light = {};
     if (!c.settings.zbuffer.normals) f.zbuffer.vertex_normals = {};

@@ -170,8 +170,10 @@ struct AoBuffers {
 // Of reflections (gi/screen); empty where its stages do not run.
 struct ReflectBuffers {
     Image4 mirror;                // xyz reflectance of the perfect mirror that a pixel sees; 0: none
+    Image4 lobe;                  // of Phong's lobe that it sees: xyz reflectance, w exponent; 0: none
+    Image4 rays;                  // of lobes: pictures of xyz direction and w weight, a ray each, one below the other
     std::vector<Image4> nearest;  // of each view that is marched by cells: the least depths of its blocks
-    std::vector<Image4> hits;     // after the camera, and after each light's map: texel, distance, view
+    std::vector<Image4> hits;     // after the camera, each layer and each light's map: texel, distance, view
     std::vector<std::vector<raster::GBuffer>> seen;  // [lights][maps]: what else is known of a map's texels
     Image4 composed;              // the picture without reflections, W/(m2 sr)
     Image4 reflection;            // W/(m2 sr); w 1 where something was met

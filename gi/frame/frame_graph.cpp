@@ -102,8 +102,9 @@ void FrameGraph::add_nodes() {
     Context& c = *context_;
     light_words_ = light_words(c.scene);
     const int lights = casts_shadows(c.settings) ? int(c.lights.size()) : 0;
-    // What mirrored rays meet is known, and lit, when the maps are there.
+    // What mirrored rays meet is known, and lit, when the maps are there; the layers that they are followed in are not lit.
     const int drawn = int(c.views.size()) - (c.views.back().kind == ViewKind::mirrored ? 1 : 0);
+    const int lit = views_before_mirrors(c.views);
     add_gbuffer(c, 0, nodes_);
     add_filters_before(c, nodes_);
     if (reuses_light(c.settings)) add_light_clock(c, nodes_);
@@ -115,7 +116,7 @@ void FrameGraph::add_nodes() {
     for (int l = 0; l < lights; ++l) {
         add_maps(c, l, nodes_);
         add_map_blurs(c, l, nodes_);
-        for (int v = 0; v < drawn; ++v) add_shadow(c, l, v, nodes_);
+        for (int v = 0; v < lit; ++v) add_shadow(c, l, v, nodes_);
         if (c.settings.method == Method::rsm) add_gather(c, l, nodes_);
     }
     add_sum(c, nodes_);
@@ -124,7 +125,7 @@ void FrameGraph::add_nodes() {
     if (c.settings.method == Method::zbuffer)
         add_zbuffer(c, nodes_);
     else
-        for (int v = 0; v < drawn; ++v) add_direct(c, v, nodes_);
+        for (int v = 0; v < lit; ++v) add_direct(c, v, nodes_);
     add_isr(c, nodes_);
     add_probes(c, nodes_);
     add_radiosity(c, nodes_);
@@ -208,6 +209,7 @@ void FrameGraph::make_room() {
         f.views[v].name = c.views[v].name, f.views[v].camera = c.views[v].camera, f.views[v].size = c.views[v].size;
     const bool lit = !casts_shadows(c.settings);  // everything is
     for (int v = 0; v < int(c.views.size()); ++v) {
+        if (c.views[std::size_t(v)].kind == ViewKind::mirror_layer) continue;
         Buffer<float>& visibility = c.visibility(v);
         visibility.resize(lights * c.pixels(v), 1.0f);
         if (lit) std::fill(visibility.begin(), visibility.end(), 1.0f);

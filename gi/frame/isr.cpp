@@ -2,11 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/error.h"
 #include "core/host_math.h"
 #include "gi/probes/bake.h"
+#include "gi/screen/lobe.h"
 
 namespace plumb::frame {
 
@@ -51,6 +53,16 @@ bool casts_shadows(const Settings& settings) {
     return settings.method != Method::isr || settings.isr.mode == isr::Mode::f2 || settings.isr.mode == isr::Mode::f4;
 }
 
+bool reflects_maps(const Settings& settings) {
+    return reflects(settings) && settings.reflect.views == screen::ReflectViews::lights && casts_shadows(settings);
+}
+
+int views_before_mirrors(const std::vector<IsrView>& views) {
+    return int(std::count_if(views.begin(), views.end(), [](const IsrView& v) {
+        return v.kind != ViewKind::mirror_layer && v.kind != ViewKind::mirrored;
+    }));
+}
+
 std::vector<IsrView> isr_views(const Scene& scene, const Settings& settings) {
     std::vector<IsrView> views{{ViewKind::own, "", scene.camera, scene.frame_size}};
     if (lights_probes(settings)) {
@@ -59,10 +71,16 @@ std::vector<IsrView> isr_views(const Scene& scene, const Settings& settings) {
                                               : glm::ivec2(p.relight_rays, p.placement.count > 0 ? p.placement.count : p.placement.least);
         views.push_back({ViewKind::probe_rays, "probe rays", scene.camera, size});
     }
-    // What mirrored rays meet in the lights' maps: last.
+    // The layers in which mirrored rays are followed, each behind the one before; and what rays meet there and in maps: last.
     const auto with_mirrored = [&] {
-        if (reflects(settings) && settings.reflect.views == screen::ReflectViews::lights && casts_shadows(settings))
-            views.push_back({ViewKind::mirrored, "mirrored", scene.camera, scene.frame_size});
+        const int layers = reflects(settings) ? settings.reflect.layers : 0;
+        for (int layer = 2; layer <= layers + 1; ++layer)
+            views.push_back({ViewKind::mirror_layer, fmt::format("mirrored layer {}", layer), scene.camera, scene.frame_size, 0,
+                             layer == 2 ? 0 : int(views.size()) - 1});
+        if (layers > 0 || reflects_maps(settings)) {
+            const glm::ivec2 sheet = screen::sheet_of(scene.frame_size, screen::lobe_blocks(settings.reflect));
+            views.push_back({ViewKind::mirrored, "mirrored", scene.camera, sheet});
+        }
         return views;
     };
     if (!gathers_isr(settings)) return with_mirrored();

@@ -100,6 +100,7 @@ void add_traced(Context& c, const std::string& layer, const std::string& why, No
         if (own_transport(layer)) r.image(c.frame.gbuffer.position), r.image(c.frame.gbuffer.normal);
         if (layer == "truth.ao") r.value(c.settings.ao.radius);
         if (layer == "truth.reflection") r.image(c.frame.gbuffer.position), r.image(c.frame.gbuffer.normal), r.image(c.frame.gbuffer.id);
+        if (layer == "truth.reflection") r.value(c.settings.reflect.lobe);
         const auto& [position, look_at, up, fov_y_deg, near, far, reversed_z] = c.scene.camera;
         r.value(position, look_at, up, fov_y_deg, near, far, reversed_z);
         if (params.rays == Rays::native) r.value(c.isa);

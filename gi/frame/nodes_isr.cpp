@@ -72,8 +72,7 @@ class Adder {
     }
 
     glm::ivec2 coarse() const { return isr::coarse_size(c_.size); }
-    // The views without what mirrored rays meet.
-    int drawn() const { return int(c_.views.size()) - (c_.views.back().kind == ViewKind::mirrored ? 1 : 0); }
+    int drawn() const { return views_before_mirrors(c_.views); }
     glm::ivec2 coarse_of(int view) const { return isr::coarse_size(c_.views[std::size_t(view)].size); }
     isr::CoarseCamera frame_camera() const { return isr::coarse_camera(c_.scene.camera, c_.size); }
     isr::CoarseCamera camera_of(int view) const {

@@ -35,10 +35,12 @@ View view_of(Context& c, int view) {
     return make_view(v.camera, double(v.size.x) / v.size.y, c.scene.convention, v.size);
 }
 
+bool is_layer(const IsrView& v) { return v.kind == ViewKind::layer || v.kind == ViewKind::mirror_layer; }
+
 // What a layer has to lie behind; null for a view that is none.
 const Image1* behind(Context& c, int view) {
     const IsrView& v = c.views[std::size_t(view)];
-    return v.kind == ViewKind::layer ? &raster::peeled_depth(c.gbuffer(v.behind)) : nullptr;
+    return is_layer(v) ? &raster::peeled_depth(c.gbuffer(v.behind)) : nullptr;
 }
 
 void lend_gbuffer(const raster::GBuffer& g, Bundle& b) {
@@ -102,10 +104,10 @@ void add_gbuffer(Context& c, int view, Nodes& nodes) {
     const IsrView& v = c.views[std::size_t(view)];
     const glm::ivec2 size = v.size;
     const double pixels = double(size.x) * size.y;
-    const bool layer = v.kind == ViewKind::layer, paths = c.settings.method == Method::reference;
+    const bool layer = is_layer(v), mirrored = v.kind == ViewKind::mirror_layer, paths = c.settings.method == Method::reference;
     const StageBinding& binding = layer ? raster::gbuffer_layer_binding() : raster::gbuffer_binding();
-    const std::string why = view > 0 ? "" : paths ? "its layers" : "every later stage reads it";
-    PlannedNode node = begin_node(c, binding.info.name, view > 0 ? "isr view" : "camera", why, c.triangles + pixels,
+    const std::string why = mirrored ? "mirrored rays are followed in it" : view > 0 ? "" : paths ? "its layers" : "every later stage reads it";
+    PlannedNode node = begin_node(c, binding.info.name, mirrored ? "reflect" : view > 0 ? "isr view" : "camera", why, c.triangles + pixels,
                                   {ms_pixels, "triangles + pixels"});
     set_view(c, node, view);
     node.of_pixels = view == 0, node.by_name = view == 0 || layer, node.in_steps = layer;

@@ -1,17 +1,14 @@
-// Reflections (gi/screen): which pixels are mirrors, where their rays meet what the camera and the lights see, what lights
-// what was met in a light's map, and the picture with what mirrors show.
+// Reflections (gi/screen): which pixels are mirrors, where their rays meet what the camera sees, its layers and the lights'
+// maps, what lights what was met behind the picture, and the picture with what mirrors show.
 #include <fmt/format.h>
 
 #include <span>
 
 #include "core/parallel.h"
 #include "gi/frame/filters.h"
-#include "gi/frame/frame_graph.h"
-#include "gi/frame/isr.h"
 #include "gi/frame/mirrors.h"
+#include "gi/frame/nodes_reflect.h"
 #include "gi/screen/screen.h"
-#include "raster/bindings.h"
-#include "raster/screen_triangle.h"
 
 namespace plumb::frame {
 
@@ -25,32 +22,58 @@ namespace {
 
 using screen::March;
 
-// Milliseconds for a million triangles and texels, as nodes_raster.cpp has them.
-constexpr double ms_texels = 60;
-
 double pixels(const Context& c) { return double(c.size.x) * c.size.y; }
 
-// Which map a view is; the camera's is none.
-struct SeenMap {
+// What was asked behind the picture: a layer of the camera's, which is a view of the frame, or a map of a light.
+struct Asked {
+    int layer = 0;  // 0: none
     int light = -1, map = 0;
 };
 constexpr int camera_number = 1;
 
+bool has_lobes(const Context& c) { return c.settings.reflect.lobe == screen::Lobe::phong; }
+
+// Of one picture, or of all rays' pictures.
+glm::ivec2 sheet(const Context& c) { return screen::sheet_of(c.size, screen::lobe_blocks(c.settings.reflect)); }
+
 // What pixels mirror, by their triangles' materials.
 void add_mirrors(Context& c, Nodes& nodes) {
-    Image4& mirror = c.frame.reflect.mirror;
+    Image4 &mirror = c.frame.reflect.mirror, &lobe = c.frame.reflect.lobe;
     PlannedNode node = begin_node(c, "mirrors", "", "", 0, {});
     node.listed = false;
     node.reads = [&c](graph::Reads& r) {
         r.image(c.frame.gbuffer.id);
         r.source("geometry", c.keys.geometry);
-        for (const Material& m : c.scene.materials) r.value(m.mirror);
+        for (const Material& m : c.scene.materials) r.value(m.mirror, m.specular, m.exponent);
     };
-    node.outputs = [&mirror] { return lent("mirror", mirror); };
-    node.run = [&c, &mirror](const RunOptions&, graph::NodeRun&) {
+    node.outputs = [&mirror, &lobe] {
+        Bundle b = lent("mirror", mirror);
+        lend(b, "lobe", lobe);
+        return b;
+    };
+    node.run = [&c, &mirror, &lobe](const RunOptions&, graph::NodeRun&) {
         mirror = mirrors_of(c.scene, c.world().geometry, c.frame.gbuffer.id);
+        lobe = lobes_of(c.scene, c.world().geometry, c.frame.gbuffer.id);
     };
-    node.leave_out = [&mirror, size = c.size] { mirror = Image4(size.x, size.y); };
+    node.leave_out = [&mirror, &lobe, size = c.size] { mirror = lobe = Image4(size.x, size.y); };
+    nodes.push_back(std::move(node));
+}
+
+// The rays of mirrors and lobes, where there is more than the mirrored one of each pixel.
+void add_rays(Context& c, Nodes& nodes) {
+    if (!has_lobes(c)) return;
+    const glm::ivec2 size = sheet(c);
+    PlannedNode node = begin_node(c, stage<screen::LobeKernel>(), "reflect", "rays of mirrors and lobes", double(size.x) * size.y);
+    node.of_pixels = false;
+    node.size = [=] { return size; };
+    node.results = {{"ray", "", "ray"}};
+    compute(c, node, c.settings.reflect,
+            [&c] {
+                const raster::GBuffer& g = c.frame.gbuffer;
+                return screen::LobeInputs{&g.position, &g.normal, &c.frame.reflect.mirror, &c.frame.reflect.lobe,
+                                          c.scene.camera.position, c.settings.seed};
+            },
+            [&c]() -> Image4& { return c.frame.reflect.rays; });
     nodes.push_back(std::move(node));
 }
 
@@ -59,6 +82,7 @@ screen::ReflectInputs rays_of(Context& c) {
     screen::ReflectInputs in;
     in.position = &g.position, in.normal = &g.normal, in.mirror = &c.frame.reflect.mirror;
     in.eye = c.scene.camera.position;
+    if (has_lobes(c)) in.rays = &c.frame.reflect.rays;
     return in;
 }
 
@@ -69,9 +93,15 @@ template <class InputsOf>
 PlannedNode begin_march(Context& c, const std::string& work, const std::string& why, int light, int index, InputsOf inputs) {
     const screen::ReflectParams& p = c.settings.reflect;
     const bool cells = by_cells(c);
+    const glm::ivec2 size = sheet(c);
     PlannedNode node = begin_node(c, cells ? stage<screen::CellsKernel>() : stage<screen::ReflectKernel>(), work, why,
-                                  pixels(c) * (cells ? 32 : p.steps), light);
+                                  double(size.x) * size.y * (cells ? 32 : p.steps), light);
     node.results = {{"hit", "", "hit"}};
+    if (has_lobes(c)) {
+        node.of_pixels = false;
+        node.size = [=] { return size; };
+        node.covered = [] { return raster::Covered(); };  // all of them
+    }
     auto result = [=, &c]() -> Image4& { return c.frame.reflect.hits[std::size_t(index)]; };
     if (cells)
         compute(c, node, p,
@@ -107,99 +137,32 @@ void add_march_of_camera(Context& c, Nodes& nodes) {
     }));
 }
 
-// ---- In the lights' maps -------------------------------------------------------------------------------------------------
-
-// Maps have positions of their own: none is rebuilt from depth, which parallel rays do not allow.
-raster::Layout layout_of_maps(const Context& c) {
-    raster::Layout layout = c.settings.layout;
-    layout.name = "custom";
-    layout.position_from_depth = layout.depth_over_far = false;
-    return layout;
-}
-
-// What the maps of a light do not hold of their texels: normals where no gather reads them, reflectance, emission, triangles.
-void add_seen(Context& c, int light, Nodes& nodes) {
-    const Light& of = c.lights[std::size_t(light)];
-    const int maps = raster::map_count(of), side = of.rsm_size;
-    PlannedNode node = begin_node(c, raster::gbuffer_binding().info.name, "reflect light", "what mirrors show of its maps",
-                                  maps * (c.triangles + double(side) * side), {ms_texels, "triangles + texels"}, light);
-    set_form(node, "map");
-    node.by_name = node.of_pixels = false;
-    node.size = [=] { return glm::ivec2(maps * side, side); };
-    auto geometry = [=, &c]() -> const Geometry& { return c.is_static(light) ? c.world().fixed : c.world().geometry; };
-    auto drawn = [=, &c]() -> std::vector<raster::GBuffer>& { return c.frame.reflect.seen[std::size_t(light)]; };
-    auto each = [=, &c](auto one) { each_map(c.maps(light), one); };
-    node.inputs = [=, &c] {
-        Bundle b;
-        lend_surfaces(geometry(), c.world().surfaces, b);
-        each([&](const raster::Rsm& map, int, const std::string& face) {
-            const Buffer<glm::vec4> clip = raster::clip_positions(geometry(), map.view, 0);
-            add(b, (face.empty() ? "" : face + ".") + "clip_positions", {std::int64_t(clip.size()), 4},
-                clip.empty() ? nullptr : &clip.data()->x);
-        });
-        lend(b, "objects", {std::int64_t(geometry().object.size())}, geometry().object.data());
-        return b;
+// A layer behind the picture.
+void add_march_of_layer(Context& c, int view, Nodes& nodes) {
+    const int index = c.reflect_views++;
+    const auto before = [=, &c] { return &c.frame.reflect.hits[std::size_t(index - 1)]; };
+    const auto add = [&](PlannedNode node) {
+        set_form(node, c.views[std::size_t(view)].name);
+        nodes.push_back(std::move(node));
     };
-    node.reads = [=, &c](graph::Reads& r) {
-        r.source("geometry", c.keys.geometry), r.source("surfaces", c.keys.surfaces), r.source("emission", c.keys.emission);
-        if (c.is_static(light)) r.source("what stands still", c.keys.fixed);
-        raster::Layout layout = c.settings.layout;
-        r.text(layout.name), r.fields(raster::fields(layout));
-        const auto& [name, type, position, direction, cone_inner_deg, cone_outer_deg, intensity, on, rsm_size, radius] =
-            c.lights[std::size_t(light)];
-        r.value(type, position, direction, cone_inner_deg, cone_outer_deg, intensity, on, rsm_size, radius);
-        for (const raster::Rsm& map : c.maps(light)) r.value(map.size);
-    };
-    node.reads_left_out = [=](graph::Reads& r) { r.value(maps); };
-    node.outputs = [=] {
-        Bundle b;
-        for (std::size_t m = 0; m < drawn().size(); ++m) {
-            const raster::GBuffer& g = drawn()[m];
-            const std::string face = maps > 1 ? std::string(raster::face_names[m]) + "." : "";
-            lend(b, face + "normal", g.normal), lend(b, face + "albedo", g.albedo), lend(b, face + "emission", g.emission);
-            lend(b, face + "id", {g.id.height, g.id.width, 2}, reinterpret_cast<const std::int32_t*>(g.id.data()));
-        }
-        return b;
-    };
-    node.run = [=, &c](const RunOptions& options, graph::NodeRun& run) {
-        drawn().assign(c.maps(light).size(), {});
-        raster::GBufferWants wants;
-        wants.position = false;
-        each([&](const raster::Rsm& map, int m, const std::string&) {
-            raster::GBuffer& g = drawn()[std::size_t(m)];
-            raster::draw_gbuffer(geometry(), c.world().surfaces, map.view, glm::ivec2(map.size), layout_of_maps(c), options, g, wants,
-                                 c.memory ? &c.memory->workspace : nullptr);
-            run.bytes += bytes_of(g.normal) + bytes_of(g.albedo) + bytes_of(g.emission) + bytes_of(g.id);
-        });
-    };
-    node.leave_out = [=] { drawn().assign(std::size_t(maps), {}); };
-    node.fill = [] {};
-    node.dispatches = [=, &c] {
-        std::vector<StageData> all;
-        each([&](const raster::Rsm& map, int, const std::string& face) {
-            all.push_back(raster::gbuffer_data(geometry(), c.world().surfaces, map.view, glm::ivec2(map.size)));
-            all.back().id = face;
-        });
-        return all;
-    };
-    node.explain = [=, &c](glm::ivec2 texel) {
-        const int m = texel.x / side;
-        const raster::Rsm& map = c.maps(light)[std::size_t(m)];
-        if (map.size == 0) return std::vector<TapValue>{{"face", -1, {double(m)}, "sees nothing"}};
-        return raster::explain_gbuffer(geometry(), c.world().surfaces, map.view, glm::ivec2(side), {texel.x - m * side, texel.y},
-                                       layout_of_maps(c));
-    };
-    nodes.push_back(std::move(node));
+    if (by_cells(c)) add(begin_nearest(c, "reflect", c.size, -1, index, [=, &c] { return &c.gbuffer(view).position; }));
+    add(begin_march(c, "reflect", "where mirrored rays meet what is hidden", -1, index, [=, &c] {
+        screen::ReflectInputs in = rays_of(c);
+        in.seen = &c.gbuffer(view).position, in.seen_normal = &c.gbuffer(view).normal;
+        in.view = c.camera_view(), in.number = camera_number + index, in.before = before();
+        return in;
+    }));
 }
 
 // One map of a light, for the rays that met nothing that the camera sees: of itself alone, so that a light at rest keeps
-// what its maps show while another moves (choose_nearest). Where the map sees nothing the camera's hits stay.
-void add_march_of_map(Context& c, SeenMap seen, Nodes& nodes) {
+// what its maps show while another moves (choose_nearest). `first`: of the hits that were found before any map was asked;
+// where the map sees nothing they stay.
+void add_march_of_map(Context& c, const Asked& seen, int first, Nodes& nodes) {
     const int light = seen.light, index = c.reflect_views++;
     const std::size_t map = std::size_t(seen.map);
     const Light& of = c.lights[std::size_t(light)];
     auto result = [=, &c]() -> Image4& { return c.frame.reflect.hits[std::size_t(index)]; };
-    auto before = [&c]() -> Image4& { return c.frame.reflect.hits.front(); };
+    auto before = [=, &c]() -> Image4& { return c.frame.reflect.hits[std::size_t(first)]; };
     auto is_drawn = [=, &c] { return c.maps(light).size() > map && c.maps(light)[map].size > 0; };
     // Adds a node that is left out where the map sees nothing.
     auto add = [&](PlannedNode node, std::function<void()> otherwise, std::function<void(graph::Reads&)> reads_otherwise) {
@@ -233,7 +196,8 @@ void add_march_of_map(Context& c, SeenMap seen, Nodes& nodes) {
         [=] { result() = before(); }, [=](graph::Reads& r) { r.image(before()); });
 }
 
-// Of the hits of all views the camera's or, where it has none, the nearest; of equals the first.
+// Of the hits of views, of which the first has what was found before the others were asked, the camera's or, where it has none,
+// the nearest; of equals the first.
 void choose_nearest(std::span<const Image4> views, const RunOptions& options, Image4& nearest) {
     nearest = views.front();
     parallel_bands(nearest.height, 16, options, [&](int first, int last) {
@@ -247,22 +211,30 @@ void choose_nearest(std::span<const Image4> views, const RunOptions& options, Im
     });
 }
 
-// The nearest hits, and the surfaces that were met in maps, a pixel each, as if a view saw them.
-void add_met(Context& c, int view, const std::vector<SeenMap>& maps, Nodes& nodes) {
+// The nearest hits, and the surfaces that were met behind the picture, a ray each, as if a view saw them. asked[i]: the view of
+// number i + 2; first: as of add_march_of_map().
+void add_met(Context& c, int view, const std::vector<Asked>& asked, int first, Nodes& nodes) {
     PlannedNode node = begin_node(c, "surfaces in mirrors", "", "", 0, {});
     node.listed = false;
-    const std::size_t index = std::size_t(c.reflect_views++);
-    auto hits = [=, &c]() -> Image4& { return c.frame.reflect.hits[index]; };
-    auto known = [&c](SeenMap m) -> const raster::GBuffer& {
-        return c.frame.reflect.seen[std::size_t(m.light)][std::size_t(m.map)];
+    const int index = c.reflect_views++;
+    auto hits = [=, &c]() -> Image4& { return c.frame.reflect.hits[std::size_t(index)]; };
+    auto views = [=, &c] { return std::span<const Image4>(c.frame.reflect.hits).subspan(std::size_t(first), std::size_t(index - first)); };
+    auto known = [&c](const Asked& a) -> const raster::GBuffer& {
+        return a.layer > 0 ? c.gbuffer(a.layer) : c.frame.reflect.seen[std::size_t(a.light)][std::size_t(a.map)];
     };
-    node.reads = [=, &c](graph::Reads& r) {
-        for (std::size_t i = 0; i < index; ++i) r.image(c.frame.reflect.hits[i]);
-        for (const SeenMap m : maps) {
-            const std::vector<raster::Rsm>& drawn = c.maps(m.light);
-            if (drawn.size() <= std::size_t(m.map) || drawn[std::size_t(m.map)].size == 0) continue;
-            const raster::GBuffer& of = known(m);
-            r.image(drawn[std::size_t(m.map)].position), r.image(of.normal), r.image(of.albedo), r.image(of.emission);
+    auto positions = [&c](const Asked& a) -> const Image4& {
+        return a.layer > 0 ? c.gbuffer(a.layer).position : c.maps(a.light)[std::size_t(a.map)].position;
+    };
+    // Whether something was drawn there.
+    auto is_drawn = [&c](const Asked& a) {
+        return a.layer > 0 || (c.maps(a.light).size() > std::size_t(a.map) && c.maps(a.light)[std::size_t(a.map)].size > 0);
+    };
+    node.reads = [=](graph::Reads& r) {
+        for (const Image4& of : views()) r.image(of);
+        for (const Asked& a : asked) {
+            if (!is_drawn(a)) continue;
+            const raster::GBuffer& of = known(a);
+            r.image(positions(a)), r.image(of.normal), r.image(of.albedo), r.image(of.emission);
         }
     };
     node.outputs = [=, &c] {
@@ -272,7 +244,7 @@ void add_met(Context& c, int view, const std::vector<SeenMap>& maps, Nodes& node
         lend(b, "id", {g.id.height, g.id.width, 2}, reinterpret_cast<const std::int32_t*>(g.id.data()));
         return b;
     };
-    auto clear = [=, &c, size = c.size] {
+    auto clear = [=, &c, size = sheet(c)] {
         raster::GBuffer& g = c.gbuffer(view);
         g.position = g.normal = g.albedo = g.emission = Image4(size.x, size.y);
         g.id = Image<glm::ivec2>(size.x, size.y, glm::ivec2(-1));
@@ -282,17 +254,17 @@ void add_met(Context& c, int view, const std::vector<SeenMap>& maps, Nodes& node
         clear();
         raster::GBuffer& g = c.gbuffer(view);
         Image4& nearest = hits();
-        choose_nearest(std::span(c.frame.reflect.hits).first(index), options, nearest);
-        parallel_bands(nearest.height, 16, options, [&](int first, int last) {
-            const std::size_t end = std::size_t(last) * nearest.width;
-            for (std::size_t i = std::size_t(first) * nearest.width; i < end; ++i) {
+        choose_nearest(views(), options, nearest);
+        parallel_bands(nearest.height, 16, options, [&](int from, int to) {
+            const std::size_t end = std::size_t(to) * nearest.width;
+            for (std::size_t i = std::size_t(from) * nearest.width; i < end; ++i) {
                 const glm::vec4 hit = nearest.texels[i];
                 const int number = int(hit.w);
                 if (number <= camera_number) continue;
-                const SeenMap m = maps[std::size_t(number - camera_number - 1)];
+                const Asked& a = asked[std::size_t(number - camera_number - 1)];
                 const glm::ivec2 at(int(hit.x), int(hit.y));
-                const raster::GBuffer& of = known(m);
-                g.position.texels[i] = c.maps(m.light)[std::size_t(m.map)].position(at.x, at.y);
+                const raster::GBuffer& of = known(a);
+                g.position.texels[i] = positions(a)(at.x, at.y);
                 g.normal.texels[i] = of.normal(at.x, at.y);
                 g.albedo.texels[i] = of.albedo(at.x, at.y), g.emission.texels[i] = of.emission(at.x, at.y);
                 g.id.texels[i] = of.id(at.x, at.y);
@@ -302,27 +274,32 @@ void add_met(Context& c, int view, const std::vector<SeenMap>& maps, Nodes& node
     };
     node.leave_out = [=, &c] {
         clear();
-        hits() = c.frame.reflect.hits.front();
+        hits() = c.frame.reflect.hits[std::size_t(first)];
     };
     nodes.push_back(std::move(node));
 }
 
-// Returns the view of what was met; 0: none.
-int add_lights(Context& c, Nodes& nodes) {
+// Returns the view of what was met behind the picture; 0: none.
+int add_behind(Context& c, Nodes& nodes) {
     if (c.views.back().kind != ViewKind::mirrored) return 0;
-    std::vector<SeenMap> maps;
-    for (int l = 0; l < int(c.lights.size()); ++l) {
+    const int view = int(c.views.size()) - 1;
+    std::vector<Asked> asked;
+    for (int v = views_before_mirrors(c.views); v < view; ++v) {
+        asked.push_back({v, -1, 0});
+        add_march_of_layer(c, v, nodes);
+    }
+    const int first = c.reflect_views - 1;
+    for (int l = 0; l < int(c.lights.size()) && reflects_maps(c.settings); ++l) {
         const Light& light = c.lights[std::size_t(l)];
         if (!light.on || light.intensity == glm::vec3(0)) continue;
         add_seen(c, l, nodes);
         for (int m = 0; m < raster::map_count(light); ++m) {
-            maps.push_back({l, m});
-            add_march_of_map(c, maps.back(), nodes);
+            asked.push_back({0, l, m});
+            add_march_of_map(c, asked.back(), first, nodes);
         }
     }
-    const int view = int(c.views.size()) - 1;
-    add_met(c, view, maps, nodes);
-    for (int l = 0; l < int(c.lights.size()); ++l) add_shadow(c, l, view, nodes);
+    add_met(c, view, asked, first, nodes);
+    for (int l = 0; l < int(c.lights.size()) && casts_shadows(c.settings); ++l) add_shadow(c, l, view, nodes);
     add_direct(c, view, nodes);
     return view;
 }
@@ -335,6 +312,7 @@ void add_mirror(Context& c, int view, Nodes& nodes) {
     node.results = {{"reflection", "reflection", "reflection"}, {"radiance", "radiance", "radiance"}};
     const auto inputs = [=, &c, &made] {
         screen::MirrorInputs in{&made.hits.back(), &made.mirror, &made.composed};
+        if (has_lobes(c)) in.lobe = &made.lobe, in.rays = &made.rays;
         if (view == 0) return in;
         const raster::GBuffer& g = c.gbuffer(view);
         in.albedo = &g.albedo, in.emission = &g.emission, in.direct = &c.direct(view);
@@ -366,8 +344,9 @@ void add_reflect(Context& c, Nodes& nodes) {
     if (!reflects(c.settings)) return;
     screen::validate(c.settings.reflect);
     add_mirrors(c, nodes);
+    add_rays(c, nodes);
     add_march_of_camera(c, nodes);
-    add_mirror(c, add_lights(c, nodes), nodes);
+    add_mirror(c, add_behind(c, nodes), nodes);
 }
 
 }  // namespace plumb::frame

@@ -24,8 +24,11 @@ struct Truth {
     glm::dvec3 at{0};   // m
 };
 
+enum class Kind { camera, layer, map };
+
 // A view in which rays were followed.
 struct Followed {
+    Kind kind = Kind::map;
     View view;
     glm::ivec2 size{0};
     const Image<glm::ivec2>* id = nullptr;
@@ -53,12 +56,16 @@ struct Followed {
     }
 };
 
-// The camera's, then the lights' maps as hits number them.
+// The camera's, its layers, then the lights' maps as hits number them.
 std::vector<Followed> followed_views(const Scene& scene, const Settings& settings, const Frame& frame) {
     const glm::ivec2 size = scene.frame_size;
-    std::vector<Followed> views{{make_view(scene.camera, double(size.x) / size.y, scene.convention, size), size, &frame.gbuffer.id,
-                                 &frame.gbuffer.normal}};
-    if (settings.reflect.views != screen::ReflectViews::lights || !casts_shadows(settings)) return views;
+    const View camera = make_view(scene.camera, double(size.x) / size.y, scene.convention, size);
+    std::vector<Followed> views{{Kind::camera, camera, size, &frame.gbuffer.id, &frame.gbuffer.normal}};
+    const std::vector<IsrView> drawn = isr_views(scene, settings);
+    for (std::size_t v = 0; v < drawn.size(); ++v)
+        if (drawn[v].kind == ViewKind::mirror_layer)
+            views.push_back({Kind::layer, camera, size, &frame.views[v].gbuffer.id, &frame.views[v].gbuffer.normal});
+    if (!reflects_maps(settings)) return views;
     for (std::size_t l = 0; l < scene.lights.size(); ++l) {
         const Light& light = scene.lights[l];
         if (!light.on || light.intensity == glm::vec3(0)) continue;
@@ -68,7 +75,7 @@ std::vector<Followed> followed_views(const Scene& scene, const Settings& setting
             const std::vector<raster::GBuffer>& seen = frame.reflect.seen[l];
             if (maps.size() <= std::size_t(m) || maps[std::size_t(m)].size == 0 || seen.size() <= std::size_t(m)) continue;
             const raster::Rsm& map = maps[std::size_t(m)];
-            view = {map.view, glm::ivec2(map.size), &seen[std::size_t(m)].id, &seen[std::size_t(m)].normal};
+            view = {Kind::map, map.view, glm::ivec2(map.size), &seen[std::size_t(m)].id, &seen[std::size_t(m)].normal};
         }
     }
     return views;
@@ -78,20 +85,25 @@ MirrorClass class_of(const std::vector<Followed>& views, const glm::vec4& hit, c
     const std::size_t number = std::size_t(hit.w);
     if (number > 0) {
         const bool right = views[number - 1].is_right(hit, truth, r);
-        if (number == 1) return right ? MirrorClass::right : MirrorClass::wrong;
-        return right ? MirrorClass::right_in_map : MirrorClass::wrong_in_map;
+        switch (views[number - 1].kind) {
+            case Kind::camera: return right ? MirrorClass::right : MirrorClass::wrong;
+            case Kind::layer: return right ? MirrorClass::right_in_layer : MirrorClass::wrong_in_layer;
+            case Kind::map: return right ? MirrorClass::right_in_map : MirrorClass::wrong_in_map;
+        }
     }
     if (truth.triangle < 0) return MirrorClass::open;
-    if (views[0].sees(truth, r)) return MirrorClass::missed;
-    const bool in_map = std::any_of(views.begin() + 1, views.end(), [&](const Followed& v) { return v.id && v.sees(truth, r); });
-    return in_map ? MirrorClass::missed_in_map : MirrorClass::unseen;
+    const auto by = std::find_if(views.begin(), views.end(), [&](const Followed& v) { return v.id && v.sees(truth, r); });
+    if (by == views.end()) return MirrorClass::unseen;
+    return by->kind == Kind::camera ? MirrorClass::missed
+                                    : by->kind == Kind::layer ? MirrorClass::missed_in_layer : MirrorClass::missed_in_map;
 }
 
 }  // namespace
 
 const char* name_of(MirrorClass of) {
-    static constexpr const char* names[mirror_classes] = {"none",         "right",         "wrong",  "missed", "right_in_map",
-                                                          "wrong_in_map", "missed_in_map", "unseen", "open"};
+    static constexpr const char* names[mirror_classes] = {"none",         "right",         "wrong",          "missed",
+                                                          "right_in_map", "wrong_in_map",  "missed_in_map",  "unseen",
+                                                          "open",         "right_in_layer", "wrong_in_layer", "missed_in_layer"};
     return names[int(of)];
 }
 

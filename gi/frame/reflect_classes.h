@@ -19,8 +19,11 @@ enum class MirrorClass : int {
     missed_in_map,  // visible in a map alone, and not met
     unseen,         // visible nowhere, and nothing was met
     open,           // there is nothing to meet, and nothing was met
+    right_in_layer,   // not met in the picture; met in a layer behind it
+    wrong_in_layer,   // something else was met in a layer
+    missed_in_layer,  // not visible in the picture but in a layer, and not met
 };
-inline constexpr int mirror_classes = 9;
+inline constexpr int mirror_classes = 12;
 // Of each: "right", "missed_in_map".
 const char* name_of(MirrorClass of);
 
@@ -31,7 +34,7 @@ struct MirrorClasses {
 };
 
 // Of a frame with reflections that was executed; a ray a mirror's pixel, exact or native as settings.reference has it. A
-// hit in a map where the camera missed what it sees is right_in_map or wrong_in_map.
+// hit in a layer or a map where the camera missed what it sees is right or wrong there.
 MirrorClasses classify_mirrors(const Scene& scene, const Settings& settings, const Frame& frame, const RunOptions& options);
 
 }  // namespace plumb::frame

@@ -79,7 +79,9 @@ bool no_albedo(const PlanFacts& known, const Work&) { return known.reflecting.em
 
 bool no_emission(const PlanFacts& known, const Work&) { return !known.emits; }
 
-bool no_mirror(const PlanFacts& known, const Work&) { return !any_mirror(known.scene); }
+bool no_mirror(const PlanFacts& known, const Work&) {
+    return !any_mirror(known.scene) && (known.settings.reflect.lobe == screen::Lobe::off || !any_lobe(known.scene));
+}
 
 // What sends indirect light in image space: emitters, and what a light shines on. As printed, unlit colours.
 bool no_radiosity(const PlanFacts& known, const Work& work) {
@@ -231,7 +233,7 @@ const std::vector<Rule>& rules() {
         {"no-light", {"direct", "truth.direct", "truth.indirect"}, "", "no light shines on the scene", no_light},
         {"nothing-reflects", {"gather", "truth.indirect", "isr", "isr access"}, "", "nothing reflects", nothing_reflects},
         {"reflectors-missed", {"gather"}, "", "nothing that the light may meet reflects", reflectors_missed},
-        {"no-mirror", {"reflect", "reflect light", "truth.reflection"}, "", "no material is a mirror", no_mirror},
+        {"no-mirror", {"reflect", "reflect light", "truth.reflection"}, "", "nothing mirrors", no_mirror},
         {"no-radiosity", {"isr"}, "", "nothing sends light", no_radiosity},
         {"isr-unseen", {"isr"}, "", "k_isr is 0: indirect light is not shown", isr_unseen},
         {"access-unread", {"isr access"}, "", "nothing reads how open a point is", access_unread},

@@ -40,6 +40,11 @@ std::vector<Change> changes() {
             if (s.method == Method::reference) s.method = Method::rsm;
             s.reflect.march = march;
         });
+    all.push_back([](Settings& s) {
+        if (s.method == Method::reference) s.method = Method::rsm;
+        if (s.reflect.march == screen::March::off) s.reflect.march = screen::March::steps;
+        s.reflect.lobe = screen::Lobe::phong, s.reflect.variant = screen::ReflectVariant::corrected;
+    });
     all.push_back([](Settings& s) { s.method = Method::probes; });
     all.push_back([](Settings& s) { s.method = Method::probes, s.lod.levels = std::max(s.lod.levels, 2); });
     all.push_back([](Settings& s) { s.method = Method::radiosity; });

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 
 #include "gi/frame/mirrors.h"
+#include "gi/reference/lobes.h"
 
 namespace plumb::frame {
 
@@ -24,9 +26,49 @@ Image4 normals_of(const Image4& mirrors, Image4 normal) {
     return normal;
 }
 
+// The normals of lobes, with their exponents; 0 elsewhere.
+Image4 normals_of_lobes(const Image4& lobes, Image4 normal) {
+    for (std::size_t i = 0; i < normal.size(); ++i) {
+        const glm::vec4 lobe = lobes.texels[i];
+        normal.texels[i] = glm::vec3(lobe) != glm::vec3(0) ? glm::vec4(glm::vec3(normal.texels[i]), lobe.w) : glm::vec4(0);
+    }
+    return normal;
+}
+
 Image4 times(Image4 a, const Image4& b) {
     for (std::size_t i = 0; i < a.size(); ++i) a.texels[i] = a.texels[i] * b.texels[i];
     return a;
+}
+
+// Adds an estimate that is independent of the sum.
+void add(const reference::Estimate& part, reference::Estimate& sum) {
+    for (std::size_t i = 0; i < sum.mean.size(); ++i) {
+        sum.mean.texels[i] += part.mean.texels[i];
+        glm::vec4& error = sum.error.texels[i];
+        for (int c = 0; c < 3; ++c) error[c] = float(std::sqrt(double(error[c]) * error[c] + double(part.error.texels[i][c]) * part.error.texels[i][c]));
+    }
+    sum.rays += part.rays, sum.nonfinite += part.nonfinite;
+    double errors = 0, means = 0;
+    for (std::size_t i = 0; i < sum.mean.size(); ++i)
+        for (int c = 0; c < 3; ++c) errors += double(sum.error.texels[i][c]) * sum.error.texels[i][c], means += sum.mean.texels[i][c];
+    const double values = 3.0 * double(sum.mean.size());
+    sum.relative_error = means > 0 ? std::sqrt(errors / values) / (means / values) : 0;
+}
+
+// What `trace` estimates, or has estimated: then it is found by its key.
+template <class Trace>
+reference::Estimate find_or_trace(reference::Store* store, std::uint64_t key, glm::ivec2 size, Trace trace, Traced& traced) {
+    if (store)
+        if (std::optional<reference::KeptEstimate> kept = store->find(key, size)) {
+            traced.ms += kept->ms;
+            return std::move(kept->estimate);
+        }
+    const auto start = std::chrono::steady_clock::now();
+    reference::Estimate made = trace();
+    const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    traced.ms += ms, traced.cached = false;
+    if (store) store->keep(key, {made, ms});
+    return made;
 }
 
 // What the methods for diffuse light of lamps leave out of a scene.
@@ -92,39 +134,38 @@ Traced Tracer::trace(const std::string& layer, const raster::GBuffer& gbuffer, c
     View& view = own && !without_.empty() ? own_ : whole_;
     const std::uint32_t seed = settings_.seed;
     const glm::dvec3 eye = scene_.camera.position;
-    reference::PointInputs points{&gbuffer.position, &gbuffer.normal};
-    Image4 mirrors, mirror_normal;
+    const reference::PathParams& p = traced.params;
+    const glm::ivec2 size = scene_.frame_size;
+    traced.cached = true;
     if (mirrored) {
-        mirrors = mirrors_of(scene_, geometry_, gbuffer.id);
-        mirror_normal = normals_of(mirrors, gbuffer.normal);
-        points.normal = &mirror_normal;
-    }
-
-    // Look for a kept one.
-    std::uint64_t key = 0;
-    if (store_) {
-        using reference::cache_key;
-        const reference::PathParams& p = traced.params;
-        key = mirrored ? cache_key(p, *view.scene, geometry_, points, eye, seed, options.isa)
-              : own    ? cache_key(p, *view.scene, geometry_, points, seed, options.isa)
-                       : cache_key(p, *view.scene, geometry_, seed, options.isa);
-        if (std::optional<reference::KeptEstimate> kept = store_->find(key, scene_.frame_size)) {
-            traced.estimate = std::move(kept->estimate);
-            traced.ms = kept->ms;
-            traced.cached = true;
-        }
-    }
-    if (!traced.cached) {
-        const reference::PathScene& paths = this->paths(view);
-        const auto start = std::chrono::steady_clock::now();
-        traced.estimate = mirrored ? reference::trace_reflection(traced.params, paths, points, eye, seed, options)
-                          : own    ? reference::trace_irradiance(traced.params, paths, points, seed, options)
-                                   : reference::trace(traced.params, paths, scene_.camera, scene_.frame_size, seed, options);
-        traced.ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-        if (store_) store_->keep(key, {traced.estimate, traced.ms});
-    }
-    if (mirrored)
+        const Image4 mirrors = mirrors_of(scene_, geometry_, gbuffer.id), normal = normals_of(mirrors, gbuffer.normal);
+        const reference::PointInputs points{&gbuffer.position, &normal};
+        traced.estimate = find_or_trace(
+            store_, store_ ? reference::cache_key(p, *view.scene, geometry_, points, eye, seed, options.isa) : 0, size,
+            [&] { return reference::trace_reflection(p, paths(view), points, eye, seed, options); }, traced);
         for (Image4* image : {&traced.estimate.mean, &traced.estimate.error}) *image = times(std::move(*image), mirrors);
+        if (settings_.reflect.lobe == screen::Lobe::off || !any_lobe(scene_)) return traced;
+        const Image4 lobes = lobes_of(scene_, geometry_, gbuffer.id), of_lobes = normals_of_lobes(lobes, gbuffer.normal);
+        const reference::PointInputs rough{&gbuffer.position, &of_lobes};
+        reference::Estimate part = find_or_trace(
+            store_, store_ ? reference::cache_key_of_lobes(p, *view.scene, geometry_, rough, eye, seed, options.isa) : 0, size,
+            [&] { return reference::trace_lobes(p, paths(view), rough, eye, seed, options); }, traced);
+        for (Image4* image : {&part.mean, &part.error}) *image = times(std::move(*image), lobes);
+        add(part, traced.estimate);
+        return traced;
+    }
+    const reference::PointInputs points{&gbuffer.position, &gbuffer.normal};
+    const auto key = [&] {
+        return own ? reference::cache_key(p, *view.scene, geometry_, points, seed, options.isa)
+                   : reference::cache_key(p, *view.scene, geometry_, seed, options.isa);
+    };
+    traced.estimate = find_or_trace(
+        store_, store_ ? key() : 0, size,
+        [&] {
+            return own ? reference::trace_irradiance(p, paths(view), points, seed, options)
+                       : reference::trace(p, paths(view), scene_.camera, size, seed, options);
+        },
+        traced);
     return traced;
 }
 

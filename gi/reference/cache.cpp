@@ -1,5 +1,7 @@
 #include "gi/reference/cache.h"
 
+#include "gi/reference/lobes.h"
+
 #include <cpuid.h>
 
 #include "core/content_hasher.h"
@@ -75,6 +77,13 @@ std::uint64_t cache_key(const PathParams& params, const Scene& scene, const Geom
     h.add_image(*points.position);
     h.add_image(*points.normal);
     h.add(eye);
+    return h.hash;
+}
+
+std::uint64_t cache_key_of_lobes(const PathParams& params, const Scene& scene, const Geometry& geometry,
+                                 const PointInputs& points, const glm::dvec3& eye, std::uint32_t seed, Isa isa) {
+    ContentHasher h{cache_key(params, scene, geometry, points, eye, seed, isa)};
+    h.add(std::int32_t(2));  // PathArgs::mirrored
     return h.hash;
 }
 

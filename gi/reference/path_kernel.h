@@ -30,7 +30,8 @@ struct PathArgs {
     CameraArgs camera;
     const float* position;       // [height][width] rgba32f: points instead of a camera's pixels; null: a camera
     const float* normal;
-    std::int32_t mirrored;       // 1: the points are perfect mirrors, seen from camera.eye; 0: white, and lit
+    std::int32_t mirrored;       // the points are seen from camera.eye; 1: perfect mirrors; 2: white lobes of the exponent
+                                 // normal.w, which lamps do not light; 0: they are white and diffuse, and lit
     float extent;                // m: largest |coordinate| of the scene, for the points, whose triangles are not known
     std::int32_t width, first_row;
     std::int32_t round, samples; // samples of this round
@@ -149,8 +150,8 @@ PLUMB_INLINE PathVertex<F> vertex_of(const PathArgs& in, const RayHit<F>& hit, c
     return v;
 }
 
-// A given point: white, so that what leaves it is its irradiance over pi, and seen from above; or a perfect mirror, seen
-// by the eye.
+// A given point: white, so that what leaves it is its irradiance over pi, and seen from above; or a perfect mirror or a
+// lobe, seen by the eye.
 template <class F>
 PLUMB_INLINE void take_given_points(const PathArgs& in, const mask_t<F>& first, PathState<F>& s,
                                     PathVertex<F>& v) {
@@ -159,7 +160,8 @@ PLUMB_INLINE void take_given_points(const PathArgs& in, const mask_t<F>& first, 
     const vec3<F> black{zero, zero, zero};
     // Lanes that have no pixel left read another's.
     const index_t<F> pixel = select(first, s.pixel, index_t<F>(in.first_row * in.width));
-    const vec3<F> x = xyz<F>(N::fetch4(in.position, pixel)), n = xyz<F>(N::fetch4(in.normal, pixel));
+    const vec4<F> normal = N::fetch4(in.normal, pixel);
+    const vec3<F> x = xyz<F>(N::fetch4(in.position, pixel)), n = xyz<F>(normal);
     v.x = select3<F>(first, x, v.x);
     v.n = select3<F>(first, n, v.n);
     v.face = select3<F>(first, n, v.face);
@@ -173,8 +175,9 @@ PLUMB_INLINE void take_given_points(const PathArgs& in, const mask_t<F>& first, 
     v.emission = select3<F>(first, black, v.emission);
     const vec3<F> white{one, one, one};
     v.bsdf.diffuse = select3<F>(first, in.mirrored ? black : white, v.bsdf.diffuse);
-    v.bsdf.specular = select3<F>(first, black, v.bsdf.specular);
-    v.bsdf.mirror = select3<F>(first, in.mirrored ? white : black, v.bsdf.mirror);
+    v.bsdf.specular = select3<F>(first, in.mirrored == 2 ? white : black, v.bsdf.specular);
+    if (in.mirrored == 2) v.bsdf.exponent = select(first, normal.w, v.bsdf.exponent);
+    v.bsdf.mirror = select3<F>(first, in.mirrored == 1 ? white : black, v.bsdf.mirror);
 }
 
 // What a ray that the surface before sent out finds to shine: the surface that it met, or the environment.
@@ -337,12 +340,15 @@ PLUMB_INLINE std::uint64_t trace_paths(const PathArgs& in, const RayQuery& query
             s.radiance = vec3<F>{seen, seen, seen};
         } else {
             vec3<F> found = light_met<F>(in, s, hit, v, traced);
-            const mask_t<F> asks = at_surface & counted<F>(in, s.depth);
+            mask_t<F> asks = at_surface & counted<F>(in, s.depth);
+            if (in.mirrored == 2) asks = asks & !given;
             if (in.lights.count > 0 && any(asks))
                 found = found + light_chosen<F>(in, s, v, u_light, choice.x, asks, tracer);
             // Once a surface, whether the lane asked or its neighbour: to add 0 is to add what was carried.
             add_compensated<F>(found, s.radiance, s.found_carry);
             goes_on = at_surface & scatter_path<F>(in, v, u_direction, choice, s);
+            // Only this way finds what the ray of a given lobe meets.
+            if (in.mirrored == 2) s.pdf = select(given, zero, s.pdf);
         }
 
         // Adds 0; but what is not finite of a point or a throughput, and would end the path unseen, stays in the

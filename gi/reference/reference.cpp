@@ -10,6 +10,7 @@
 #include "core/fp_environment.h"
 #include "core/host_math.h"
 #include "core/parallel.h"
+#include "gi/reference/lobes.h"
 #include "gi/reference/path_args.h"
 #include "gi/reference/path_rows.h"
 #include "gi/reference/ray_query.h"
@@ -368,15 +369,30 @@ Estimate trace_irradiance(const PathParams& params, const PathScene& scene, cons
     return run_rounds(params, scene, args, {points.position->width, points.position->height}, scale, options);
 }
 
-Estimate trace_reflection(const PathParams& params, const PathScene& scene, const PointInputs& points,
-                          const glm::dvec3& eye, std::uint32_t seed, const RunOptions& options) {
+namespace {
+
+// mirrored: as PathArgs has it.
+Estimate trace_seen(int mirrored, const PathParams& params, const PathScene& scene, const PointInputs& points,
+                    const glm::dvec3& eye, std::uint32_t seed, const RunOptions& options) {
     FpEnvironment environment;
     check_points(points);
     const Image4 position = anchored(scene, points);
     PathArgs args = point_args(params, scene, {&position, points.normal}, seed);
-    args.mirrored = args.glossy = 1;
+    args.mirrored = mirrored, args.glossy = 1;
     for (int c = 0; c < 3; ++c) args.camera.eye[c] = float(eye[c] - double(scene.anchor[c]));
     return run_rounds(params, scene, args, {points.position->width, points.position->height}, 1, options);
+}
+
+}  // namespace
+
+Estimate trace_reflection(const PathParams& params, const PathScene& scene, const PointInputs& points,
+                          const glm::dvec3& eye, std::uint32_t seed, const RunOptions& options) {
+    return trace_seen(1, params, scene, points, eye, seed, options);
+}
+
+Estimate trace_lobes(const PathParams& params, const PathScene& scene, const PointInputs& points, const glm::dvec3& eye,
+                     std::uint32_t seed, const RunOptions& options) {
+    return trace_seen(2, params, scene, points, eye, seed, options);
 }
 
 StageInfo info() {

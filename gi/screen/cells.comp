@@ -19,6 +19,8 @@ layout(std140, binding = 0) uniform CellsUniforms {
     int padded;
     int width;
     int height;
+    int columns;
+    int rows;
 } u;
 layout(binding = 1) uniform sampler2D position_image;  // xyz world, m
 layout(binding = 2) uniform sampler2D normal_image;    // xyz unit; all 0: no surface
@@ -27,7 +29,8 @@ layout(binding = 4) uniform sampler2D map_position;    // of the view: xyz world
 layout(binding = 5) uniform sampler2D map_normal;      // of the view: xyz unit
 layout(binding = 6) uniform sampler2D nearest_image;   // of the view: x least depth of blocks, m
 layout(binding = 7) uniform sampler2D before_image;    // what earlier views found
-layout(binding = 8, rgba32f) uniform writeonly image2D hit_image;
+layout(binding = 8) uniform sampler2D rays_image;      // as screen.lobe writes them
+layout(binding = 9, rgba32f) uniform writeonly image2D hit_image;
 
 struct Track {
     float x_0;
@@ -187,21 +190,23 @@ Crossing walk(MirroredRay ray, Track k, bool looking) {
     return c;
 }
 
-vec4 cells(ivec2 pixel) {
+vec4 cells(ivec2 item) {
+    ivec2 pixel = u.rows > 0 ? ivec2(item.x % u.columns, item.y % u.rows) : item;
     vec3 p = texelFetch(position_image, pixel, 0).xyz;            TAP(p, p);
     vec3 n = texelFetch(normal_image, pixel, 0).xyz;              TAP(n, n);
     precise vec3 to_p = p - u.eye.xyz;
     MirroredRay ray = mirrored_ray(p, n, to_p, u.view.anchor.xyz);
-    vec4 before = texelFetch(before_image, pixel, 0);
-    bool mirror = texelFetch(mirror_image, pixel, 0).w > 0.0;
+    vec4 before = texelFetch(before_image, item, 0);
+    bool starts = ray.cosine < 0.0 && texelFetch(mirror_image, pixel, 0).w > 0.0;
+    if (u.rows > 0) starts = take_drawn(texelFetch(rays_image, item, 0), ray);
     Track track = track_of(ray);
-    bool looking = ray.cosine < 0.0 && mirror && before.w != 1.0 && track.first <= track.last;
+    bool looking = starts && before.w != 1.0 && track.first <= track.last;
     return nearer_hit(before, walk(ray, track, looking), u.number);
 }
 
 void main() {
-    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
-    if (pixel.x >= u.width || pixel.y >= u.height) return;
-    TAP_BEGIN(pixel, 0);
-    imageStore(hit_image, pixel, cells(pixel));
+    ivec2 item = ivec2(gl_GlobalInvocationID.xy);
+    if (item.x >= u.width || item.y >= u.height) return;
+    TAP_BEGIN(item, 0);
+    imageStore(hit_image, item, cells(item));
 }

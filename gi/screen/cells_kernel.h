@@ -15,6 +15,7 @@
 
 #include "gi/screen/mirrored_ray_kernel.h"
 #include "gi/screen/nearest_kernel.h"
+#include "gi/screen/sheet_kernel.h"
 
 namespace plumb::screen {
 
@@ -26,10 +27,11 @@ struct CellsUniforms {
     float thickness;          // m
     float bias;               // m
     std::int32_t cells, levels;
-    std::int32_t number;      // of the view: 1 the camera's, then the lights' maps
+    std::int32_t number;      // of the view: 1 the camera's, then its layers, then the lights' maps
     std::int32_t padded;      // of `nearest`: NearestUniforms::padded
     std::int32_t width, height;
-    std::int32_t padding[3];
+    std::int32_t columns, rows;  // of a picture, where items are pixels of a sheet with drawn rays; 0: mirrored rays, one picture
+    std::int32_t padding;
 };
 static_assert(sizeof(CellsUniforms) == 144);
 
@@ -42,6 +44,7 @@ struct CellsInputsView {
     const float* map_normal;
     const float* nearest;       // as screen.nearest makes them
     const float* before;
+    const float* rays;
     float* hit;                 // out: as screen.reflect writes it
 };
 
@@ -190,14 +193,16 @@ PLUMB_INLINE vec4<F> cells(const CellsInputsView& in, index_t<F> px, index_t<F> 
     using I = index_t<F>;
     const CellsUniforms& u = in.u;
     const F zero(0.0f);
-    const I pixel = py * I(u.width) + px;
+    const I item = py * I(u.width) + px, pixel = pixel_in_sheet<F>(px, py, u.columns, u.rows, u.width);
     const vec3<F> p = xyz<F>(N::fetch4(in.position, pixel));      tap("p", p, "world, m");
     const vec3<F> n = xyz<F>(N::fetch4(in.normal, pixel));        tap("n", n, "unit normal of p");
-    const MirroredRay<F> ray = mirrored_ray<F>(p, n, from(u.eye, p), u.view.anchor, tap);
-    const vec4<F> none{zero, zero, zero, zero}, before = in.before ? N::fetch4(in.before, pixel) : none;
-    const mask_t<F> mirror = N::fetch4(in.mirror, pixel).w > zero, open = !(before.w == F(1.0f));
+    MirroredRay<F> ray = mirrored_ray<F>(p, n, from(u.eye, p), u.view.anchor, tap);
+    const vec4<F> none{zero, zero, zero, zero}, before = in.before ? N::fetch4(in.before, item) : none;
+    const mask_t<F> open = !(before.w == F(1.0f));
+    mask_t<F> starts = (ray.cosine < zero) & (N::fetch4(in.mirror, pixel).w > zero);
+    if (u.rows > 0) starts = take_drawn(in.rays ? N::fetch4(in.rays, item) : none, ray, tap);
     const Track<F> track = track_of(in, ray, tap);
-    const mask_t<F> looking = (ray.cosine < zero) & mirror & open & (track.first <= track.last);
+    const mask_t<F> looking = starts & open & (track.first <= track.last);
     return nearer_hit(before, walk<F>(in, ray, track, looking, tap), u.number, tap);
 }
 

@@ -1,9 +1,10 @@
 // What mirrors show (LRA 4.3.1, 6.3.1): the algorithm that mirror.comp mirrors line by line.
 //
-//     L_r = k f a L(q)         L(q): of the camera's hits the picture there; of the maps' (rho E_direct + M) / pi
-//     L   = L_0 + L_r          L_0: the picture without reflections
+//     L_r = k f a L(q) + k_s / R sum over R rays of w f a L(q)
+//     L(q): of the camera's hits the picture there; of the maps' (rho E_direct + M) / pi
+//     L   = L_0 + L_r                   L_0: the picture without reflections
 //
-// k: the mirror's reflectance; f: fades towards the picture's border; a = 1 / (1 + (t / d)^2), t the distance along the ray.
+// k: the mirror's reflectance, k_s: that of Phong's lobe, w: the ray's weight (lobe_kernel.h); f: fades towards the picture's border; a = 1 / (1 + (t / d)^2), t the distance along the ray.
 //
 // differs: the listing adds a light's flux, once a light, takes what is black for what was missed, and multiplies by the
 // receiver's own shadow. All lights light the hit here, it sends what it emits, and a mirror in the shadow is one.
@@ -19,19 +20,25 @@ struct MirrorUniforms {
     float fade;         // texels from the border within which hits of the camera fade; 0: none does
     float attenuation;  // 1 / d, 1/m; 0: a = 1
     std::int32_t width, height;
+    float share;         // 1 / R; without lobes 0
+    std::int32_t rays;   // R; 0: mirrors alone
+    std::int32_t across; // pictures beside each other in what is of rays
+    std::int32_t others; // 1: rays may have met what the camera does not see; 0: albedo, emission and direct are not read
     std::int32_t padding[3];
 };
-static_assert(sizeof(MirrorUniforms) == 32);
+static_assert(sizeof(MirrorUniforms) == 48);
 
-// Images are [height][width] rgba32f.
+// Images are [height][width] rgba32f, but hit, albedo, emission, direct and drawn, which are sheets of 1 + R such pictures.
 struct MirrorInputsView {
     MirrorUniforms u;
     const float* hit;         // as screen.reflect writes it
     const float* mirror;      // xyz reflectance
     const float* composed;    // L_0, W/(m2 sr)
-    const float* albedo;      // of what was met in a light's map: rho; null: nothing was
-    const float* emission;    // M, W/m2; null: 0
-    const float* direct;      // E_direct, W/m2; null: 0
+    const float* albedo;      // of what was met in another view: rho
+    const float* emission;    // M, W/m2
+    const float* direct;      // E_direct, W/m2
+    const float* lobe;        // xyz k_s; null: 0
+    const float* drawn;       // as screen.lobe writes it: w weight; read where R > 0
     float* reflection;        // out: xyz L_r, W/(m2 sr); w 1: something was met
     float* radiance;          // out: xyz L, W/(m2 sr)
 };
@@ -55,36 +62,62 @@ PLUMB_INLINE F fade_of(const MirrorUniforms& u, const vec4<F>& hit, Tap& tap) {
     return fade;
 }
 
+// What one ray of a pixel shows, w 1 where it met something. item: of the sheet; k: what its light is multiplied by.
 template <class F, class Tap>
-PLUMB_INLINE Mirrored<F> mirror(const MirrorInputsView& in, index_t<F> px, index_t<F> py, Tap& tap) {
+PLUMB_INLINE vec4<F> shown_by(const MirrorInputsView& in, index_t<F> item, index_t<F> pixel, const vec3<F>& k, Tap& tap) {
     using N = number<F>;
     using I = index_t<F>;
     const MirrorUniforms& u = in.u;
     const F zero(0.0f), one(1.0f), inv_pi(u.inv_pi);
-    const I pixel = py * I(u.width) + px;
-    const vec4<F> hit = N::fetch4(in.hit, pixel);                 tap("distance", hit.z, "t, m");
+    const vec4<F> hit = N::fetch4(in.hit, item);                  tap("distance", hit.z, "t, m");
     const I at_x = N::truncate_to_index(hit.x), at_y = N::truncate_to_index(hit.y), texel = at_y * I(u.width) + at_x;
     const mask_t<F> met = hit.w > zero;
     const mask_t<F> of_camera = (hit.w == one) & in_range(at_x, I(u.width)) & in_range(at_y, I(u.height));
     const vec3<F> shown = xyz<F>(N::fetch4(in.composed, select(of_camera, texel, pixel)));
     tap("shown", shown, "of the camera's hit: the picture there, W/(m2 sr)");
     const vec3<F> black{zero, zero, zero};
-    const vec3<F> rho = in.albedo ? xyz<F>(N::fetch4(in.albedo, pixel)) : black;
-    const vec3<F> m = in.emission ? xyz<F>(N::fetch4(in.emission, pixel)) : black;
-    const vec3<F> e = in.direct ? xyz<F>(N::fetch4(in.direct, pixel)) : black;
+    const vec3<F> rho = u.others != 0 ? xyz<F>(N::fetch4(in.albedo, item)) : black;
+    const vec3<F> m = u.others != 0 ? xyz<F>(N::fetch4(in.emission, item)) : black;
+    const vec3<F> e = u.others != 0 ? xyz<F>(N::fetch4(in.direct, item)) : black;
     const vec3<F> lit{(rho.x * e.x + m.x) * inv_pi, (rho.y * e.y + m.y) * inv_pi, (rho.z * e.z + m.z) * inv_pi};
-    tap("lit", lit, "of a map's hit: (rho E_direct + M) / pi, W/(m2 sr)");
+    tap("lit", lit, "of another view's hit: (rho E_direct + M) / pi, W/(m2 sr)");
     F factor = one;
     if (u.fade > 0.0f) factor = select(of_camera, fade_of(u, hit, tap), one);
     const F far = hit.z * F(u.attenuation);
     factor = factor * (one / (one + far * far));                  tap("factor", factor, "f a");
-    const vec3<F> k = xyz<F>(N::fetch4(in.mirror, pixel));        tap("mirror", k, "k");
+    tap("mirror", k, "k, or k_s w / R");
     const vec3<F> from = select3<F>(of_camera, shown, lit);
-    const vec3<F> l_r = select3<F>(met, vec3<F>{k.x * (factor * from.x), k.y * (factor * from.y), k.z * (factor * from.z)}, black);
-    tap("reflection", l_r, "L_r = k f a L(q), W/(m2 sr)");
+    const vec3<F> by = select3<F>(met, vec3<F>{k.x * (factor * from.x), k.y * (factor * from.y), k.z * (factor * from.z)}, black);
+    return vec4<F>(by, select(met, one, zero));
+}
+
+template <class F, class Tap>
+PLUMB_INLINE Mirrored<F> mirror(const MirrorInputsView& in, index_t<F> px, index_t<F> py, Tap& tap) {
+    using N = number<F>;
+    using I = index_t<F>;
+    const MirrorUniforms& u = in.u;
+    const F zero(0.0f);
+    const I pixel = py * I(u.width) + px;
+    vec3<F> k = xyz<F>(N::fetch4(in.mirror, pixel)), l_r{zero, zero, zero};
+    const vec3<F> k_s = in.lobe ? xyz<F>(N::fetch4(in.lobe, pixel)) : l_r;
+    F met = zero;
+    for (int j = 0; j <= u.rays; ++j) {
+        tap.sample(j);
+        const I x = px + I(j % u.across * u.width), y = py + I(j / u.across * u.height), item = y * I(u.across * u.width) + x;
+        if (j > 0) {
+            const F w = N::fetch(in.drawn, item * I(4) + I(3)), share = w * F(u.share);
+            tap("weight", w, "w");
+            k = {k_s.x * share, k_s.y * share, k_s.z * share};
+        }
+        const vec4<F> by = shown_by<F>(in, item, pixel, k, tap);
+        l_r = {l_r.x + by.x, l_r.y + by.y, l_r.z + by.z};
+        met = max(met, by.w);
+    }
+    tap.sample(-1);
+    tap("reflection", l_r, "L_r, W/(m2 sr)");
     const vec4<F> l_0 = N::fetch4(in.composed, pixel);
     const vec3<F> l{l_0.x + l_r.x, l_0.y + l_r.y, l_0.z + l_r.z}; tap("radiance", l, "L_0 + L_r, W/(m2 sr)");
-    return {vec4<F>(l_r, select(met, one, zero)), vec4<F>(l, l_0.w)};
+    return {vec4<F>(l_r, met), vec4<F>(l, l_0.w)};
 }
 
 struct MirrorKernel {

@@ -20,6 +20,12 @@ MirroredRay mirrored_ray(vec3 p, vec3 n, vec3 w, vec3 anchor) {
     return MirroredRay(p, n, r, from_anchor, cosine);
 }
 
+// Takes the ray that screen.lobe has drawn in place of the mirrored one. Returns whether there is one.
+bool take_drawn(vec4 drawn, inout MirroredRay ray) {
+    ray.r = drawn.xyz;                                            TAP(drawn, ray.r);
+    return drawn.w > 0.0;
+}
+
 // Whether the ray may meet the surface point q.
 bool may_be_met(MirroredRay ray, vec3 q, vec3 n_q, float bias) {
     precise vec3 to_q = q - ray.p;

@@ -35,6 +35,13 @@ PLUMB_INLINE MirroredRay<F> mirrored_ray(const vec3<F>& p, const vec3<F>& n, con
     return {p, n, r, from(anchor, p), cosine};
 }
 
+// Takes the ray that screen.lobe has drawn in place of the mirrored one. Returns whether there is one.
+template <class F, class Tap>
+PLUMB_INLINE mask_t<F> take_drawn(const vec4<F>& drawn, MirroredRay<F>& ray, Tap& tap) {
+    ray.r = xyz<F>(drawn);                                        tap("drawn", ray.r, "w_i, as screen.lobe has drawn it");
+    return drawn.w > F(0.0f);
+}
+
 // Whether the ray may meet the surface point q: it lies above the plane of p, and turns its front to the ray.
 template <class F, class Tap>
 PLUMB_INLINE mask_t<F> may_be_met(const MirroredRay<F>& ray, const vec3<F>& q, const vec3<F>& n_q, float bias, Tap& tap) {
@@ -69,7 +76,7 @@ PLUMB_INLINE vec4<F> nearer_hit(const vec4<F>& before, const Crossing<F>& c, std
     const vec4<F> hit{select(found, c.texel.x, before.x), select(found, c.texel.y, before.y), select(found, c.t, before.z),
                       select(found, F(float(number)), before.w)};
     tap("hit", vec3<F>{hit.x, hit.y, hit.z}, "texel; distance along the ray, m");
-    tap("view", hit.w, "in which it was found: 1 the camera's, then the lights' maps; 0: none");
+    tap("view", hit.w, "in which it was found: 1 the camera's, then its layers and the lights' maps; 0: none");
     return hit;
 }
 

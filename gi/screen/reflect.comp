@@ -19,6 +19,8 @@ layout(std140, binding = 0) uniform ReflectUniforms {
     int published;
     int width;
     int height;
+    int columns;
+    int rows;
 } u;
 layout(binding = 1) uniform sampler2D position_image;  // xyz world, m
 layout(binding = 2) uniform sampler2D normal_image;    // xyz unit; all 0: no surface
@@ -26,7 +28,8 @@ layout(binding = 3) uniform sampler2D mirror_image;    // w 0: no mirror
 layout(binding = 4) uniform sampler2D map_position;    // of the view: xyz world, m; w linear depth, m; 0: nothing
 layout(binding = 5) uniform sampler2D map_normal;      // of the view: xyz unit
 layout(binding = 6) uniform sampler2D before_image;    // what earlier views found
-layout(binding = 7, rgba32f) uniform writeonly image2D hit_image;
+layout(binding = 7) uniform sampler2D rays_image;      // as screen.lobe writes them
+layout(binding = 8, rgba32f) uniform writeonly image2D hit_image;
 
 struct Passed {
     ivec2 texel;
@@ -93,23 +96,25 @@ Crossing bisected(MirroredRay ray, Crossing c) {
     return c;
 }
 
-vec4 reflect_at(ivec2 pixel) {
+vec4 reflect_at(ivec2 item) {
+    ivec2 pixel = u.rows > 0 ? ivec2(item.x % u.columns, item.y % u.rows) : item;
     vec3 p = texelFetch(position_image, pixel, 0).xyz;            TAP(p, p);
     vec3 n = texelFetch(normal_image, pixel, 0).xyz;              TAP(n, n);
     precise vec3 to_p = p - u.eye.xyz;
     MirroredRay ray = mirrored_ray(p, n, u.published != 0 ? u.eye.xyz : to_p, u.view.anchor.xyz);
-    vec4 before = texelFetch(before_image, pixel, 0);
+    vec4 before = texelFetch(before_image, item, 0);
     precise float n2 = n.x * n.x + n.y * n.y + n.z * n.z;
     bool leaves = u.published != 0 ? n2 > 0.0 : ray.cosine < 0.0;
-    bool mirror = texelFetch(mirror_image, pixel, 0).w > 0.0;
-    Crossing c = bisected(ray, march(ray, leaves && mirror && before.w != 1.0));
+    bool starts = leaves && texelFetch(mirror_image, pixel, 0).w > 0.0;
+    if (u.rows > 0) starts = take_drawn(texelFetch(rays_image, item, 0), ray);
+    Crossing c = bisected(ray, march(ray, starts && before.w != 1.0));
     if (u.published == 0) c.found = c.found && c.behind <= u.thickness;
     return nearer_hit(before, c, u.number);
 }
 
 void main() {
-    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
-    if (pixel.x >= u.width || pixel.y >= u.height) return;
-    TAP_BEGIN(pixel, 0);
-    imageStore(hit_image, pixel, reflect_at(pixel));
+    ivec2 item = ivec2(gl_GlobalInvocationID.xy);
+    if (item.x >= u.width || item.y >= u.height) return;
+    TAP_BEGIN(item, 0);
+    imageStore(hit_image, item, reflect_at(item));
 }

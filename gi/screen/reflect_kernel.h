@@ -16,6 +16,7 @@
 #pragma once
 
 #include "gi/screen/mirrored_ray_kernel.h"
+#include "gi/screen/sheet_kernel.h"
 
 namespace plumb::screen {
 
@@ -27,21 +28,23 @@ struct ReflectUniforms {
     float thickness;          // m
     float bias;               // m
     std::int32_t steps, bisections;
-    std::int32_t number;      // of the view: 1 the camera's, then the lights' maps
+    std::int32_t number;      // of the view: 1 the camera's, then its layers, then the lights' maps
     std::int32_t published;
     std::int32_t width, height;
-    std::int32_t padding[3];
+    std::int32_t columns, rows;  // of a picture, where items are pixels of a sheet with drawn rays; 0: mirrored rays, one picture
+    std::int32_t padding;
 };
 static_assert(sizeof(ReflectUniforms) == 144);
 
 struct ReflectInputsView {
     ReflectUniforms u;
-    const float* position;      // [height][width] rgba32f: xyz world, m
-    const float* normal;        // [height][width] rgba32f: xyz unit; all 0: no surface
-    const float* mirror;        // [height][width] rgba32f: xyz reflectance; w 0: no mirror
+    const float* position;      // [height][width], or [rows][columns] rgba32f: xyz world, m
+    const float* normal;        // as large, rgba32f: xyz unit; all 0: no surface
+    const float* mirror;        // as large, rgba32f: xyz reflectance; w 0: no mirror
     const float* map_position;  // [view.height][view.width] rgba32f: xyz world, m; w linear depth, m; 0: nothing
     const float* map_normal;    // [view.height][view.width] rgba32f: xyz unit, towards the view
     const float* before;        // [height][width] rgba32f: what earlier views found; null: nothing
+    const float* rays;          // [height][width] rgba32f: as screen.lobe writes them, where rows > 0
     float* hit;                 // out: [height][width] rgba32f: xy texel, z distance along the ray, m; w the view's number; 0: none
 };
 
@@ -127,15 +130,17 @@ PLUMB_INLINE vec4<F> reflect(const ReflectInputsView& in, index_t<F> px, index_t
     using I = index_t<F>;
     const ReflectUniforms& u = in.u;
     const F zero(0.0f);
-    const I pixel = py * I(u.width) + px;
+    const I item = py * I(u.width) + px, pixel = pixel_in_sheet<F>(px, py, u.columns, u.rows, u.width);
     const vec3<F> p = xyz<F>(N::fetch4(in.position, pixel));      tap("p", p, "world, m");
     const vec3<F> n = xyz<F>(N::fetch4(in.normal, pixel));        tap("n", n, "unit normal of p");
     const vec3<F> eye{F(u.eye[0]), F(u.eye[1]), F(u.eye[2])}, to_p = from(u.eye, p);
-    const MirroredRay<F> ray = mirrored_ray<F>(p, n, u.published != 0 ? eye : to_p, u.view.anchor, tap);
-    const vec4<F> none{zero, zero, zero, zero}, before = in.before ? N::fetch4(in.before, pixel) : none;
+    MirroredRay<F> ray = mirrored_ray<F>(p, n, u.published != 0 ? eye : to_p, u.view.anchor, tap);
+    const vec4<F> none{zero, zero, zero, zero}, before = in.before ? N::fetch4(in.before, item) : none;
     const mask_t<F> leaves = u.published != 0 ? dot3(n, n) > zero : ray.cosine < zero;
-    const mask_t<F> mirror = N::fetch4(in.mirror, pixel).w > zero, open = !(before.w == F(1.0f));
-    Crossing<F> c = bisected(in, ray, march<F>(in, ray, leaves & mirror & open, tap), tap);
+    const mask_t<F> open = !(before.w == F(1.0f));
+    mask_t<F> starts = leaves & (N::fetch4(in.mirror, pixel).w > zero);
+    if (u.rows > 0) starts = take_drawn(in.rays ? N::fetch4(in.rays, item) : none, ray, tap);
+    Crossing<F> c = bisected(in, ray, march<F>(in, ray, starts & open, tap), tap);
     if (u.published == 0) c.found = c.found & (c.behind <= F(u.thickness));
     return nearer_hit(before, c, u.number, tap);
 }

@@ -1,5 +1,7 @@
 #include "gi/screen/reflect_params.h"
 
+#include <fmt/format.h>
+
 #include "core/error.h"
 
 namespace plumb::screen {
@@ -15,6 +17,13 @@ std::vector<Field> fields(ReflectParams& p) {
         {"views", as_int(p.views), "",
          "where rays are followed: in what the camera sees, or then also in the map of every light that shines (LRA 4.3.1)",
          0, 1, {"camera", "lights"}, false, {Role::curves, {0, 1}, "march", "steps"}},
+        {"layers", &p.layers, "",
+         "depth layers behind what the camera sees in which rays are followed, too (ISR chapter 6: depth peeling); ours", 0,
+         most_reflect_layers, {}, false, {Role::along, {0, 1, 2, 3}, "march", "steps"}},
+        {"lobe", as_int(p.lobe), "", "rough reflections: none, or rays of each pixel drawn from its material's Phong lobe; ours", 0, 1,
+         {"off", "phong"}, false},
+        {"rays", &p.rays, "", "of a pixel's lobe, of lobe = phong", 1, most_lobe_rays, {}, false,
+         {Role::along, {1, 4, 16, 64}, "lobe", "phong"}},
         {"step", &p.step, "m", "along the ray, of march = steps", 1e-6, 1e9, {}, false},
         {"steps", &p.steps, "", "at most, of march = steps", 1, most_march_steps, {}, false,
          {Role::along, {16, 32, 64, 128, 256}, "march", "steps"}},
@@ -38,6 +47,9 @@ void validate(const ReflectParams& params) {
     if (params.variant != ReflectVariant::published) return;
     if (params.march == March::hierarchical)
         throw InputError("reflect: variant = published with march = hierarchical: expected march = steps, of which LRA has a listing");
+    if (params.layers > 0)
+        throw InputError(fmt::format("reflect: variant = published with layers = {}: LRA has no such layers: expected 0", params.layers));
+    if (params.lobe != Lobe::off) throw InputError("reflect: variant = published with lobe = phong: LRA has mirrors alone: expected off");
     if (params.views == ReflectViews::lights)
         throw InputError("reflect: variant = published with views = lights: LRA's listing 6.3.1 compares world z with depths "
                          "of 0 to 1: expected views = camera");

@@ -11,14 +11,19 @@ namespace plumb::screen {
 enum class March : int { off, steps, hierarchical };
 enum class ReflectVariant : int { corrected, published };
 enum class ReflectViews : int { camera, lights };
+enum class Lobe : int { off, phong };
 
-inline constexpr int most_march_steps = 4096, most_bisections = 24, most_cells = 65536;
+inline constexpr int most_march_steps = 4096, most_bisections = 24, most_cells = 65536, most_reflect_layers = 7,
+                     most_lobe_rays = 64;
 
 // fields() says what each means.
 struct ReflectParams {
     March march = March::off;
     ReflectVariant variant = ReflectVariant::corrected;
     ReflectViews views = ReflectViews::camera;
+    int layers = 0;
+    Lobe lobe = Lobe::off;
+    int rays = 8;
     float step = 0.1f;
     int steps = 64;
     int bisections = 8;

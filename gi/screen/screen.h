@@ -15,6 +15,7 @@
 #include "gi/screen/blur.h"
 #include "gi/screen/cells.h"
 #include "gi/screen/horizon.h"
+#include "gi/screen/lobe.h"
 #include "gi/screen/mirror.h"
 #include "gi/screen/nearest.h"
 #include "gi/screen/occlude.h"

@@ -3,6 +3,7 @@
 #include "twins/gi.screen.blur.comp.h"
 #include "twins/gi.screen.cells.comp.h"
 #include "twins/gi.screen.horizon.comp.h"
+#include "twins/gi.screen.lobe.comp.h"
 #include "twins/gi.screen.mirror.comp.h"
 #include "twins/gi.screen.nearest.comp.h"
 #include "twins/gi.screen.occlude.comp.h"
@@ -22,6 +23,8 @@ template <>
 const StageBinding& stage<screen::OccludeKernel>() { return made<screen::OccludeKernel, twins::gi_screen_occlude_comp>(); }
 template <>
 const StageBinding& stage<screen::ReuseKernel>() { return made<screen::ReuseKernel, twins::gi_screen_reuse_comp>(); }
+template <>
+const StageBinding& stage<screen::LobeKernel>() { return made<screen::LobeKernel, twins::gi_screen_lobe_comp>(); }
 template <>
 const StageBinding& stage<screen::ReflectKernel>() { return made<screen::ReflectKernel, twins::gi_screen_reflect_comp>(); }
 template <>

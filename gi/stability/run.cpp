@@ -274,6 +274,9 @@ void look_at_reflections(const Case& c, Scene scene, frame::Settings settings, c
     look_beyond(c, scene, settings, base, effort, out);
     settings.reflect = {.march = March::steps, .variant = ReflectVariant::published, .steps = 32};
     look_beyond(c, scene, settings, base, effort, out);
+    for (Material& m : scene.materials) m.specular = 0.5f * m.mirror, m.mirror = 0.5f * m.mirror, m.exponent = 40;
+    settings.reflect = {.march = March::steps, .layers = 1, .lobe = Lobe::phong, .rays = 2, .steps = 32};
+    look_beyond(c, scene, settings, base, effort, out);
 }
 
 void run_frame(const Case& c, const Scene& scene, const Effort& effort, Writer& out) {

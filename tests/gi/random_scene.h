@@ -253,6 +253,8 @@ inline frame::Settings random_settings(std::uint32_t seed) {
         if (mirror.one_in(3)) p.fade = mirror.between(0, 0.5f), p.attenuation = mirror.between(0, 5);
         p.cells = 1 + mirror.below(100);
         if (p.march == screen::March::steps && p.views == screen::ReflectViews::camera && mirror.one_in(4)) p.variant = screen::ReflectVariant::published;
+        if (p.variant == screen::ReflectVariant::corrected && mirror.one_in(3)) p.layers = 1 + mirror.below(2);
+        if (p.variant == screen::ReflectVariant::corrected && mirror.one_in(3)) p.lobe = screen::Lobe::phong, p.rays = 1 + mirror.below(3);
     }
     if (t.rsm.gather == rsm::Gather::all_rays) return t;  // a truth is not filtered
     if (dice.one_in(3)) t.indirect.resolution = filter::Resolution::half;

@@ -106,6 +106,7 @@ const TappedTwin tapped_twins[] = {
     {"gi/screen/blur_kernel.h", {"gi/screen/blur.comp"}},
     {"gi/screen/occlude_kernel.h", {"gi/screen/occlude.comp"}},
     {"gi/screen/mirrored_ray_kernel.h", {"gi/screen/mirrored_ray.glsl"}},
+    {"gi/screen/lobe_kernel.h", {"gi/screen/lobe.comp"}},
     {"gi/screen/reflect_kernel.h", {"gi/screen/reflect.comp"}},
     {"gi/screen/nearest_kernel.h", {"gi/screen/nearest.comp"}},
     {"gi/screen/cells_kernel.h", {"gi/screen/cells.comp"}},

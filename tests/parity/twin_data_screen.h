@@ -111,9 +111,10 @@ inline StageData reuse_case(glm::ivec2 size, screen::ReuseClamp clamp, SawBefore
 struct MirrorRoom {
     Camera camera;
     View view;
-    Image4 position, normal, mirror;
+    Image4 position, normal, mirror, lobe;
 
-    explicit MirrorRoom(glm::ivec2 size) : position(size.x, size.y), normal(size.x, size.y), mirror(size.x, size.y) {
+    explicit MirrorRoom(glm::ivec2 size)
+        : position(size.x, size.y), normal(size.x, size.y), mirror(size.x, size.y), lobe(size.x, size.y) {
         camera.position = {0.3, 1.1, 2.4}, camera.look_at = {0.1, 0.45, -1}, camera.fov_y_deg = 50, camera.near = 0.05;
         view = make_view(camera, double(size.x) / size.y);
         struct Plane {
@@ -137,10 +138,22 @@ struct MirrorRoom {
                     position(x, y) = glm::vec4(glm::vec3(at), float(linear_depth(camera, at)));
                     normal(x, y) = glm::vec4(glm::normalize(glm::vec3(p.normal) + rough * bump), 1);
                     mirror(x, y) = (x + 3 * y) % 7 == 0 ? glm::vec4(0) : glm::vec4(0.25f + 0.5f * noise(x, y, 3, 91), 0.5f, 0.75f, 1);
+                    const float exponents[] = {0, 1, 8, 60, 1e3f, 1e6f};
+                    lobe(x, y) = (x + y) % 5 == 0 ? glm::vec4(0) : glm::vec4(0.2f, 0.3f * noise(x, y, 4, 91), 0, exponents[(2 * x + y) % 6]);
                 }
             }
     }
 };
+
+inline screen::LobeInputs lobes_of(const MirrorRoom& room) {
+    return {&room.position, &room.normal, &room.mirror, &room.lobe, room.camera.position, 11};
+}
+inline StageData lobe_case(glm::ivec2 size, int rays, const std::string& id) {
+    const MirrorRoom room(size);
+    screen::ReflectParams params;
+    params.lobe = screen::Lobe::phong, params.rays = rays;
+    return named(owned_data(screen::data_of(params, lobes_of(room))), id);
+}
 
 inline StageData reflect_case(glm::ivec2 size, screen::ReflectParams params, const std::string& id) {
     const MirrorRoom room(size);
@@ -203,6 +216,31 @@ inline StageData cells_map_case(glm::ivec2 size, LightType type, int face, const
     return cells_case(params, in, id);
 }
 
+// Rays of lobes in what the camera sees, and what pixels show by them.
+inline StageData rough_case(glm::ivec2 size, screen::March march, const std::string& id) {
+    const MirrorRoom room(size);
+    screen::ReflectParams params;
+    params.march = march, params.lobe = screen::Lobe::phong, params.rays = 2, params.steps = 24, params.bisections = 4;
+    Image4 rays;
+    screen::run(params, lobes_of(room), {}, rays);
+    screen::ReflectInputs in;
+    in.position = in.seen = &room.position, in.normal = in.seen_normal = &room.normal, in.mirror = &room.mirror;
+    in.eye = room.camera.position, in.view = room.view, in.rays = &rays;
+    if (march == screen::March::hierarchical) return cells_case(params, in, id);
+    return named(owned_data(screen::data_of(params, in)), id);
+}
+inline StageData rough_mirror_case(glm::ivec2 size, int rays, screen::ReflectParams params, const std::string& id) {
+    const MirrorRoom room(size);
+    params.lobe = screen::Lobe::phong, params.rays = rays;
+    Image4 drawn;
+    screen::run(params, lobes_of(room), {}, drawn);
+    const glm::ivec2 sheet = screen::sheet_of(size, 1 + rays);
+    const Image4 hits = hits_before(sheet), composed = noise_image(size, 93, 0, 20), albedo = noise_image(sheet, 94, 0, 1);
+    const Image4 emission = noise_image(sheet, 95, 0, 3), direct = noise_image(sheet, 96, 0, 40);
+    const screen::MirrorInputs in{&hits, &room.mirror, &composed, &albedo, &emission, &direct, &room.lobe, &drawn};
+    return named(owned_data(screen::data_of(params, in)), id);
+}
+
 inline StageData nearest_case(glm::ivec2 size, const std::string& id) {
     const MirrorRoom room(size);
     return named(owned_data(screen::data_of(screen::ReflectParams{}, screen::NearestInputs{&room.position})), id);
@@ -234,6 +272,12 @@ inline std::vector<StageData> reflect_cases(glm::ivec2 size) {
     printed.variant = ReflectVariant::published;
     fading.fade = 0.3f, fading.attenuation = 1.5f;
     return {
+        lobe_case(size, 1, "screen.lobe.one"),
+        lobe_case(size, 6, "screen.lobe"),
+        rough_case(size, March::steps, "screen.reflect.rough"),
+        rough_case(size, March::hierarchical, "screen.cells.rough"),
+        rough_mirror_case(size, 1, fading, "screen.mirror.rough.one"),
+        rough_mirror_case(size, 5, {}, "screen.mirror.rough"),
         reflect_case(size, {}, "screen.reflect"),
         reflect_case(size, fine, "screen.reflect.fine"),
         reflect_case(size, few, "screen.reflect.few"),

@@ -71,7 +71,8 @@ void add_stage(const std::string& name, double ms, LraTimes& times) {
         times.maps += ms;
     else if (name == "shadow" || name == "direct")
         times.direct += ms;
-    else if (name == "screen.reflect" || name == "screen.cells" || name == "screen.nearest" || name == "screen.mirror")
+    else if (name == "screen.lobe" || name == "screen.reflect" || name == "screen.cells" || name == "screen.nearest" ||
+             name == "screen.mirror")
         times.mirrors += ms;
     else if (name.starts_with("rsm.") || name == "screen.reuse")
         times.gather += ms;

@@ -128,11 +128,12 @@ void gloss(Scene& scene) {
     }
 }
 
-// For reflections: all surfaces mirror, but every third kind.
+// For reflections: all surfaces mirror, but every third kind, and have lobes from dull to sharp, but every fourth.
 void polish(Scene& scene) {
     for (std::size_t i = 0; i < scene.materials.size(); ++i) {
         Material& m = scene.materials[i];
         if (i % 3 != 2) m.mirror = 0.5f * (glm::vec3(1) - m.reflectance);
+        if (i % 4 != 3) m.specular = 0.25f * (glm::vec3(1) - m.reflectance), m.exponent = 2 + 15 * float(i % 5);
     }
 }
 
