@@ -216,9 +216,10 @@ void choose_nearest(std::span<const Image4> views, const RunOptions& options, Im
 void add_met(Context& c, int view, const std::vector<Asked>& asked, int first, Nodes& nodes) {
     PlannedNode node = begin_node(c, "surfaces in mirrors", "", "", 0, {});
     node.listed = false;
-    const int index = c.reflect_views++;
+    const bool maps = c.reflect_views - 1 > first;
+    const int index = maps ? c.reflect_views++ : first;
     auto hits = [=, &c]() -> Image4& { return c.frame.reflect.hits[std::size_t(index)]; };
-    auto views = [=, &c] { return std::span<const Image4>(c.frame.reflect.hits).subspan(std::size_t(first), std::size_t(index - first)); };
+    auto views = [=, &c] { return std::span<const Image4>(c.frame.reflect.hits).subspan(std::size_t(first), std::size_t(maps ? index - first : 1)); };
     auto known = [&c](const Asked& a) -> const raster::GBuffer& {
         return a.layer > 0 ? c.gbuffer(a.layer) : c.frame.reflect.seen[std::size_t(a.light)][std::size_t(a.map)];
     };
@@ -240,7 +241,8 @@ void add_met(Context& c, int view, const std::vector<Asked>& asked, int first, N
     node.outputs = [=, &c] {
         Bundle b;
         const raster::GBuffer& g = c.gbuffer(view);
-        lend(b, "hit", hits()), lend(b, "position", g.position), lend(b, "normal", g.normal), lend(b, "albedo", g.albedo), lend(b, "emission", g.emission);
+        if (maps) lend(b, "hit", hits());
+        lend(b, "position", g.position), lend(b, "normal", g.normal), lend(b, "albedo", g.albedo), lend(b, "emission", g.emission);
         lend(b, "id", {g.id.height, g.id.width, 2}, reinterpret_cast<const std::int32_t*>(g.id.data()));
         return b;
     };
@@ -254,7 +256,7 @@ void add_met(Context& c, int view, const std::vector<Asked>& asked, int first, N
         clear();
         raster::GBuffer& g = c.gbuffer(view);
         Image4& nearest = hits();
-        choose_nearest(views(), options, nearest);
+        if (maps) choose_nearest(views(), options, nearest);
         parallel_bands(nearest.height, 16, options, [&](int from, int to) {
             const std::size_t end = std::size_t(to) * nearest.width;
             for (std::size_t i = std::size_t(from) * nearest.width; i < end; ++i) {
@@ -274,7 +276,7 @@ void add_met(Context& c, int view, const std::vector<Asked>& asked, int first, N
     };
     node.leave_out = [=, &c] {
         clear();
-        hits() = c.frame.reflect.hits[std::size_t(first)];
+        if (maps) hits() = c.frame.reflect.hits[std::size_t(first)];
     };
     nodes.push_back(std::move(node));
 }
