@@ -27,6 +27,11 @@ class Dice {
         if (dot3(v, v) < 0.01f) v = {0, -1, 0};
         return normalize3<float>(v);
     }
+    // So far from the origin. One draw a statement: compilers order the operands of an expression as they like.
+    glm::vec3 away(float least, float most) {
+        const float distance = between(least, most);
+        return direction() * distance;
+    }
 
   private:
     std::int32_t seed_, next_ = 0;
@@ -114,10 +119,12 @@ inline void add_meshes(Dice& dice, Scene& s) {
         Mesh& mesh = s.meshes.emplace_back();
         const glm::vec3 at = dice.in_box({-1.5f, -0.8f, -1.5f}, {1.5f, 2, 1.5f});
         const float size = dice.between(0.1f, 0.6f);
-        if (dice.one_in(2))
-            add_ball(mesh, at, size, 3 + dice.below(3), dice.below(5));
+        const bool round = dice.one_in(2);
+        const int material = dice.below(5);
+        if (round)
+            add_ball(mesh, at, size, 3 + dice.below(3), material);
         else
-            add_box(mesh, at - glm::vec3(size), at + glm::vec3(size), dice.below(5));
+            add_box(mesh, at - glm::vec3(size), at + glm::vec3(size), material);
     }
     // The one material that always reflects is on one thing.
     if (things > 1) s.meshes.back().material.assign(s.meshes.back().triangles.size(), 0);
@@ -132,7 +139,7 @@ inline void add_lights(Dice& dice, Scene& s) {
         light.name = "light" + std::to_string(i);
         light.type = dice.one_in(2) ? LightType::spot : LightType(dice.below(3));
         const bool outside = dice.one_in(3);
-        light.position = outside ? dice.direction() * dice.between(5, 9) : dice.in_box({-1.8f, 0, -1.8f}, {1.8f, 2.8f, 1.8f});
+        light.position = outside ? dice.away(5, 9) : dice.in_box({-1.8f, 0, -1.8f}, {1.8f, 2.8f, 1.8f});
         const glm::vec3 outwards = normalize3<float>(light.position + glm::vec3(0.01f));
         light.direction = dice.one_in(3) ? outwards : dice.one_in(3) ? dice.direction() : -outwards;
         light.cone_outer_deg = dice.between(3, 80);
@@ -158,7 +165,7 @@ inline Scene random_scene(std::uint32_t seed) {
     add_meshes(dice, s);
     add_lights(dice, s);
     if (dice.one_in(2)) s.environment.radiance = dice.in_box(glm::vec3(0), glm::vec3(1));
-    s.camera.position = glm::dvec3(dice.direction() * dice.between(0.5f, 8));
+    s.camera.position = glm::dvec3(dice.away(0.5f, 8));
     s.camera.look_at = dice.one_in(6) ? s.camera.position * 2.0 : glm::dvec3(dice.in_box(glm::vec3(-1), glm::vec3(1)));
     s.camera.up = {0.1, 1, 0.2};  // along no line of sight
     s.camera.fov_y_deg = dice.between(20, 90);

@@ -41,7 +41,7 @@ struct Pinhole {
 
 Pinhole pinhole(test::Dice& dice, glm::ivec2 size) {
     Pinhole p{{}, size};
-    p.camera.position = glm::dvec3(dice.direction() * dice.between(4, 8));
+    p.camera.position = glm::dvec3(dice.away(4, 8));
     p.camera.look_at = glm::dvec3(dice.in_box(glm::vec3(-0.3f), glm::vec3(0.3f)));
     p.camera.up = {0.1, 1, 0.2};
     p.camera.fov_y_deg = dice.between(30, 60);

@@ -75,6 +75,7 @@ TEST_CASE("stability: no stage leaves its budget in any case, whatever the numbe
                                            "reference: furnace, offset 1e5", "reference: furnace, offset 1e6",
                                            "hemicube: hemicube without a normal",
                                            "texture_space: chart that is no number",
+                                           "screen.lobe: 16384 x 1",  // 1 + rays pictures side by side
                                            "probes.density: offset 1e7", "probes.supports: offset 1e7",
                                            "probes.share: offset 1e7", "probes.coefficients: offset 1e7", "probes.level: offset 1e7",
                                            "probes.radiance: offset 1e7", "probes.lambda: offset 1e7",
