@@ -4,6 +4,7 @@
 
 #include <span>
 
+#include "core/error.h"
 #include "core/parallel.h"
 #include "gi/frame/filters.h"
 #include "gi/frame/mirrors.h"
@@ -30,6 +31,8 @@ struct Asked {
     int light = -1, map = 0;
 };
 constexpr int camera_number = 1;
+// As of a frame: numbers of a sheet have indices of 32 bits.
+constexpr double most_sheet_pixels = 1 << 28;
 
 bool has_lobes(const Context& c) { return c.settings.reflect.lobe == screen::Lobe::phong; }
 
@@ -345,6 +348,10 @@ void add_mirror(Context& c, int view, Nodes& nodes) {
 void add_reflect(Context& c, Nodes& nodes) {
     if (!reflects(c.settings)) return;
     screen::validate(c.settings.reflect);
+    const glm::ivec2 all = sheet(c);
+    if (has_lobes(c) && double(all.x) * all.y > most_sheet_pixels)
+        throw InputError(fmt::format("reflect: rays = {} at {} x {}: a sheet of {:.0f} million pixels: expected at most {:.0f} million", c.settings.reflect.rays,
+                                     c.size.x, c.size.y, double(all.x) * all.y / 1e6, most_sheet_pixels / 1e6));
     add_mirrors(c, nodes);
     add_rays(c, nodes);
     add_march_of_camera(c, nodes);

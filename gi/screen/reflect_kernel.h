@@ -73,6 +73,12 @@ PLUMB_INLINE Passed<F> passed_at(const ReflectInputsView& in, const MirroredRay<
     return {place.texel, at, behind, place.inside, known};
 }
 
+template <class F, class Tap>
+PLUMB_INLINE mask_t<F> met_at(const ReflectInputsView& in, const MirroredRay<F>& ray, const Passed<F>& x, Tap& tap) {
+    using N = number<F>;
+    return may_be_met<F>(ray, xyz<F>(N::fetch4(in.map_position, x.at)), xyz<F>(N::fetch4(in.map_normal, x.at)), in.u.bias, tap);
+}
+
 // Algorithm 1, its outer loop.
 template <class F, class Tap>
 PLUMB_INLINE Crossing<F> march(const ReflectInputsView& in, const MirroredRay<F>& ray, mask_t<F> looking, Tap& tap) {
@@ -91,8 +97,7 @@ PLUMB_INLINE Crossing<F> march(const ReflectInputsView& in, const MirroredRay<F>
         if (u.published != 0)
             crossed = looking & behind & (ray.r.z * F(u.step) + x.behind < thickness);
         else if (any(crossed))
-            crossed = crossed & may_be_met<F>(ray, xyz<F>(N::fetch4(in.map_position, x.at)), xyz<F>(N::fetch4(in.map_normal, x.at)),
-                                              u.bias, tap);
+            crossed = crossed & met_at(in, ray, x, tap);
         tap("crossed", crossed, "b_{i-1} < 0 <= b_i <= thickness, and it may be met");
         take<F>(crossed, t, x.texel, x.behind, c);
         c.found = c.found | crossed;
@@ -105,7 +110,8 @@ PLUMB_INLINE Crossing<F> march(const ReflectInputsView& in, const MirroredRay<F>
     return c;
 }
 
-// Algorithm 1, its inner loop: the last point that lay behind.
+// Algorithm 1, its inner loop: the last point that lay behind what may be met. Without asking again, rays that leave p
+// beside what they meet would be halved back to the mirror itself.
 template <class F, class Tap>
 PLUMB_INLINE Crossing<F> bisected(const ReflectInputsView& in, const MirroredRay<F>& ray, Crossing<F> c, Tap& tap) {
     const ReflectUniforms& u = in.u;
@@ -117,6 +123,7 @@ PLUMB_INLINE Crossing<F> bisected(const ReflectInputsView& in, const MirroredRay
         t = select(behind, t - length, t + length);               tap("t", t, "m");
         const Passed<F> x = passed_at(in, ray, t, tap);
         behind = x.known & (x.behind >= F(0.0f));
+        if (u.published == 0 && any(behind)) behind = behind & met_at(in, ray, x, tap);
         const mask_t<F> taken = u.published != 0 ? c.found : c.found & behind;
         take<F>(taken, t, x.texel, x.behind, c);
     }

@@ -172,6 +172,35 @@ TEST_CASE("reflect: the truth of mirrors is what mirrored paths find", "[frame][
     }
 }
 
+// With contacts: the blocks' feet stand on the mirror, and a step that crosses beside them is halved back towards it.
+TEST_CASE("reflect: what is met rises above the mirror, faces the ray and is never the pixel itself", "[frame][reflect][LRA 4.2.4]") {
+    Scene scene = room();
+    scene.frame_size = {160, 130};
+    for (const March march : {March::steps, March::hierarchical}) {
+        CAPTURE(int(march));
+        frame::Settings settings = mirroring();
+        settings.reflect.march = march, settings.reflect.step = 0.1f;
+        const frame::Frame f = render(scene, settings);
+        int met = 0, itself = 0, backs = 0, low = 0;
+        for (int y = 0; y < scene.frame_size.y; ++y)
+            for (int x = 0; x < scene.frame_size.x; ++x) {
+                const glm::vec4 hit = f.reflect.hits.back()(x, y);
+                if (hit.w == 0) continue;
+                const glm::ivec2 at(int(hit.x), int(hit.y));
+                const glm::vec3 p(f.gbuffer.position(x, y)), n(f.gbuffer.normal(x, y)), q(f.gbuffer.position(at.x, at.y)), n_q(f.gbuffer.normal(at.x, at.y));
+                const glm::vec3 v = p - glm::vec3(scene.camera.position), r = v - n * (2 * (n.x * v.x + n.y * v.y + n.z * v.z)), d = q - p;
+                ++met;
+                itself += at == glm::ivec2(x, y);
+                backs += n_q.x * r.x + n_q.y * r.y + n_q.z * r.z >= 0;
+                low += n.x * d.x + n.y * d.y + n.z * d.z < 0.999f * settings.reflect.bias;
+            }
+        CHECK(met > 1000);
+        CHECK(itself == 0);
+        CHECK(backs == 0);
+        CHECK(low == 0);
+    }
+}
+
 TEST_CASE("reflect: rays that the camera loses are followed in every map, and lit by all lights", "[frame][reflect][LRA 4.3.1]") {
     Scene scene = room();
     scene.frame_size = {96, 78};
@@ -187,7 +216,7 @@ TEST_CASE("reflect: rays that the camera loses are followed in every map, and li
     const frame::Frame f = render(scene, settings), own = render(scene, mirroring());
     CHECK(f.reflect.hits.size() == 10);  // of the camera, of eight maps, and the nearest of them
     CHECK(same(f.reflect.hits.front(), own.reflect.hits.front()));
-    int more = 0;
+    int more = 0, in_two = 0;
     const frame::SourceView& met = f.views.back();
     for (std::size_t i = 0; i < f.radiance.size(); ++i) {
         const glm::vec4 hit = f.reflect.hits.back().texels[i], of_camera = own.reflect.hits.back().texels[i];
@@ -196,6 +225,13 @@ TEST_CASE("reflect: rays that the camera loses are followed in every map, and li
             continue;
         }
         CHECK(hit.w != 1);
+        // Of the maps the nearest stands.
+        for (std::size_t m = 1; m + 1 < f.reflect.hits.size(); ++m) {
+            const glm::vec4 of_map = f.reflect.hits[m].texels[i];
+            if (of_map.w == 0) continue;
+            CHECK((hit.w > 0 && hit.z <= of_map.z));
+            in_two += of_map.w != hit.w && of_map.z != hit.z;
+        }
         if (hit.w == 0) continue;
         ++more;
         for (int c = 0; c < 3; ++c) {
@@ -204,6 +240,7 @@ TEST_CASE("reflect: rays that the camera loses are followed in every map, and li
         }
     }
     CHECK(more > 300);
+    CHECK(in_two > 30);
     const frame::MirrorClasses alone = classes_of(scene, mirroring(), own), all = classes_of(scene, settings, f);
     std::string counts;
     for (int i = 1; i < frame::mirror_classes; ++i) counts += std::string(frame::name_of(MirrorClass(i))) + " " + std::to_string(all.count[std::size_t(i)]) + ", ";

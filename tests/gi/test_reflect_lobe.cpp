@@ -312,6 +312,11 @@ TEST_CASE("reflect: what lobes are not asked of", "[frame][reflect][lobe][input]
     frame::Settings settings = rough(4);
     settings.reflect.variant = screen::ReflectVariant::published;
     CHECK_THROWS_WITH(frame::plan(before_wall(glm::vec3(0), glm::vec3(0.5f), 9), settings), Catch::Contains("lobe = phong"));
+    // 3840 x 2160 x 81 numbers of four do not have indices.
+    settings = rough(64);
+    Scene large = before_wall(glm::vec3(0), glm::vec3(0.5f), 9);
+    large.frame_size = {3840, 2160};
+    CHECK_THROWS_WITH(frame::plan(large, settings), "reflect: rays = 64 at 3840 x 2160: a sheet of 597 million pixels: expected at most 268 million");
     // Without a lobe and a mirror nothing runs; with the lobe off a lobe is none.
     settings = rough(4);
     for (const frame::StageRun& s : render(before_wall(glm::vec3(0), glm::vec3(0), 9), settings).stages)

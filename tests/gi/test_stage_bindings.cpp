@@ -159,10 +159,11 @@ TEST_CASE("stage bindings: every slot has the twin's number, name, kind and form
         CHECK(lines_of(b.outputs).size() + (b.raster ? 1 : 0) == b.outputs.size());
         if (b.raster) CHECK(kind_text(b.outputs.back()) == "depth f32 1");
 
-        // A light's maps, buffers, blocks of texels and the last frame have sizes of their own; those of image-space radiosity and of
-        // octahedral tiles are checked when they are bound.
+        // A light's maps, buffers, blocks of texels and the last frame have sizes of their own; those of image-space radiosity, of octahedral
+        // tiles and of what is read beside a sheet of rays are checked when they are bound.
+        const std::set<std::string> checked = {"ddgi.sample", "screen.lobe", "screen.reflect", "screen.cells", "screen.mirror"};
         for (const Slot& s : b.inputs)
-            if (!b.info.name.starts_with("isr.") && b.info.name != "ddgi.sample") CHECK(s.frame == !(s.kind == SlotKind::buffer || s.name.starts_with("rsm_") || s.name.starts_with("map_") ||
+            if (!b.info.name.starts_with("isr.") && checked.count(b.info.name) == 0) CHECK(s.frame == !(s.kind == SlotKind::buffer || s.name.starts_with("rsm_") || s.name.starts_with("map_") ||
                                s.name.starts_with("coarse_") || s.name.starts_with("last_") ||
                                   s.name.starts_with("vertex_") || s.name == "full" || s.name == "lightmap" || s.name == "nearest"));
         for (const Slot& s : b.outputs) CHECK(s.frame);
