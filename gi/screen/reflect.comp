@@ -51,10 +51,10 @@ Passed passed_at(MirroredRay ray, float t) {
     return Passed(place.texel, behind, place.inside, place.inside && q.w > 0.0);
 }
 
-bool met_at(MirroredRay ray, Passed x) {
+bool met_at(MirroredRay ray, Passed x, float bias) {
     vec3 q = texelFetch(map_position, x.texel, 0).xyz;
     vec3 n_q = texelFetch(map_normal, x.texel, 0).xyz;
-    return may_be_met(ray, q, n_q, u.bias);
+    return may_be_met(ray, q, n_q, bias);
 }
 
 Crossing march(MirroredRay ray, bool looking) {
@@ -71,7 +71,7 @@ Crossing march(MirroredRay ray, bool looking) {
             precise float printed = ray.r.z * u.step + x.behind;
             crossed = behind && printed < u.thickness;
         } else if (crossed) {
-            crossed = met_at(ray, x);
+            crossed = met_at(ray, x, u.bias);
         }
         TAP(crossed, crossed);
         if (crossed) c = Crossing(t, x.texel, x.behind, true);
@@ -94,7 +94,7 @@ Crossing bisected(MirroredRay ray, Crossing c) {
         t = behind ? t - length : t + length;                     TAP(t, t);
         Passed x = passed_at(ray, t);
         behind = x.known && x.behind >= 0.0;
-        if (u.published == 0 && behind) behind = met_at(ray, x);
+        if (u.published == 0 && behind) behind = met_at(ray, x, 0.0);
         if (u.published != 0 || behind) c = Crossing(t, x.texel, x.behind, true);
     }
     TAP_SAMPLE(-1);

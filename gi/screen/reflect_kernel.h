@@ -74,9 +74,9 @@ PLUMB_INLINE Passed<F> passed_at(const ReflectInputsView& in, const MirroredRay<
 }
 
 template <class F, class Tap>
-PLUMB_INLINE mask_t<F> met_at(const ReflectInputsView& in, const MirroredRay<F>& ray, const Passed<F>& x, Tap& tap) {
+PLUMB_INLINE mask_t<F> met_at(const ReflectInputsView& in, const MirroredRay<F>& ray, const Passed<F>& x, float bias, Tap& tap) {
     using N = number<F>;
-    return may_be_met<F>(ray, xyz<F>(N::fetch4(in.map_position, x.at)), xyz<F>(N::fetch4(in.map_normal, x.at)), in.u.bias, tap);
+    return may_be_met<F>(ray, xyz<F>(N::fetch4(in.map_position, x.at)), xyz<F>(N::fetch4(in.map_normal, x.at)), bias, tap);
 }
 
 // Algorithm 1, its outer loop.
@@ -97,7 +97,7 @@ PLUMB_INLINE Crossing<F> march(const ReflectInputsView& in, const MirroredRay<F>
         if (u.published != 0)
             crossed = looking & behind & (ray.r.z * F(u.step) + x.behind < thickness);
         else if (any(crossed))
-            crossed = crossed & met_at(in, ray, x, tap);
+            crossed = crossed & met_at(in, ray, x, u.bias, tap);
         tap("crossed", crossed, "b_{i-1} < 0 <= b_i <= thickness, and it may be met");
         take<F>(crossed, t, x.texel, x.behind, c);
         c.found = c.found | crossed;
@@ -110,8 +110,8 @@ PLUMB_INLINE Crossing<F> march(const ReflectInputsView& in, const MirroredRay<F>
     return c;
 }
 
-// Algorithm 1, its inner loop: the last point that lay behind what may be met. Without asking again, rays that leave p
-// beside what they meet would be halved back to the mirror itself.
+// Algorithm 1, its inner loop: the last point that lay behind what may be met, at any height above the mirror once a step
+// has met it. Without asking again, rays that leave p beside what they meet would be halved back to the mirror itself.
 template <class F, class Tap>
 PLUMB_INLINE Crossing<F> bisected(const ReflectInputsView& in, const MirroredRay<F>& ray, Crossing<F> c, Tap& tap) {
     const ReflectUniforms& u = in.u;
@@ -123,7 +123,7 @@ PLUMB_INLINE Crossing<F> bisected(const ReflectInputsView& in, const MirroredRay
         t = select(behind, t - length, t + length);               tap("t", t, "m");
         const Passed<F> x = passed_at(in, ray, t, tap);
         behind = x.known & (x.behind >= F(0.0f));
-        if (u.published == 0 && any(behind)) behind = behind & met_at(in, ray, x, tap);
+        if (u.published == 0 && any(behind)) behind = behind & met_at(in, ray, x, 0.0f, tap);
         const mask_t<F> taken = u.published != 0 ? c.found : c.found & behind;
         take<F>(taken, t, x.texel, x.behind, c);
     }
