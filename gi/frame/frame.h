@@ -171,7 +171,7 @@ struct AoBuffers {
 struct ReflectBuffers {
     Image4 mirror;                // xyz reflectance of the perfect mirror that a pixel sees; 0: none
     Image4 lobe;                  // of Phong's lobe that it sees: xyz reflectance, w exponent; 0: none
-    Image4 rays;                  // of lobes: pictures of xyz direction and w weight, a ray each, one below the other
+    Image4 rays;                  // of lobes: a sheet (gi/screen/sheet.h) of pictures of xyz direction and w weight, a ray each
     std::vector<Image4> nearest;  // of each view that is marched by cells: the least depths of its blocks
     std::vector<Image4> hits;     // after the camera, each layer and each light's map: texel, distance, view
     std::vector<std::vector<raster::GBuffer>> seen;  // [lights][maps]: what else is known of a map's texels
