@@ -304,8 +304,9 @@ int add_behind(Context& c, Nodes& nodes) {
         }
     }
     add_met(c, view, asked, first, nodes);
-    for (int l = 0; l < int(c.lights.size()) && casts_shadows(c.settings); ++l) add_shadow(c, l, view, nodes);
-    add_direct(c, view, nodes);
+    const auto light_met = [&](const std::string& work) { nodes.back().work = work, nodes.back().plan.reason = "lights what mirrors show"; };
+    for (int l = 0; l < int(c.lights.size()) && casts_shadows(c.settings); ++l) add_shadow(c, l, view, nodes), light_met("reflect shadow");
+    add_direct(c, view, nodes), light_met("reflect direct");
     return view;
 }
 

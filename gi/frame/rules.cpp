@@ -49,7 +49,7 @@ bool light_misses(const PlanFacts& known, const Work& work) {
 
 // The density of a scene that its lights miss is 1; without a light that shines it is 0.
 bool no_light(const PlanFacts& known, const Work& work) {
-    const bool density = work.stage == "direct" && reads_density(known.settings);
+    const bool density = (work.stage == "direct" || work.stage == "reflect direct") && reads_density(known.settings);
     for (int l = 0; l < int(known.shines.size()); ++l) {
         const Work of{work.stage, work.part, l};
         if (known.shines[std::size_t(l)] || (density && !light_off(known, of) && !light_black(known, of))) return false;
@@ -210,19 +210,19 @@ bool Rule::speaks_of(const Work& work) const {
 }
 
 const std::vector<Rule>& rules() {
-    static const std::vector<std::string> of_light = {"rsm", "shadow", "gather"};
+    static const std::vector<std::string> of_light = {"rsm", "shadow", "gather", "reflect shadow"};
     static const std::vector<std::string> of_view = {"camera",      "rsm",            "shadow", "gather",  "direct",
                                                      "truth.direct", "truth.indirect", "isr",    "isr access", "probes",
                                                      "relief",       "probes shadow", "radiosity", "zbuffer", "ao",  "ao light",
-                                                     "truth.ao", "truth.reflection", "reflect", "reflect light"};
+                                                     "truth.ao", "truth.reflection", "reflect", "reflect light", "reflect shadow", "reflect direct"};
     static const std::vector<std::string> of_screen = {"rsm",    "shadow", "gather",   "filter",
                                                        "direct", "isr",    "isr access", "isr lit", "zbuffer", "ao", "ao light",
-                                                       "reflect", "reflect light"};
+                                                       "reflect", "reflect light", "reflect shadow", "reflect direct"};
     static const std::vector<Rule> all = {
         {"scene-empty", of_view, "", "the scene is empty", scene_empty},
         {"light-off", of_light, "", "the light is off", light_off},
         {"light-black", of_light, "", "the light is black", light_black},
-        {"light-misses", {"rsm", "shadow", "gather", "ao light", "reflect light"}, "", "the light misses everything that is drawn", light_misses},
+        {"light-misses", {"rsm", "shadow", "gather", "ao light", "reflect light", "reflect shadow"}, "", "the light misses everything that is drawn", light_misses},
         {"paths-instead", {"rsm", "shadow", "direct", "compose"}, "", "paths are traced instead", paths_instead},
         {"camera-blind", of_view, "", "the camera sees nothing of the scene", camera_blind},
         {"no-radiance", {"probes", "probes shadow", "radiosity"}, "", "nothing sends light", no_radiance},
@@ -230,10 +230,10 @@ const std::vector<Rule>& rules() {
         {"relief-off", {"relief"}, "", "probes.relief is off", relief_off},
         {"no-relief", {"relief"}, "", "nothing has a highlight, and nothing static a normal map", no_relief},
         {"relief-unknown", {"relief"}, "", "static normal maps ask spatial receivers, of which there are none", relief_unknown},
-        {"no-light", {"direct", "truth.direct", "truth.indirect"}, "", "no light shines on the scene", no_light},
+        {"no-light", {"direct", "truth.direct", "truth.indirect", "reflect direct"}, "", "no light shines on the scene", no_light},
         {"nothing-reflects", {"gather", "truth.indirect", "isr", "isr access"}, "", "nothing reflects", nothing_reflects},
         {"reflectors-missed", {"gather"}, "", "nothing that the light may meet reflects", reflectors_missed},
-        {"no-mirror", {"reflect", "reflect light", "truth.reflection"}, "", "nothing mirrors", no_mirror},
+        {"no-mirror", {"reflect", "reflect light", "reflect shadow", "reflect direct", "truth.reflection"}, "", "nothing mirrors", no_mirror},
         {"no-radiosity", {"isr"}, "", "nothing sends light", no_radiosity},
         {"isr-unseen", {"isr"}, "", "k_isr is 0: indirect light is not shown", isr_unseen},
         {"access-unread", {"isr access"}, "", "nothing reads how open a point is", access_unread},

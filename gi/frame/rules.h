@@ -46,7 +46,8 @@ struct RunFacts {
 
 struct Work {
     std::string stage;  // a kind of work: "camera" (what it sees), "rsm", "shadow", "gather", "filter", "direct", "compose",
-                        // "truth.direct", "truth.indirect", "truth.ao", "truth.reflection", "ao", "ao light" (from its maps), "reflect", "reflect light" (in its maps); of method isr "isr" (radiosity and gathers), "isr access",
+                        // "truth.direct", "truth.indirect", "truth.ao", "truth.reflection", "ao", "ao light" (from its maps), "reflect",
+                        // "reflect light" (in its maps), "reflect shadow", "reflect direct" (on what was met behind the picture); of method isr "isr" (radiosity and gathers), "isr access",
                         // "isr lit" (what both go through) and "isr view" (what other cameras see); "probes" (the lightmap
                          // and what reads it), "relief" (normal maps and highlights), "probes shadow" (what dynamic meshes hide)
     std::string part;   // empty: all of it; else "albedo", "emission", "light" of a map, "face", "tile", "mesh": spatial receivers near it

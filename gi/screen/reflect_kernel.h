@@ -82,7 +82,6 @@ PLUMB_INLINE mask_t<F> met_at(const ReflectInputsView& in, const MirroredRay<F>&
 // Algorithm 1, its outer loop.
 template <class F, class Tap>
 PLUMB_INLINE Crossing<F> march(const ReflectInputsView& in, const MirroredRay<F>& ray, mask_t<F> looking, Tap& tap) {
-    using N = number<F>;
     const ReflectUniforms& u = in.u;
     const F zero(0.0f), thickness(u.thickness);
     const mask_t<F> nowhere = looking & !looking;

@@ -258,7 +258,57 @@ TEST_CASE("reflect: rays that the camera loses are followed in every map, and li
     const frame::Frame none = render(scene, settings);
     CHECK(same(none.radiance, none.reflect.composed));
     for (const frame::StageRun& s : none.stages)
-        if (s.label.starts_with("screen.")) CHECK(s.rule == "no-mirror");
+        if (s.label.starts_with("screen.") || s.label.find("mirrored)") != std::string::npos) CHECK_FALSE(s.needed);
+    for (const frame::StageRun& s : none.stages)
+        if (s.label == "screen.mirror" || s.label == "shadow (bulb, mirrored)" || s.label == "direct (mirrored)") CHECK(s.rule == "no-mirror");
+    CHECK(has(frame::plan(scene, settings), "shadow (bulb, mirrored)"));
+}
+
+TEST_CASE("reflect: right is the same triangle and at most a texel off", "[frame][reflect][truth]") {
+    Scene scene = room();
+    scene.frame_size = {96, 78};
+    const frame::Settings settings = mirroring();
+    const frame::Frame f = render(scene, settings);
+    const frame::MirrorClasses before = classes_of(scene, settings, f);
+    // All hits moved by so many texels at once; `same`: where the texel shows the triangle that was met. Those that were right.
+    struct Moved {
+        int same = 0, right = 0, others = 0, right_others = 0, elsewhere = 0;
+    };
+    const auto moved = [&](glm::ivec2 by) {
+        frame::Frame other = f;
+        std::vector<glm::ivec2> pixels;
+        for (int y = 0; y < 78; ++y)
+            for (int x = 0; x < 96; ++x) {
+                glm::vec4& hit = other.reflect.hits.back()(x, y);
+                const glm::ivec2 to = glm::ivec2(int(hit.x), int(hit.y)) + by;
+                if (hit.w == 0 || before.of_pixel(x, y) != float(MirrorClass::right) || to.x < 0 || to.y < 0 || to.x >= 96 || to.y >= 78) continue;
+                hit.x += float(by.x), hit.y += float(by.y);
+                pixels.push_back({x, y});
+            }
+        const frame::MirrorClasses after = classes_of(scene, settings, other);
+        Moved m;
+        for (const glm::ivec2 p : pixels) {
+            const glm::vec4 hit = other.reflect.hits.back()(p.x, p.y), was = f.reflect.hits.back()(p.x, p.y);
+            const bool is_same = f.gbuffer.id(int(hit.x), int(hit.y)) == f.gbuffer.id(int(was.x), int(was.y)), right = after.of_pixel(p.x, p.y) == float(MirrorClass::right);
+            ++(is_same ? m.same : m.others), (is_same ? m.right : m.right_others) += right;
+            m.elsewhere += !right && after.of_pixel(p.x, p.y) != float(MirrorClass::wrong);
+        }
+        return m;
+    };
+    for (const glm::ivec2 axis : {glm::ivec2(1, 0), glm::ivec2(0, 1)}) {
+        CAPTURE(axis.x);
+        // A hit is where the ray meets it, or a texel to one side of that: a texel more to this side is right for some at least, two
+        // to a side for those alone that were off to the other one, three for none.
+        const Moved one = moved(axis), three = moved(3 * axis), back = moved(-3 * axis);
+        CHECK(one.same > 600);
+        CHECK(one.right > one.same / 2);
+        CHECK(one.others > 10);
+        CHECK(one.right_others == 0);
+        CHECK(three.right + three.right_others + back.right + back.right_others == 0);
+        CHECK(one.elsewhere + three.elsewhere + back.elsewhere == 0);
+        const Moved two = moved(2 * axis);
+        CHECK(two.right < two.same / 4);
+    }
 }
 
 TEST_CASE("reflect: every parameter that changes a stage's result changes its key", "[frame][reflect][keys]") {

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/hash.h"
+#include "gi/frame/kept.h"
 #include "gi/frame/reflect_classes.h"
 #include "gi/reference/bsdf_kernel.h"
 #include "gi/screen/screen.h"
@@ -306,6 +307,28 @@ TEST_CASE("reflect: what a pixel shows is the sum over its rays, in every view",
             differ += other.reflect.rays(x + 48, y) != f.reflect.rays(x + 48, y);
         }
     CHECK(differ > 200);
+}
+
+TEST_CASE("reflect: frames that keep what they made draw another lobe where its material is another", "[frame][reflect][lobe][keys]") {
+    Scene scene = before_wall(glm::vec3(0), glm::vec3(0.5f), 9);
+    const frame::Settings settings = rough(4);
+    frame::KeptStages kept;
+    const auto shown = [&] { return frame::execute(scene, settings, frame::plan(scene, settings), {}, kept).reflect.reflection; };
+    const Image4 first = shown();
+    Material* rough_one = nullptr;
+    for (Material& m : scene.materials)
+        if (m.specular != glm::vec3(0)) rough_one = &m;
+    REQUIRE(rough_one);
+    rough_one->exponent = 40;
+    const Image4 narrow = shown();
+    CHECK(same(narrow, render(scene, settings).reflect.reflection));
+    CHECK_FALSE(same(narrow, first));
+    rough_one->specular = glm::vec3(0.25f);
+    const Image4 dark = shown();
+    CHECK(same(dark, render(scene, settings).reflect.reflection));
+    CHECK_FALSE(same(dark, narrow));
+    rough_one->mirror = glm::vec3(0.5f);
+    CHECK(same(shown(), render(scene, settings).reflect.reflection));
 }
 
 TEST_CASE("reflect: what lobes are not asked of", "[frame][reflect][lobe][input]") {

@@ -41,11 +41,11 @@ TEST_CASE("experiment screen: what is paid for is gained, on a scene with mirror
     CHECK(files_in(out) == Words{"screen.csv", "screen.html", "screen.json", "screen.txt"});
     const Json j = Json::parse(read(out + "/screen.json"));
     REQUIRE(j["scenes"].size() == 2);
-    CHECK(j["scenes"][0]["sheets"].size() == 3);
+    CHECK(j["scenes"][0]["sheets"].size() == 4);
     CHECK(j["scenes"][1]["sheets"].size() == 2);  // nothing mirrors
 
     const Json ao = sheet_of(j, "cornell", "ambient occlusion");
-    CHECK(ao["rows"].size() == 6 + 6 + 2 + 2 + 2 + 4 + 4);
+    CHECK(ao["rows"].size() == 6 + 6 + 4 + 2 + 2 + 2 + 5 + 4 + 4 + 4 + 4 + 4 + 5 + 4);
     const std::vector<Json> horizons = curve_of(ao, "horizons, 4 slices"), ssao = curve_of(ao, "ssao, camera");
     CHECK(horizons.front()["mean error"] > horizons.back()["mean error"]);
     CHECK(ssao.back()["mean error"] > horizons.back()["mean error"]);  // its bias stays
@@ -53,12 +53,17 @@ TEST_CASE("experiment screen: what is paid for is gained, on a scene with mirror
         CHECK(row["mean error"] > 0);
         CHECK(row["mean error"] <= row["rms"]);
         CHECK(row["rms"] < 0.5);
+        CHECK(row["ms, first quartile"] <= row["ms"]);
+        CHECK(row["ms"] <= row["ms, third quartile"]);
     }
+    // Each radius has its own truth: of a smaller ball more is open, and both err less.
+    const std::vector<Json> radius = curve_of(ao, "ssao, camera: radius");
+    CHECK(radius[0]["mean error"] < 0.5 * double(radius[3]["mean error"]));
 
     const Json mirrors = sheet_of(j, "cornell_mirror", "reflections");
     for (const Json& row : mirrors["rows"]) {
         double sum = 0;
-        for (const char* of : {"right", "wrong", "missed", "right in map", "wrong in map", "missed in map", "unseen", "open"}) sum += double(row[of]);
+        for (const char* of : {"right", "wrong", "missed", "right in map", "wrong in map", "missed in map", "right in layer", "wrong in layer", "missed in layer", "unseen", "open"}) sum += double(row[of]);
         CHECK(sum == Approx(100).margin(1e-6));
     }
     const std::vector<Json> steps = curve_of(mirrors, "steps, camera"), lights = curve_of(mirrors, "steps, camera and lights"), halvings = curve_of(mirrors, "64 steps, halvings");
@@ -67,6 +72,13 @@ TEST_CASE("experiment screen: what is paid for is gained, on a scene with mirror
     CHECK(lights[2]["right in map"] > 0);
     CHECK(lights[2]["unseen"] < steps[2]["unseen"]);
     CHECK(halvings[0]["right"] < halvings[3]["right"]);
+    const std::vector<Json> layers = curve_of(mirrors, "texel to texel, camera, thin, layers"), eye = curve_of(mirrors, "64 steps, attenuation, for the eye");
+    CHECK(double(layers[0]["right in layer"]) + double(layers[0]["wrong in layer"]) > 0);
+    CHECK(eye[0]["bias"] < eye[2]["bias"]);  // half is left at 1 m, at 16 m
+    const Json rough = sheet_of(j, "cornell_mirror", "rough reflections");
+    const std::vector<Json> rays = curve_of(rough, "steps, camera and lights");
+    CHECK(rays[0]["rms"] > rays[2]["rms"]);
+    CHECK(rays[2]["rms"] > rays[2]["mean error"]);
 
     const Json reuse = sheet_of(j, "cornell", "gathered light of frames before");
     const std::vector<Json> one = curve_of(reuse, "one frame"), shared = curve_of(reuse, "25 samples a frame");
@@ -74,6 +86,10 @@ TEST_CASE("experiment screen: what is paid for is gained, on a scene with mirror
     CHECK(shared.front()["at"] == 1);
     CHECK(shared[0]["rms"] == Approx(double(one[0]["rms"])).epsilon(0.3));  // a mean of one, turned otherwise
     CHECK(shared[2]["rms"] < 0.7 * double(shared[0]["rms"]));
+    // A camera that moves, up to the same picture: most of what was seen before is found again, and nothing where no plane is near.
+    const std::vector<Json> moving = curve_of(reuse, "25 samples a frame, moving"), planes = curve_of(reuse, "25 samples of 16 frames, moving: sigma of depths");
+    CHECK(moving[1]["rms"] < 0.8 * double(shared[0]["rms"]));
+    CHECK(planes[2]["rms"] == moving[1]["rms"]);  // of the default, 0.02
 }
 
 TEST_CASE("experiment screen: what is refused, and nothing written", "[program]") {

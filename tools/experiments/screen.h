@@ -1,5 +1,5 @@
 // plumb experiment screen: what the settings of gi/screen cost and what they err by: ambient occlusion and reflections against rays,
-// gathered light that frames share against many samples. A curve a choice, along the setting that buys accuracy.
+// rough reflections against paths, gathered light that frames share against many samples. A curve a choice, along the setting that buys accuracy.
 #pragma once
 
 #include <functional>
@@ -28,14 +28,17 @@ struct ScreenCurve {
         std::vector<std::string> sets;
     };
     std::vector<Point> points;
+    bool moving = false;  // the camera, of reuse_curves()
 };
 std::vector<ScreenCurve> occlusion_curves();
 // length: that the ray is followed, m: of steps and their number each curve keeps the product.
 std::vector<ScreenCurve> reflection_curves(double length);
+// Of lobes in place of mirrors.
+std::vector<ScreenCurve> lobe_curves();
 std::vector<ScreenCurve> reuse_curves();
 
 using ScreenTell = std::function<void(const std::string&)>;
-// A sheet for each of the three that the scene has: reflections where something mirrors, shared frames where a light shines.
+// A sheet for each of what the scene has: reflections, and rough ones, where something mirrors, shared frames where a light shines.
 std::vector<IprSheet> measure_screen(const std::string& scene, const ScreenRequest& request, const RunOptions& options, const ScreenTell& tell);
 
 }  // namespace plumb::cli

@@ -75,6 +75,7 @@ int graph(const GraphOptions& given) {
     const RunOptions options = given.common.run_options();
     Scene scene = load(given.scene);
     frame::Settings settings = settings_of(scene, given.scene);
+    note_idle(given.scene, settings, scene);
     scene = drawn(std::move(scene), settings, options);
     add_bake(scene, settings, {options, given.scene.no_cache ? "" : cache_folder(), !given.common.json});
     const frame::Plan plan = frame::plan(scene, settings);

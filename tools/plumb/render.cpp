@@ -247,6 +247,7 @@ int render(const RenderOptions& given) {
     Scene scene = posed(load(given.scene), given.first);
     const double read_ms = ms_since(start);
     frame::Settings settings = settings_of(scene, given.scene);
+    note_idle(given.scene, settings, scene);
     // All that can be wrong is found before anything is measured or rendered.
     check_frames(given, scene, settings);
     check_mesh(given, settings);

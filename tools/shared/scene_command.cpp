@@ -1,7 +1,10 @@
 #include "tools/shared/scene_command.h"
 
+#include <fmt/format.h>
+
 #include <optional>
 
+#include "gi/frame/idle_settings.h"
 #include "io/scene_file.h"
 #include "tools/shared/light_sets.h"
 
@@ -46,6 +49,14 @@ Scene load(const SceneOptions& options) {
     if (size) scene.frame_size = *size;
     switch_lights(options.sets, scene);
     return scene;
+}
+
+void note_idle(const SceneOptions& options, const frame::Settings& settings, Scene& scene) {
+    for (const std::string& set : options.sets) {
+        const Assignment a = parse_assignment(set);
+        const std::string reason = frame::idle(settings, a.table, a.key);
+        if (!reason.empty()) scene.notes.push_back(fmt::format("{}: changes nothing: {}", a.place, reason));
+    }
 }
 
 void print_notes(const Scene& scene) {

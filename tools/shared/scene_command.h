@@ -17,6 +17,9 @@ void add_truth_options(CLI::App& command, SceneOptions& options);
 // The scene file's scene, of the size that is asked for, its lights switched as --set says.
 Scene load(const SceneOptions& options);
 
+// Adds to the scene's notes what --set sets that changes nothing beside the other settings.
+void note_idle(const SceneOptions& options, const frame::Settings& settings, Scene& scene);
+
 // Says what was chosen for the user.
 void print_notes(const Scene& scene);
 

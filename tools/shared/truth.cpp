@@ -167,6 +167,7 @@ Json mirror_json(const frame::MirrorClasses& classes) {
 }
 
 std::string mirror_text(const frame::MirrorClasses& classes) {
+    if (classes.mirrors() == 0) return "\nno pixel shows a mirror\n";
     std::string text = fmt::format("\nmirrored rays of {} pixels, against rays that meet the scene:\n", classes.mirrors());
     for (int i = 1; i < frame::mirror_classes; ++i) {
         const std::int64_t n = classes.count[std::size_t(i)];
