@@ -66,7 +66,10 @@ void add_seen(Context& c, int light, Nodes& nodes) {
         return b;
     };
     node.run = [=, &c](const RunOptions& options, graph::NodeRun& run) {
-        drawn().assign(c.maps(light).size(), {});
+        // Of the last frame what is as large is drawn over.
+        drawn().resize(c.maps(light).size());
+        for (std::size_t m = 0; m < drawn().size(); ++m)
+            if (c.maps(light)[m].size == 0) drawn()[m] = {};
         raster::GBufferWants wants;
         wants.position = false;
         each([&](const raster::Rsm& map, int m, const std::string&) {
