@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "core/fields.h"
+#include "core/nearest_known.h"
 #include "core/parallel.h"
 
 namespace plumb {
@@ -30,8 +31,8 @@ const UniformMember& find_member(const StageBinding& binding, const std::string&
         if (m.name == name) return m;
         names.push_back(m.name);
     }
-    throw InputError(fmt::format("{}: {} has no uniform \"{}\"; the nearest known one is \"{}\"", place,
-                                 binding.info.name, name, nearest_name(name, names)));
+    throw InputError(fmt::format("{}: {} has no uniform \"{}\"{}", place, binding.info.name, name,
+                                 nearest_known(name, names, "\"\"")));
 }
 
 // What a shape must be, for messages: "[1080, 1920, 4]".

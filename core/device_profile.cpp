@@ -1,7 +1,7 @@
 #include "core/device_profile.h"
 
 #include "core/error.h"
-#include "core/fields.h"
+#include "core/nearest_known.h"
 
 namespace plumb {
 
@@ -63,8 +63,7 @@ const DeviceProfile& find_profile(const std::string& name, const std::string& pl
         if (d.name == name) return d;
         names.push_back(d.name);
     }
-    throw InputError(place + ": device profile \"" + name + "\" is unknown; did you mean \"" +
-                     nearest_name(name, names) + "\"?");
+    throw InputError(place + ": device profile \"" + name + "\" is unknown" + nearest_known(name, names, "\"\""));
 }
 
 }  // namespace plumb

@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "core/error.h"
+#include "core/nearest_known.h"
 
 namespace plumb {
 
@@ -90,35 +91,13 @@ void set_field(Field& f, const FieldValue& v, const std::string& place) {
     }
 }
 
-std::string nearest_name(const std::string& name, const std::vector<std::string>& candidates) {
-    std::string nearest;
-    std::size_t least = ~std::size_t(0);
-    for (const std::string& candidate : candidates) {
-        // Levenshtein's distance, one row at a time.
-        std::vector<std::size_t> row(candidate.size() + 1);
-        for (std::size_t j = 0; j < row.size(); ++j) row[j] = j;
-        for (std::size_t i = 1; i <= name.size(); ++i) {
-            std::size_t diagonal = row[0];
-            row[0] = i;
-            for (std::size_t j = 1; j < row.size(); ++j) {
-                const std::size_t above = row[j];
-                row[j] = std::min({above + 1, row[j - 1] + 1, diagonal + (name[i - 1] != candidate[j - 1])});
-                diagonal = above;
-            }
-        }
-        if (row.back() < least) least = row.back(), nearest = candidate;
-    }
-    return nearest;
-}
-
 Field& find_field(std::vector<Field>& fields, const std::string& name, const std::string& place) {
     std::vector<std::string> names;
     for (Field& f : fields) {
         if (f.name == name) return f;
         names.push_back(f.name);
     }
-    throw InputError(fmt::format("{}: unknown key '{}'; the nearest known one is '{}'", place, name,
-                                 nearest_name(name, names)));
+    throw InputError(fmt::format("{}: unknown key '{}'{}", place, name, nearest_known(name, names)));
 }
 
 std::string type_name(const Field& f) {

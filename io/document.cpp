@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/nearest_known.h"
 #include "io/file.h"
 #include "io/gltf_json.h"
 #include "io/toml_reader.h"
@@ -181,8 +182,8 @@ void DocumentReader::allow(const std::vector<std::string>& keys) {
 void DocumentReader::finish() const {
     for (const auto& [key, value] : table_->table) {
         if (std::find(known_.begin(), known_.end(), key) != known_.end()) continue;
-        throw InputError(fmt::format("{}: {}unknown key '{}'; the nearest known one is '{}'", place_of(value),
-                                     name_.empty() ? "" : name_ + ": ", printable(key), nearest_name(key, known_)));
+        throw InputError(fmt::format("{}: {}unknown key '{}'{}", place_of(value), name_.empty() ? "" : name_ + ": ",
+                                     printable(key), nearest_known(key, known_)));
     }
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/flip.h"
+#include "core/nearest_known.h"
 
 namespace plumb::io {
 namespace {
@@ -102,8 +103,7 @@ std::optional<SpecFault> raw_fault(const DumpSpec& spec) {
     std::vector<std::string> names;
     for (const TexelFormat& f : texel_formats()) names.push_back(f.name);
     if (!format)
-        return SpecFault{"vk_format", fmt::format("unknown format; the nearest known one is '{}'",
-                                                  nearest_name(spec.vk_format, names))};
+        return SpecFault{"vk_format", "unknown format" + nearest_known(spec.vk_format, names)};
     if (spec.count && (spec.width || spec.height || spec.row_pitch || spec.flip_y))
         return SpecFault{"count", "is of a buffer, which has no width, height, row_pitch or flip_y"};
     if (!spec.layer.empty()) return SpecFault{"layer", "raw files have none"};
@@ -274,8 +274,7 @@ std::optional<SpecFault> fault_of(const DumpSpec& spec) {
     const auto& names = encoding_names();
     if (spec.file.empty()) return SpecFault{"file", "expected the name of a file"};
     if (std::find(names.begin(), names.end(), spec.encoding) == names.end())
-        return SpecFault{"encoding", fmt::format("unknown encoding; the nearest known one is '{}'",
-                                                 nearest_name(spec.encoding, names))};
+        return SpecFault{"encoding", "unknown encoding" + nearest_known(spec.encoding, names)};
     if (auto fault = raw_fault(spec)) return fault;
     const Encoding encoding = parse_encoding(spec.encoding);
     if (const std::string cause = channels_fault(spec, encoding); !cause.empty()) return SpecFault{"channels", cause};

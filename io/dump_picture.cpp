@@ -5,7 +5,7 @@
 #include <cstring>
 #include <limits>
 
-#include "core/fields.h"
+#include "core/nearest_known.h"
 #include "core/number.h"
 #include "io/dump_source.h"
 #include "io/file.h"
@@ -103,8 +103,8 @@ class PictureSource : public DumpSource {
             stride_ += type.size();
         }
         if (from_.empty())
-            fail_dump(spec, fmt::format("has no layer \"{}\"; the nearest is \"{}\"", printable(spec.layer),
-                                        printable(nearest_name(spec.layer, layers))));
+            fail_dump(spec, fmt::format("has no layer \"{}\"{}", printable(spec.layer),
+                                        shown(nearest_known(spec.layer, layers, "\"\""))));
         if (from_.size() > 4)
             fail_dump(spec, fmt::format("layer \"{}\" has {} channels; expected 1 to 4", printable(spec.layer),
                                         from_.size()));

@@ -12,7 +12,7 @@
 #include <memory>
 
 #include "core/error.h"
-#include "core/fields.h"
+#include "core/nearest_known.h"
 #include "io/exr_attributes.h"
 #include "io/file.h"
 #include "io/image_decode.h"
@@ -150,8 +150,8 @@ FloatPicture select_layer(const FloatPicture& picture, const std::string& layer,
         }
     if (from.empty())
         throw InputError(shown(path), "",
-                         fmt::format("has no layer \"{}\"; the nearest is \"{}\"", printable(layer),
-                                     printable(nearest_name(layer, layer_names(picture)))));
+                         fmt::format("has no layer \"{}\"{}", printable(layer),
+                                     shown(nearest_known(layer, layer_names(picture), "\"\""))));
     const std::size_t pixels = std::size_t(picture.width) * std::size_t(picture.height);
     selected.data.reserve(pixels * from.size());
     for (std::size_t i = 0; i < pixels; ++i)

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/error.h"
-#include "core/fields.h"
+#include "core/nearest_known.h"
 #include "io/file.h"
 #include "io/text_scan.h"
 
@@ -125,7 +125,8 @@ class Converter {
         } else {
             std::vector<std::string> names = other_commands;
             for (const auto& [name, command] : numeric_commands()) names.push_back(name);
-            fail(fmt::format("unknown command; the nearest known one is '!{}'", nearest_name(command_, names)));
+            for (std::string& name : names) name.insert(0, "!");
+            fail("unknown command" + nearest_known("!" + command_, names));
         }
     }
 

@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "core/fields.h"
+#include "core/nearest_known.h"
 #include "io/cornell.h"
 #include "io/file.h"
 #include "io/glb_write.h"
@@ -135,8 +136,7 @@ std::string scene_toml(const Scene& scene, const std::string& mesh_file, const s
 MadeScene make_scene(const std::string& name, const std::string& folder, const GenerateOptions& options) {
     const std::vector<std::string> names = model_names();
     if (std::find(names.begin(), names.end(), name) == names.end())
-        throw InputError("make-scene: unknown scene \"" + printable(name) + "\"; the nearest known one is \"" +
-                         nearest_name(name, names) + "\"");
+        throw InputError("make-scene: unknown scene \"" + printable(name) + "\"" + nearest_known(name, names, "\"\""));
     const SceneModel model = generate_model(name, options, "make-scene");
     make_folder(folder);
     const std::string file = beside(folder + "/", name + ".toml");

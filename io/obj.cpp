@@ -9,7 +9,7 @@
 #include <unordered_map>
 
 #include "core/error.h"
-#include "core/fields.h"
+#include "core/nearest_known.h"
 #include "io/file.h"
 #include "io/text_scan.h"
 #include "io/triangulate.h"
@@ -294,10 +294,9 @@ std::vector<std::int32_t> resolve_materials(const std::string& path, const Lines
             std::vector<std::string> known;
             for (const Material& material : model.materials) known.push_back(material.name);
             throw InputError(shown(path), fmt::format("line {}", line),
-                             fmt::format("usemtl: unknown material \"{}\"; {}", printable(name),
-                                         known.empty() ? "no mtllib gives any"
-                                                       : "the nearest known one is \"" +
-                                                             printable(nearest_name(name, known)) + "\""));
+                             fmt::format("usemtl: unknown material \"{}\"{}", printable(name),
+                                         known.empty() ? "; no mtllib gives any"
+                                                       : shown(nearest_known(name, known, "\"\""))));
         }
         indices.push_back(at->second);
     }

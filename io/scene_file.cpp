@@ -7,6 +7,7 @@
 #include <map>
 
 #include "core/error.h"
+#include "core/nearest_known.h"
 #include "io/choose_view.h"
 #include "io/file.h"
 #include "io/image_file.h"
@@ -280,7 +281,7 @@ class SceneReader {
     std::string nearest(const std::string& name) const {
         std::vector<std::string> names;
         for (const Material& m : scene_.materials) names.push_back(m.name);
-        return names.empty() ? "" : "; the nearest known one is \"" + printable(nearest_name(name, names)) + "\"";
+        return shown(nearest_known(name, names, "\"\""));
     }
 
     bool uses_texture(const Mesh& mesh) const {

@@ -7,6 +7,7 @@
 
 #include "core/animation.h"
 #include "core/error.h"
+#include "core/nearest_known.h"
 #include "io/file.h"
 #include "io/scene_parts.h"
 
@@ -250,7 +251,7 @@ class KeyframeReader {
                                           const std::vector<std::string>& names) {
         const std::string unknown = fmt::format("{}: {} unknown {} '{}'", at.place, at.table, what, printable(name));
         if (names.empty()) throw InputError(unknown + "; the scene has none");
-        throw InputError(fmt::format("{}; the nearest known one is '{}'", unknown, printable(nearest_name(name, names))));
+        throw InputError(unknown + shown(nearest_known(name, names)));
     }
 
     const std::string& path_;

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/nearest_known.h"
 #include "io/file.h"
 
 namespace plumb::io {
@@ -220,9 +221,8 @@ void TomlReader::finish() const {
     }
     if (!first) return;
     const std::string name(first->str());
-    throw InputError(fmt::format("{}: line {}: {}unknown key '{}'; the nearest known one is '{}'", shown(path_),
-                                 first->source().begin.line, name_.empty() ? "" : name_ + " ", printable(name),
-                                 nearest_name(name, known_)));
+    throw InputError(fmt::format("{}: line {}: {}unknown key '{}'{}", shown(path_), first->source().begin.line,
+                                 name_.empty() ? "" : name_ + " ", printable(name), nearest_known(name, known_)));
 }
 
 }  // namespace plumb::io

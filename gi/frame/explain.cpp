@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "core/nearest_known.h"
 #include "gi/frame/frame_graph.h"
 
 namespace plumb::frame {
@@ -21,8 +22,7 @@ std::vector<Explanation> explain(const Scene& scene, const Settings& settings, c
     std::vector<std::string> names;
     for (const StageInfo& info : all_stages()) names.push_back(info.name);
     if (!stage.empty() && std::find(names.begin(), names.end(), stage) == names.end())
-        throw InputError(fmt::format("explain: unknown stage '{}'; the nearest known one is '{}'", stage,
-                                     nearest_name(stage, names)));
+        throw InputError(fmt::format("explain: unknown stage '{}'{}", stage, nearest_known(stage, names)));
     if (!stage.empty() && !in_a_frame(stage))
         throw InputError(fmt::format("explain: the stage {} is not part of a frame: no method runs it", stage));
     if (stage == reference::info().name)

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "core/error.h"
+#include "core/nearest_known.h"
 #include "gi/frame/isr.h"
 #include "gi/probes/bake.h"
 
@@ -87,8 +88,7 @@ void check_static_lamps(const Scene& scene, const Settings& settings) {
     for (const Light& light : scene.lights) known.push_back(light.name);
     for (const std::string& name : names_in(settings.probe_run.static_lamps))
         if (std::find(known.begin(), known.end(), name) == known.end())
-            throw InputError(fmt::format("[probes] static_lamps: no lamp is called \"{}\"{}", name,
-                                         known.empty() ? "" : ": the nearest name is \"" + nearest_name(name, known) + "\""));
+            throw InputError(fmt::format("[probes] static_lamps: no lamp is called \"{}\"{}", name, nearest_known(name, known, "\"\"")));
     const bool moves = std::any_of(scene.meshes.begin(), scene.meshes.end(), [](const Mesh& m) { return m.dynamic && !m.triangles.empty(); });
     if (moves && !static_lamps(scene, settings).empty() && settings.bake && settings.bake->spatial.empty())
         throw InputError("[probes] static_lamps: the bake has no spatial receivers, by which what moves sees them: expected one of spatial_receivers above 0");

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "core/nearest_known.h"
 
 namespace plumb::frame {
 
@@ -58,8 +59,7 @@ std::vector<Field> table_fields(Settings& s, const std::string& table, const std
     if (table == "radiosity") return radiosity::fields(s.radiosity);
     if (table == "zbuffer") return zbuffer::fields(s.zbuffer);
     if (table == "layout") return raster::fields(s.layout);
-    throw InputError(fmt::format("{}: unknown table [{}]; the nearest known one is [{}]", place, table,
-                                 nearest_name(table, method_tables())));
+    throw InputError(fmt::format("{}: unknown table [{}]{}", place, table, nearest_known(table, method_tables(), "[]")));
 }
 
 Method parse_method(const std::string& name, const std::string& place) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "core/nearest_known.h"
 #include "gi/methods.h"
 
 namespace plumb::parity {
@@ -25,8 +26,7 @@ const StageBinding& find_binding(const std::string& stage, const std::string& pl
     }
     for (const ListedStage& s : stages())
         if (s.info.name == stage) throw InputError(fmt::format("{}: the stage \"{}\" has no twin: it runs on the host alone", place, stage));
-    throw InputError(fmt::format("{}: unknown stage \"{}\"; the nearest known one is \"{}\"", place, stage,
-                                 nearest_name(stage, names)));
+    throw InputError(fmt::format("{}: unknown stage \"{}\"{}", place, stage, nearest_known(stage, names, "\"\"")));
 }
 
 }  // namespace plumb::parity

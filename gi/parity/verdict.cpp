@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "core/error.h"
+#include "core/nearest_known.h"
 #include "core/parallel.h"
 #include "gi/parity/pair.h"
 #include "gi/parity/stored.h"
@@ -177,8 +178,8 @@ class Judge {
                 throw InputError(fmt::format("{}: output \"{}\": none of its components was dumped", data_.label, d.output));
             return p;
         }
-        throw InputError(fmt::format("{}: {} has no output \"{}\"; the nearest known one is \"{}\"", data_.label,
-                                     binding_.info.name, d.output, nearest_name(d.output, names)));
+        throw InputError(fmt::format("{}: {} has no output \"{}\"{}", data_.label, binding_.info.name, d.output,
+                                     nearest_known(d.output, names, "\"\"")));
     }
 
     // Ours is rounded as the device's target rounds it.

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "core/nearest_known.h"
 #include "core/parallel.h"
 #include "gi/frame/frame_graph.h"
 #include "gi/frame/rules.h"
@@ -363,8 +364,7 @@ void append_in_order(std::vector<Cell> cells, std::vector<Cell>& all) {
 
 void check(const char* what, const std::string& asked, const std::vector<std::string>& known) {
     if (asked.empty() || std::find(known.begin(), known.end(), asked) != known.end()) return;
-    throw InputError(
-        fmt::format("unknown {} '{}'; the nearest known one is '{}'", what, asked, nearest_name(asked, known)));
+    throw InputError(fmt::format("unknown {} '{}'{}", what, asked, nearest_known(asked, known)));
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
-#include "core/fields.h"
+#include "core/nearest_known.h"
 #include "io/scene_model.h"
 
 namespace plumb::io {
@@ -52,8 +52,7 @@ Scene generate_scene(const std::string& name, const GenerateOptions& options, co
         complete_tangents(made);
         return made;
     }
-    throw InputError(
-        fmt::format("{}unknown scene \"{}\"; the nearest known one is \"{}\"", at, name, nearest_name(name, names)));
+    throw InputError(fmt::format("{}unknown scene \"{}\"{}", at, name, nearest_known(name, names, "\"\"")));
 }
 
 }  // namespace plumb::io

@@ -767,7 +767,7 @@ TEST_CASE("device profiles: the four that are known, and the name that was meant
         FAIL("accepted");
     } catch (const InputError& e) {
         CHECK(std::string(e.what()) ==
-              "plumb.toml: device: device profile \"swiftshade\" is unknown; did you mean \"swiftshader\"?");
+              "plumb.toml: device: device profile \"swiftshade\" is unknown; the nearest known one is \"swiftshader\"");
     }
 }
 

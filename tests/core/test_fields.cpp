@@ -4,6 +4,7 @@
 
 #include "core/error.h"
 #include "core/fields.h"
+#include "core/nearest_known.h"
 #include "core/stage.h"
 
 using namespace plumb;
@@ -115,6 +116,46 @@ TEST_CASE("fields: std140 aligns a vec3 to 16 bytes and packs a scalar behind it
 TEST_CASE("fields: the nearest name has the smallest edit distance", "[fields]") {
     CHECK(nearest_name("sampels", {"radius", "samples", "seed"}) == "samples");
     CHECK(nearest_name("x", {}) == "");
+    // Damerau: an exchange of neighbours is one edit, as a character put in is; so the exchange is not two behind one.
+    CHECK(nearest_name("rms", {"rmxx", "rsm"}) == "rsm");
+    CHECK(nearest_name("RSM", {"rs", "rsm"}) == "rsm");
+}
+
+TEST_CASE("fields: the nearest known one is named where it is near, else what there is", "[fields]") {
+    const auto near = [](const std::string& name) { return "; the nearest known one is '" + name + "'"; };
+    CHECK(nearest_known("sampels", {"radius", "samples", "seed"}) == near("samples"));
+    CHECK(nearest_known("nosuch", {"rsm", "isr"}) == "; known: rsm, isr");
+    CHECK(nearest_known("x", {}) == "");
+    CHECK(nearest_known("", {"rsm"}) == "; known: rsm");
+
+    // At most a third of the longer name, and 1 in names of two characters; a name of one has nothing that is kept.
+    CHECK(nearest_known("abcdef", {"abxxef"}) == near("abxxef"));
+    CHECK(nearest_known("abcdef", {"axxxef"}) == "; known: axxxef");
+    CHECK(nearest_known("abcde", {"axxde"}) == "; known: axxde");
+    CHECK(nearest_known("ab", {"ax"}) == near("ax"));
+    CHECK(nearest_known("a", {"b"}) == "; known: b");
+    CHECK(nearest_known("ROUGHNESS", {"roughness"}) == near("roughness"));
+
+    // One begins with the other; of those the nearest. A single character begins too much.
+    CHECK(nearest_known("rsm", {"shadow", "rsm.disc_continuous", "rsm.disc"}) == near("rsm.disc"));
+    CHECK(nearest_known("rsm.disc.key", {"rsm", "gbuffer"}) == near("rsm"));
+    CHECK(nearest_known("r", {"radius", "gbuffer"}) == "; known: radius, gbuffer");
+
+    CHECK(nearest_known("wite", {"white"}, "\"\"") == "; the nearest known one is \"white\"");
+    CHECK(nearest_known("rms", {"rsm"}, "[]") == "; the nearest known one is [rsm]");
+}
+
+TEST_CASE("fields: a list of known names says each once, the nearest dozen, and how many more", "[fields]") {
+    CHECK(nearest_known("qqqq", {"b", "a", "b", "", "two words"}) == "; known: b, a, \"\", \"two words\"");
+    std::vector<std::string> names;
+    for (char c = 'a'; c <= 'l'; ++c) names.push_back(std::string(9, c));
+    CHECK_THAT(nearest_known("qqqq", names), Catch::EndsWith(", kkkkkkkkk, lllllllll"));
+    names.push_back("qq......");
+    names.push_back(std::string(9, 'm'));
+    const std::string text = nearest_known("qqqq", names);
+    CHECK_THAT(text, Catch::StartsWith("; known: qq......, aaaaaaaaa, ") &&
+                         Catch::EndsWith(", kkkkkkkkk and 2 more"));
+    CHECK(nearest_known("q", {std::string(61, 'a')}) == "; known: " + std::string(60, 'a') + "...");
 }
 
 TEST_CASE("stage: parameters are described with default and range", "[fields][stage]") {

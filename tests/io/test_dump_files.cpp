@@ -84,7 +84,7 @@ TEST_CASE("dump files: layers of an EXR, by the names of their channels", "[io][
     CHECK(integers(read_dump(spec)) == std::vector<std::int32_t>{16777217, 16777218});
     spec.layer = "nromal";
     require_message(error_of([&] { read_dump(spec); }),
-                    {"a.exr: has no layer \"nromal\"; the nearest is \"normal\"", "m.toml: line 7"});
+                    {"a.exr: has no layer \"nromal\"; the nearest known one is \"normal\"", "m.toml: line 7"});
     spec.layer = "depth", spec.channels = "y";
     require_message(error_of([&] { read_dump(spec); }), {"a.exr: channels: \"y\": the file has 1 channel"});
     spec.channels = "", spec.width = 3, spec.height = 1;

@@ -134,7 +134,7 @@ TEST_CASE("environment: files that are no maps are refused with one line", "[io]
     require_message(skies.error("file = \"xyz.exr\"\n"), {"xyz.exr: header: has no channel R; expected R, G and B"});
     const float value = 1;
     write_exr(skies.folder / "layer.exr", 1, 1, {{"normal", {"X"}, &value, 1}});
-    require_message(skies.error("file = \"layer.exr\"\n"), {"layer.exr: has no layer \"\"; the nearest is \"normal\""});
+    require_message(skies.error("file = \"layer.exr\"\n"), {"layer.exr: has no layer \"\"; known: normal"});
 
     // A part of a larger picture would be stretched over all directions, a shifted one would turn.
     for (const glm::ivec4& whole : {glm::ivec4(0, 0, 3, 1), glm::ivec4(-1, 0, 2, 1), glm::ivec4(0, 0, 2, 2),

@@ -93,7 +93,7 @@ TEST_CASE("exr: every bit comes back, by layer", "[io]") {
         CHECK(bits(shadow.data[i]) == bits(frame.shadow[i]));
     }
     require_message(error_of([&] { select_layer(picture, "shadow.kye", path); }),
-                    {"a.exr", "no layer \"shadow.kye\"; the nearest is \"shadow.key\""});
+                    {"a.exr", "no layer \"shadow.kye\"; the nearest known one is \"shadow.key\""});
 }
 
 TEST_CASE("exr: a layer that is not the first color has its name in its channels", "[io]") {

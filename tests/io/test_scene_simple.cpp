@@ -207,7 +207,7 @@ TEST_CASE("scenes: a wrong name or count is refused and says what is right", "[s
     CHECK_THROWS_WITH(make("furnance"),
                       Catch::Contains("test: unknown scene \"furnance\"") && Catch::Contains("\"furnace\""));
     // Of the command line: no place.
-    CHECK_THROWS_WITH(generate_scene("nope", {}, ""), Catch::StartsWith("unknown scene \"nope\"; the nearest"));
+    CHECK_THROWS_WITH(generate_scene("nope", {}, ""), Catch::StartsWith("unknown scene \"nope\"; known: "));
     CHECK_THROWS_WITH(generate_scene("box", {11, 1}, ""), Catch::StartsWith("triangles = 11: "));
     CHECK_THROWS_WITH(make("box", 11), Catch::Contains("triangles = 11") && Catch::Contains("12 to 10000000"));
     CHECK_THROWS_AS(make("box", -5), InputError);

@@ -170,7 +170,7 @@ TEST_CASE("formfactor: what cannot be is refused in a line", "[program]") {
     CHECK_THAT(refused({"0,0;0,1;1,0", high}), Contains("expected x,y,z"));
     CHECK_THAT(refused({"0,0,0/0,0,0", high}), Contains("the normal has no length"));
     CHECK_THAT(refused({low, "0,0,0/0,1,0"}), Contains("B: a point"));
-    CHECK_THAT(refused({"lwo", "high", "--scene", scene}), Contains("the nearest is \"low\""));
+    CHECK_THAT(refused({"lwo", "high", "--scene", scene}), Contains("; the nearest known one is \"low\""));
     CHECK_THAT(refused({"low", "6", "--scene", scene}), Contains("the scene has 6"));
     CHECK_THAT(refused({"low", "99999999999", "--scene", scene}), Contains("the scene has 6"));
     CHECK_THAT(refused({"low", "1", "--scene", scene}), Contains("A and B share triangle 1"));

@@ -225,7 +225,7 @@ TEST_CASE("lightmap: wrong usage and maps that cannot be checked are one line", 
     // Coordinates.
     CHECK_THAT(check(single, map, {"--uv", "1"}), Contains("\"floor\" has no second set"));
     CHECK_THAT(check(single, map), Contains("\"floor\" and mesh \"wall\"") && Contains("overlap"));
-    CHECK_THAT(check(scene, map, {"--mesh", "flor", "--uv", "0"}), Contains("the nearest is \"floor\""));
+    CHECK_THAT(check(scene, map, {"--mesh", "flor", "--uv", "0"}), Contains("; the nearest known one is \"floor\""));
     CHECK_THAT(check(scene, map, {"--uv", "2"}), Contains("--uv"));
     CHECK_THAT(check(scene, map, {"--uv", "atlas", "--set", "probes.lightmap_size=64"}), Contains("24 x 24") && Contains("64 x 64"));
     // Files.

@@ -4,7 +4,7 @@
 #include <set>
 
 #include "core/error.h"
-#include "core/fields.h"
+#include "core/nearest_known.h"
 
 namespace plumb::mutants {
 namespace {
@@ -219,8 +219,7 @@ const char* change_name(Change change) { return change_names[std::size_t(change)
 Change find_change(const std::string& name, const std::string& place) {
     const auto at = std::find(change_names.begin(), change_names.end(), name);
     if (at == change_names.end())
-        throw InputError(place + ": unknown change \"" + name + "\"; the nearest known one is \"" +
-                         nearest_name(name, change_names) + "\"");
+        throw InputError(place + ": unknown change \"" + name + "\"" + nearest_known(name, change_names, "\"\""));
     return Change(at - change_names.begin());
 }
 

@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "core/fields.h"
+#include "core/nearest_known.h"
 #include "gi/probes/probe_radiance.h"
 #include "io/file.h"
 #include "tools/plumb/cli.h"
@@ -20,7 +21,7 @@ probes::ShOrder order_of(const std::string& name) {
     const std::vector<std::string> names = probes::sh_order_names();
     const auto at = std::find(names.begin(), names.end(), name);
     if (at == names.end())
-        throw InputError(fmt::format("--sh-order {}: unknown; the nearest known one is '{}'", io::printable(name), nearest_name(name, names)));
+        throw InputError(fmt::format("--sh-order {}: unknown{}", io::printable(name), nearest_known(name, names)));
     return probes::ShOrder(at - names.begin());
 }
 

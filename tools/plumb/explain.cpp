@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "core/error.h"
+#include "core/nearest_known.h"
 #include "io/file.h"
 #include "gi/frame/filters.h"
 #include "gi/frame/frame_graph.h"
@@ -157,8 +158,7 @@ void require_explainable(const ExplainOptions& given, glm::ivec2 pixel, const Sc
     std::vector<std::string> names;
     for (const StageInfo& s : frame::all_stages()) names.push_back(s.name);
     if (!given.stage.empty() && std::find(names.begin(), names.end(), given.stage) == names.end())
-        throw InputError(fmt::format("--stage {}: unknown stage; the nearest known one is '{}'", given.stage,
-                                     nearest_name(given.stage, names)));
+        throw InputError(fmt::format("--stage {}: unknown stage{}", given.stage, nearest_known(given.stage, names)));
     if (!given.stage.empty() && !frame::in_a_frame(given.stage))
         throw InputError(fmt::format("--stage {}: the stage is not part of a frame: no method runs it", given.stage));
     if (given.stage == "reference")

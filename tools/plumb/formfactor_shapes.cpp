@@ -9,7 +9,7 @@
 #include <map>
 
 #include "core/error.h"
-#include "core/fields.h"
+#include "core/nearest_known.h"
 #include "io/file.h"
 
 namespace plumb::cli {
@@ -107,8 +107,7 @@ std::vector<std::uint32_t> named(const std::string& name, std::string text, cons
                                      object     ? "object"
                                      : material ? "material"
                                                 : "object or material",
-                                     in_quotes(text),
-                                     names.empty() ? "" : "; the nearest is " + in_quotes(nearest_name(text, names))));
+                                     in_quotes(text), io::shown(nearest_known(text, names, "\"\""))));
     if (is_object && is_material)
         throw InputError(fmt::format("{}: an object and a material are named {}: write object:{} or material:{}", name,
                                      in_quotes(text), io::printable(text), io::printable(text)));

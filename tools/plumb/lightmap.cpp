@@ -10,6 +10,7 @@
 
 #include "core/error.h"
 #include "core/fields.h"
+#include "core/nearest_known.h"
 #include "gi/probes/own_layout.h"
 #include "io/exr_attributes.h"
 #include "io/file.h"
@@ -46,8 +47,8 @@ std::vector<bool> meshes_of(const LightmapOptions& given, const Scene& scene) {
             if (scene.meshes[m].name == name) on_map[m] = found = true;
         }
         if (!found)
-            throw InputError(fmt::format("--mesh {}: no mesh has that name; the nearest is \"{}\"", io::printable(name),
-                                         io::printable(nearest_name(name, names))));
+            throw InputError(fmt::format("--mesh {}: no mesh has that name{}", io::printable(name),
+                                         io::shown(nearest_known(name, names, "\"\""))));
     }
     return on_map;
 }

@@ -3,7 +3,7 @@
 #include <cstdio>
 
 #include "core/error.h"
-#include "core/fields.h"
+#include "core/nearest_known.h"
 #include "tools/plumb/cli.h"
 #include "tools/shared/outputs.h"
 
@@ -33,8 +33,7 @@ void check_command(const CLI::App& program, const std::string& name) {
     for (const CLI::App* command : program.get_subcommands({})) known.push_back(command->get_name());
     if (std::find(known.begin(), known.end(), name) != known.end()) return;
     const std::string what = program.get_parent() ? program.get_name() : "command";
-    throw InputError(
-        fmt::format("unknown {} '{}'; the nearest known one is '{}'", what, name, nearest_name(name, known)));
+    throw InputError(fmt::format("unknown {} '{}'{}", what, name, nearest_known(name, known)));
 }
 
 std::string extras_message(const CLI::App& program) {
@@ -46,8 +45,7 @@ std::string extras_message(const CLI::App& program) {
     const std::string name = option_name(extras.front());
     const std::string where = command == &program ? "" : command->get_name() + ": ";
     if (!is_option(name)) return fmt::format("{}unexpected argument '{}'", where, extras.front());
-    return fmt::format("{}unknown option '{}'; the nearest known one is '{}'", where, name,
-                       nearest_name(name, option_names(*command)));
+    return fmt::format("{}unknown option '{}'{}", where, name, nearest_known(name, option_names(*command)));
 }
 
 int fail(int code, std::string message) {

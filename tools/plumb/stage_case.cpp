@@ -7,6 +7,7 @@
 #include <map>
 
 #include "core/error.h"
+#include "core/nearest_known.h"
 #include "gi/frame/frame_graph.h"
 #include "gi/parity/stages.h"
 #include "io/file.h"
@@ -67,8 +68,7 @@ void set_params(frame::Settings& settings, const io::ManifestStage& stage, const
         const std::string table = table_of(settings, binding, key, place);
         if (std::find(known.begin(), known.end(), key) == known.end() || table.empty()) {
             if (known.empty()) throw InputError(fmt::format("{}: {}: the stage has no parameters", place, key));
-            throw InputError(fmt::format("{}: unknown parameter \"{}\"; the nearest known one is \"{}\"", place, key,
-                                         nearest_name(key, known)));
+            throw InputError(fmt::format("{}: unknown parameter \"{}\"{}", place, key, nearest_known(key, known, "\"\"")));
         }
         std::vector<Field> fields = frame::table_fields(settings, table, place);
         set_field(find_field(fields, key, place), field_value(words), place);
@@ -198,8 +198,7 @@ int light_index(const Scene& scene, const std::string& name, const std::string& 
     const auto at = std::find(names.begin(), names.end(), name);
     if (at != names.end()) return int(at - names.begin());
     if (names.empty()) throw InputError(fmt::format("{}: \"{}\": the scene has no light", place, name));
-    throw InputError(fmt::format("{}: unknown light \"{}\"; the nearest known one is \"{}\"", place, name,
-                                 nearest_name(name, names)));
+    throw InputError(fmt::format("{}: unknown light \"{}\"{}", place, name, nearest_known(name, names, "\"\"")));
 }
 
 // "visibility.2", or "visibility.key" of a scene's light: one layer of an array of images; else -1.
@@ -239,8 +238,7 @@ void set_inputs(const io::ManifestStage& stage, const StageBinding& binding, con
         if (!slot) {
             std::vector<std::string> known = slot_names(binding.inputs);
             if (takes_pattern) known.push_back("pattern");
-            throw InputError(fmt::format("{}: unknown input; the nearest known one is \"{}\"", place,
-                                         nearest_name(name, known)));
+            throw InputError(fmt::format("{}: unknown input{}", place, nearest_known(name, known, "\"\"")));
         }
         Array array = input_array(*slot, io::read_dump(spec), data.size, place, out.notes);
         if (layer >= 0)
@@ -298,8 +296,7 @@ void read_outputs(const io::ManifestStage& stage, const StageBinding& binding, S
         const std::string place = slot_place(stage, "output", name);
         const Slot* slot = find_slot(binding.outputs, name);
         if (!slot)
-            throw InputError(fmt::format("{}: unknown output; the nearest known one is \"{}\"", place,
-                                         nearest_name(name, slot_names(binding.outputs))));
+            throw InputError(fmt::format("{}: unknown output{}", place, nearest_known(name, slot_names(binding.outputs), "\"\"")));
         if (slot->kind == SlotKind::depth && spec.near_far.size() > 0)
             throw InputError(fmt::format("{}: encoding = \"{}\" gives linear depth: expected the depth buffer as it is, "
                                          "plain, and reversed_z = true in [stage.params] where 1 is near", place,

@@ -5,6 +5,7 @@
 #include <charconv>
 
 #include "core/error.h"
+#include "core/nearest_known.h"
 
 namespace plumb::cli {
 
@@ -33,7 +34,7 @@ Switch switch_of(const Assignment& set, const Scene& scene) {
         if (number >= 1 && number <= names.size()) return {number - 1, *on};
         throw InputError(fmt::format("{}: expected 1 to {}, or a name", set.place, names.size()));
     }
-    throw InputError(fmt::format("{}: unknown light; the nearest known one is '{}'", set.place, nearest_name(which, names)));
+    throw InputError(fmt::format("{}: unknown light{}", set.place, nearest_known(which, names)));
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <charconv>
 
 #include "core/error.h"
+#include "core/nearest_known.h"
 #include "io/file.h"
 #include "io/sample_rows.h"
 #include "tools/shared/light_sets.h"
@@ -167,8 +168,7 @@ int find_light(const Scene& scene, const std::string& name) {
         names.push_back(light.name);
     }
     if (names.empty()) throw InputError(fmt::format("--light {}: the scene has no light", name));
-    throw InputError(
-        fmt::format("--light {}: unknown light; the nearest known one is '{}'", name, nearest_name(name, names)));
+    throw InputError(fmt::format("--light {}: unknown light{}", name, nearest_known(name, names)));
 }
 
 std::string file_name(const std::string& text) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "core/error.h"
+#include "core/nearest_known.h"
 #include "tools/shared/sweep.h"
 
 namespace plumb::cli {
@@ -224,8 +225,7 @@ std::vector<SweptMethod> swept_methods(const frame::Settings& settings, const st
     }
     for (const std::string& m : methods)
         if (std::find(known.begin(), known.end(), m.substr(0, m.find(','))) == known.end())
-            throw InputError(fmt::format("--method {}: unknown method; the nearest known one is '{}'", m,
-                                         nearest_name(m, known)));
+            throw InputError(fmt::format("--method {}: unknown method{}", m, nearest_known(m, known)));
     if (curves.empty()) throw InputError("--method: no curve has that name");
     for (const Asked& a : asked) {
         auto is_it = [&](const auto& s) { return s.table == a.variation.table && s.key == a.variation.key; };
