@@ -7,6 +7,7 @@
 
 using namespace plumb::program;
 using Catch::Matchers::Contains;
+using Catch::Matchers::Equals;
 
 namespace {
 
@@ -99,6 +100,36 @@ TEST_CASE("export: one stage, one light", "[program]") {
     REQUIRE(run({"export", scene, "--stage", "rsm.all", "--light", "sun", "-o", folder + "/all"}).exit == 0);
     write_expected(folder + "/all");
     check_all_equal(validated(folder + "/all"), 1);
+}
+
+TEST_CASE("export: a setting of the command line is never replaced so that a stage runs; one of the scene is, with a note",
+          "[program][errors]") {
+    const std::string folder = fresh_folder("export_replaced"), scene = small_scene(folder);
+    auto refused = [&](const std::string& stage, const Words& more) {
+        Words words = {"export", scene, "--stage", stage, "-o", folder + "/out"};
+        words.insert(words.end(), more.begin(), more.end());
+        const Result r = run(words);
+        CHECK(r.exit == 2);
+        CHECK_FALSE(std::filesystem::exists(folder + "/out"));
+        return r.err;
+    };
+    CHECK_THAT(refused("rsm.disc", {"--set", "rsm.texels=continuous"}),
+               Equals("plumb: --stage rsm.disc: runs with rsm.texels = \"whole\", not with --set rsm.texels=continuous; "
+                      "with it rsm.disc_continuous runs\n"));
+    CHECK_THAT(refused("rsm.disc", {"--set", "rsm.gather=paths"}),
+               Equals("plumb: --stage rsm.disc: runs with rsm.gather = \"disc\", not with --set rsm.gather=paths; "
+                      "with it rsm.paths runs\n"));
+    CHECK_THAT(refused("rsm.disc", {"--method", "direct"}),
+               Equals("plumb: --stage rsm.disc: runs with render.method = rsm, not with --method direct\n"));
+
+    // The stage of these settings, and the scene's own that give way.
+    CHECK(run({"export", scene, "--stage", "rsm.disc_continuous", "--set", "rsm.texels=continuous", "-o", folder + "/a"}).exit == 0);
+    write(scene, read(scene) + "texels = \"continuous\"\n");
+    const Result whole = run({"export", scene, "--stage", "rsm.disc", "-o", folder + "/b"});
+    REQUIRE(whole.exit == 0);
+    CHECK_THAT(whole.out, Contains("note: rsm.disc: runs with rsm.texels = \"whole\", in place of the scene's \"continuous\"\n"));
+    const Result json = run({"export", scene, "--stage", "rsm.disc", "-o", folder + "/b", "--json"});
+    CHECK_THAT(Json::parse(json.out)["notes"].dump(), Contains("in place of the scene's"));
 }
 
 TEST_CASE("export: the twins' own outputs of every stage hold up", "[program][vulkan]") {

@@ -137,3 +137,33 @@ TEST_CASE("pattern: a bad file ends the program before anything is written", "[p
     CHECK_THAT(refused({"--set", "rsm.pattern=" + folder + "/none.npy"}),
                Contains("none.npy") && Contains("--set rsm.pattern"));
 }
+
+TEST_CASE("pattern: what lies between texels is exported for continuous ones alone, as validate takes it", "[program][pattern][errors]") {
+    const std::string folder = fresh_folder("pattern_between"), scene = scene_of(folder), file = folder + "/mine.npy";
+    write_rows(file, {3, 1, 20, -2, 0.5f, 20});
+    const Words words = {"export", scene, "--light", "key", "--set", "rsm.pattern=" + file, "--set", "rsm.rotations=1"};
+    auto exported = [&](const Words& more) {
+        Words all = words;
+        all.insert(all.end(), more.begin(), more.end());
+        return run(all);
+    };
+    const std::string line = "row 1: 0.5: expected whole texels of at most 32767\n";
+    for (const char* stage : {"rsm.disc", "all"}) {
+        const Result r = exported({"--stage", stage, "-o", folder + "/whole"});
+        CHECK(r.exit == 2);
+        CHECK(r.err == "plumb: " + file + ": " + line);
+        CHECK_FALSE(std::filesystem::exists(folder + "/whole"));
+    }
+    CHECK(exported({"--stage", "gbuffer", "-o", folder + "/gbuffer"}).exit == 0);  // reads no pattern
+    CHECK(exported({"--stage", "rsm.disc_continuous", "-o", folder + "/between"}).exit == 0);
+    CHECK(word<float>(read(folder + "/between/rsm.disc_continuous.key/in/positions.bin"), 3) == 0.5f);
+
+    // The same line where a manifest has the file.
+    write_rows(file, {3, 1, 20, -2, 1, 20});
+    REQUIRE(exported({"--stage", "rsm.disc", "-o", folder + "/out"}).exit == 0);
+    write_rows(file, {3, 1, 20, -2, 0.5f, 20});
+    write(folder + "/out/manifest.toml", read(folder + "/out/manifest.toml") + "[stage.input.pattern]\nfile = \"../mine.npy\"\n");
+    const Result r = run({"validate", folder + "/out/manifest.toml"});
+    CHECK(r.exit == 2);
+    CHECK_THAT(r.err, Catch::EndsWith(": " + line));
+}

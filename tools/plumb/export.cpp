@@ -17,6 +17,7 @@
 #include "tools/plumb/export_files.h"
 #include "tools/plumb/export_merge.h"
 #include "tools/plumb/export_readme.h"
+#include "tools/plumb/export_settings.h"
 #include "tools/plumb/stage_case.h"
 #include "tools/shared/file_store.h"
 #include "tools/shared/options.h"
@@ -162,10 +163,15 @@ int run_export(const ExportOptions& given) {
     frame::Settings settings = settings_of(scene, given.scene);
     scene = drawn(std::move(scene), settings, options);
     const std::uint64_t id = export_id(scene, settings, maker);
-    if (given.stage != "all") settings = frame::settings_running(settings, given.stage);
-    settings.truth = false;
     const int light = given.light.empty() ? -1 : find_light(scene, given.light);
-    if (given.stage != "all") parity::find_binding(given.stage, "--stage " + given.stage);
+    if (given.stage != "all") {
+        parity::find_binding(given.stage, "--stage " + given.stage);
+        const frame::Settings asked = settings;
+        settings = frame::settings_running(asked, given.stage);
+        for (const std::string& note : replaced_settings(asked, settings, given.stage, given.scene)) scene.notes.push_back(note);
+    }
+    if (given.stage == "all" || given.stage == rsm::stage_name(settings.rsm)) require_whole_rows(settings);
+    settings.truth = false;
     frame::plan(scene, settings);  // what cannot be rendered is told before a bake is made for it
     add_bake(scene, settings, {options, given.scene.no_cache ? "" : cache_folder(), !given.common.json});
     const frame::Plan plan = frame::plan(scene, settings);
@@ -221,7 +227,7 @@ int run_export(const ExportOptions& given) {
     if (given.common.json) {
         std::fputs(json_text({{"manifest", manifest.file.string()}, {"stages", rows.size()}, {"bytes", files.bytes()},
                               {"export", manifest.exported.id}, {"kept", merge.kept}, {"replaced", merge.removed},
-                              {"changed", changed}, {"files", outputs.files()}}).c_str(), stdout);
+                              {"changed", changed}, {"notes", scene.notes}, {"files", outputs.files()}}).c_str(), stdout);
         return success;
     }
     print_notes(scene);
