@@ -308,12 +308,19 @@ TEST_CASE("sweep: --vary takes the place of the ranges of the curves that it con
     const std::vector<SweptMethod> curves =
         swept_methods(settings, {"rsm"}, {"rsm.samples=10,20", "rsm.radius=0.1,0.2,0.4"});
     CHECK(names(curves) ==
-          std::vector<std::string>{"rsm.disc", "rsm.all", "rsm.all_rays", "rsm.paths", "rsm.paths, visibility = none",
+          std::vector<std::string>{"rsm.disc, samples = 10", "rsm.disc, samples = 20", "rsm.all", "rsm.all_rays", "rsm.paths", "rsm.paths, visibility = none",
                                    "rsm.paths, visibility = algorithm_2", "rsm.paths, slots = 9", "rsm.paths, turn = tile"});
-    CHECK(points_of(curves[0]).size() == 6);
-    CHECK(points_of(curves[0])[5].text == "rsm.samples = 20, rsm.radius = 0.4");
-    CHECK(points_of(curves[1]).size() == 1);
-    CHECK(points_of(curves[2]).size() == 4);
+    // The last one runs along the curve; each value of the one before it is a curve, so that none goes back and forth.
+    CHECK(points_of(curves[0]).size() == 3);
+    CHECK(points_of(curves[1])[2].text == "rsm.radius = 0.4");
+    const frame::Settings corner = apply(settings, curves[1].method, points_of(curves[1])[2].changed);
+    CHECK((corner.rsm.samples == 20 && corner.rsm.radius == 0.4f));
+    CHECK(points_of(curves[2]).size() == 1);
+    CHECK(points_of(curves[3]).size() == 4);
+    // Three of them: a curve for each pair; what is of another table says so.
+    CHECK(names(swept_methods(settings, {"rsm.disc"}, {"shadow.kernel=1,4", "rsm.radius=0.1,0.2", "rsm.samples=10,20"})) ==
+          std::vector<std::string>{"rsm.disc, shadow.kernel = 1, radius = 0.1", "rsm.disc, shadow.kernel = 1, radius = 0.2",
+                                   "rsm.disc, shadow.kernel = 4, radius = 0.1", "rsm.disc, shadow.kernel = 4, radius = 0.2"});
     // What all methods share varies on every curve; which gathers there are can be said, too.
     CHECK(names(swept_methods(settings, {}, {"rsm.gather=all", "shadow.kernel=1,4"})) ==
           std::vector<std::string>{"direct", "rsm.all", "isr", "probes", "radiosity", "zbuffer", "reference"});
@@ -321,8 +328,8 @@ TEST_CASE("sweep: --vary takes the place of the ranges of the curves that it con
     const std::vector<SweptMethod> far = swept_methods(settings, {}, {"lod.levels=1,4", "probes.count=8,16"});
     for (const SweptMethod& curve : far) {
         CAPTURE(curve.name);
-        for (const Variation& v : curve.varied) CHECK((v.table == "lod" || v.table == "probes") == (curve.name == "probes"));
-        if (curve.name == "probes") CHECK(points_of(curve).size() == 4);
+        for (const Variation& v : curve.varied) CHECK((v.table == "lod" || v.table == "probes") == (curve.name.starts_with("probes,")));
+        if (curve.name.starts_with("probes")) CHECK(points_of(curve).size() == 2);
     }
 
     auto refused = [&](std::vector<std::string> methods, std::vector<std::string> vary) {

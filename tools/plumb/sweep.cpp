@@ -160,7 +160,8 @@ void add_sweep(CLI::App& program, Action& action) {
         ->check(some_word())
         ->type_name("M");
     command->add_option("--vary", given->request.vary,
-                        "table.key=a,b,c: what varies along the curves that it concerns; may be repeated")
+                        "table.key=a,b,c: what varies along the curves that it concerns; may be repeated:\n"
+                        "the last along, a curve for each value of the others")
         ->allow_extra_args(false)
         ->type_name("T.K=V,V");
     command->add_option("--set", given->sets, "table.key=value in place of the scene files'; may be repeated")

@@ -96,7 +96,7 @@ struct SweepRequest {
     std::vector<SceneOptions> scenes;   // file and sets
     const Scene* loaded = nullptr;      // of the only scene, in place of its file: one that was moved to a frame
     std::vector<std::string> methods;   // methods and gathers; empty: all
-    std::vector<std::string> vary;      // "rsm.samples=50,100,200"
+    std::vector<std::string> vary;      // "rsm.samples=50,100,200"; the last one along curves, a curve for each value of others
     int runs = 5;
     std::optional<glm::ivec2> size;     // in place of the scenes' own
     std::string samples, until_error;   // of the truth, in place of [reference]; words of the command line
@@ -105,7 +105,8 @@ struct SweepRequest {
 };
 
 // The curves of a scene's settings: of every method, or those named, by the ranges that its fields() give. `vary` takes
-// the place of the ranges of the curves that it concerns. Throws InputError that names the nearest known name.
+// the place of the ranges of the curves that it concerns: the last one varies along them, of the others each combination of
+// values is a curve. Throws InputError that names the nearest known name.
 std::vector<SweptMethod> swept_methods(const frame::Settings& settings, const std::vector<std::string>& methods,
                                        const std::vector<std::string>& vary);
 

@@ -149,7 +149,6 @@ class Curves {
 
     void add(SweptMethod curve, std::vector<SweptMethod>& result) const {
         // What was asked for takes the place of all ranges of the curves that it concerns.
-        bool any = false;
         for (const Asked& a : asked_) {
             const bool own = has(tables_, a.variation.table);
             if (!own && is_of_a_method(a.variation.table)) continue;
@@ -160,12 +159,8 @@ class Curves {
                 if (selects(fields_, *f) || !concerns(*f, curve)) continue;
             }
             curve.varied.push_back(a.variation);
-            any = true;
         }
-        if (any) {
-            result.push_back(curve);
-            return;
-        }
+        if (!curve.varied.empty()) return add_each(std::move(curve), result);
         for (const Own& f : fields_) {
             if (f.sweep.role != Role::along || f.sweep.values.empty() || !concerns(f, curve)) continue;
             curve.varied.push_back({f.table, f.name, values(f)});
@@ -183,6 +178,26 @@ class Curves {
         }
     }
 
+    // The last of what varies runs along; of all others a curve for each combination of their values, so that none goes
+    // back and forth.
+    void add_each(SweptMethod curve, std::vector<SweptMethod>& result) const {
+        const Variation along = curve.varied.back();
+        std::vector<Variation> across = std::move(curve.varied);
+        across.pop_back();
+        curve.varied = {along};
+        std::vector<SweptMethod> curves = {curve};
+        for (const Variation& v : across) {
+            std::vector<SweptMethod> more;
+            for (const SweptMethod& one : curves)
+                for (const FieldValue& value : v.values) {
+                    more.push_back(one);
+                    more.back().name += fmt::format(", {}{} = {}", has(tables_, v.table) ? "" : v.table + ".", v.key, text_of(value));
+                    more.back().fixed.push_back({v.table, v.key, value, ""});
+                }
+            curves = std::move(more);
+        }
+        result.insert(result.end(), curves.begin(), curves.end());
+    }
 
     static bool same(const Field& f, const FieldValue& value) {
         const auto number = std::get_if<double>(&value);
