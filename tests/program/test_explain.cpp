@@ -229,7 +229,7 @@ TEST_CASE("explain --html: a gather's samples lie on the light's map, and are ro
                              "check: irradiance, the sum of 2 lights: "})
         CHECK_THAT(page, Contains(part));
     // The text has the same samples, with what each brings, and their sum.
-    CHECK_THAT(r.out, Contains("what each sample brings: weight visibility flux form (VRSM (3.2))\nsample  texel  inside"));
+    CHECK_THAT(r.out, Contains("what each sample brings, largest first: weight visibility flux form (VRSM (3.2))\nsample  texel  inside"));
     const std::size_t sum = r.out.find("\ntogether: ");
     REQUIRE(sum != std::string::npos);
     std::istringstream words(r.out.substr(sum + 11));

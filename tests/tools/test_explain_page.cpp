@@ -82,8 +82,43 @@ TEST_CASE("explain samples: what a gather's sample brings is weight visibility f
     CHECK(*paths.all[2].path == 1);
     const std::string text = samples_text(values, {.steps = 2});
     CHECK(has(text, "path  step  texel"));
-    CHECK(has(text, "together: 6  3  1.5\n"));
+    CHECK(has(text, "2 of 3 samples bring 0\ntogether: 6  3  1.5\n"));
+    CHECK(count(text, "\n") == 5);  // a caption, the head, the one that brings something
     CHECK(samples_text({{"x", -1, {1}, ""}}, {}).empty());
+}
+
+TEST_CASE("explain samples: those that bring most come first, what is no number before all", "[tools][explain]") {
+    std::vector<TapValue> values = {{"x", -1, {1}, ""}};
+    const double brought[] = {0, 2, -8, 2, no_number, 4};
+    for (int k = 0; k < 6; ++k) {
+        values.push_back({"flux", k, {brought[k], 0, 0}, ""});
+        values.push_back({"form", k, {1}, ""});
+    }
+    values.push_back({"between", -1, {1}, ""});
+    for (int k = 6; k < 8; ++k) values.push_back({"flux", k, {double(k), 0, 0}, ""}), values.push_back({"form", k, {1}, ""});
+    const Samples s = samples_of(values, {});
+    CHECK(by_contribution(s, 0, s.all.size()) == std::vector<std::size_t>{4, 2, 7, 6, 5, 1, 3, 0});
+    CHECK(end_of_run(s, 0) == 6);
+    CHECK(end_of_run(s, 6) == 8);
+    CHECK(nothing_brought(s) == "1 of 8 samples brings 0");
+
+    // Values of one kind stay where they are, those of a sample together.
+    const std::vector<TapValue> ordered = by_contribution(values);
+    REQUIRE(ordered.size() == values.size());
+    std::vector<int> samples;
+    for (const TapValue& v : ordered) samples.push_back(v.sample);
+    CHECK(samples == std::vector<int>{-1, 4, 4, 2, 2, 5, 5, 1, 1, 3, 3, 0, 0, -1, 7, 7, 6, 6});
+    CHECK(ordered[1].name == "flux");
+    CHECK(ordered[2].name == "form");
+
+    // Where nobody knows what a sample brings, nothing moves and nothing is said.
+    const std::vector<TapValue> steps = {{"depth", 0, {1}, ""}, {"depth", 1, {2}, ""}};
+    CHECK(nothing_brought(samples_of(steps, {})).empty());
+    CHECK(by_contribution(steps)[0].sample == 0);
+    CHECK(samples_text(steps, {}).empty());
+    // Of a filter, whose table is the listing itself, how many bring nothing; where none does, no table but the sum.
+    CHECK(samples_text({{"weight", 0, {0}, ""}, {"weight", 1, {2}, ""}}, {}) == "samples: what brings most comes first; 1 of 2 samples brings 0\n");
+    CHECK(samples_text({{"flux", 0, {0, 0, 0}, ""}, {"form", 0, {1}, ""}}, {}) == "1 of 1 samples brings 0\ntogether: 0  0  0\n");
 }
 
 TEST_CASE("explain samples: a texel may be an index, or the sample itself", "[tools][explain]") {
@@ -304,6 +339,12 @@ TEST_CASE("explain page: of many samples those that bring most, and a picture of
     CHECK(count(html, "<details") == most_rows);
     CHECK_FALSE(has(html, "data-key=\"0.5399\""));
     CHECK(has(html, "data-key=\"0.5400\""));  // 6400 - 1000: contributions grow with k
-    CHECK(has(html, "The 1000 of 6400 samples that bring most; --json lists all."));
+    CHECK(has(html, "The 1000 of 6400 samples that bring most; --json lists all. Largest first. 1 of 6400 samples brings 0."));
+    // The largest first, in the table and in the list.
+    for (const char* kind : {"<tr data-key=\"0.", "<details data-key=\"0."}) {
+        const std::size_t first = html.find(kind);
+        REQUIRE(first != std::string::npos);
+        CHECK(html.substr(first + std::string(kind).size(), 5) == "6399\"");
+    }
     CHECK(has(html, "contribution (W/m2): of each texel"));
 }

@@ -183,16 +183,21 @@ class Report {
     }
 
     void add(const frame::PlannedStage& stage, const frame::Explanation& e, const std::vector<Check>& checks) {
-        text_ += (text_.empty() ? "" : "\n") + explain_text(e);
         stages_.push_back(explain_json(e));
         std::vector<std::string> notes;
         for (const Check& check : checks) notes.push_back(check_text(check));
         const bool sampled = std::any_of(e.values.begin(), e.values.end(), [](const TapValue& v) { return v.sample >= 0; });
-        if (page_ || (sampled && !given_.common.json))
-            for (ExplainedDispatch& one : explained_dispatches(scene_, settings_, frame_, stage, e)) {
-                text_ += samples_text(one.values, sample_shape(one.binding, &one.data, one.pixel));
-                if (page_) add_section(stage, one, "", one_side(one.values), notes);
-            }
+        std::vector<ExplainedDispatch> dispatches;
+        if (page_ || (sampled && !given_.common.json)) dispatches = explained_dispatches(scene_, settings_, frame_, stage, e);
+        // Every value, of each dispatch the samples that bring most first; JSON keeps the kernel's order.
+        frame::Explanation ordered{e.stage, e.pixel, dispatches.empty() ? e.values : std::vector<TapValue>{}};
+        for (const ExplainedDispatch& one : dispatches)
+            for (TapValue& v : by_contribution(one.values)) ordered.values.push_back(std::move(v));
+        text_ += (text_.empty() ? "" : "\n") + explain_text(ordered);
+        for (const ExplainedDispatch& one : dispatches) {
+            text_ += samples_text(one.values, sample_shape(one.binding, &one.data, one.pixel));
+            if (page_) add_section(stage, one, "", one_side(one.values), notes);
+        }
         for (const std::string& note : notes) text_ += note;
     }
 

@@ -230,15 +230,10 @@ std::string summary_of(const Sample& s) {
     return text;
 }
 
-// The samples that a page lists: all, or those that bring most; in the kernel's order.
+// The samples that a page lists: all, or those that bring most; these first.
 std::vector<std::size_t> listed(const Samples& samples) {
-    std::vector<std::size_t> rows = every_sample(samples);
-    if (rows.size() <= most_rows) return rows;
-    std::stable_sort(rows.begin(), rows.end(), [&](std::size_t a, std::size_t b) {
-        return samples.all[a].brought() > samples.all[b].brought();
-    });
-    rows.resize(most_rows);
-    std::sort(rows.begin(), rows.end());
+    std::vector<std::size_t> rows = by_contribution(samples, 0, samples.all.size());
+    if (rows.size() > most_rows) rows.resize(most_rows);
     return rows;
 }
 
@@ -246,6 +241,14 @@ std::string left_out(const Samples& samples) {
     return samples.all.size() <= most_rows
                ? ""
                : fmt::format("The {} of {} samples that bring most; --json lists all.", most_rows, samples.all.size());
+}
+
+// Above the table: in which order, what is left out, and how many samples bring nothing.
+std::string samples_caption(const Samples& samples) {
+    std::string text = left_out(samples);
+    if (const std::string nothing = nothing_brought(samples); !nothing.empty())
+        text += (text.empty() ? "Largest first. " : " Largest first. ") + nothing + ".";
+    return text;
 }
 
 void table_of_samples(Page& page, const std::vector<TapValue>& values, const Samples& samples,
@@ -270,7 +273,7 @@ void table_of_samples(Page& page, const std::vector<TapValue>& values, const Sam
         if (total > 0) cells.back().push_back({fmt::format("{:.3g}", 100 * s.brought() / total), true});
         cells.back().front().key = fmt::format("{}{}", key, rows[i]);
     }
-    page.table(cells, left_out(samples));
+    page.table(cells, samples_caption(samples));
     if (!samples.gathers) return;
     std::string sum;
     for (const double c : samples.together) sum += fmt::format(" {:.9g}", c);
@@ -279,28 +282,34 @@ void table_of_samples(Page& page, const std::vector<TapValue>& values, const Sam
                                   : " The kernel's own sum: " + exact_text(samples.all.back().sum) + "."));
 }
 
-// Every value in the kernel's order; those of a sample are opened by a click.
+// Every value; those of a sample are opened by a click. Samples that follow one another are listed as they bring; beside a
+// device's values as the kernel has them, so that the first that parts comes first.
 void list_of_values(Page& page, const ExplainedStage& stage, const Samples& samples,
                     const std::vector<std::size_t>& rows, const std::string& key) {
     const std::set<std::size_t> wanted(rows.begin(), rows.end());
-    page.raw("<h3>Every value, in the kernel's order</h3>\n");
+    const bool device = !stage.device.empty(), ordered = !device && !nothing_brought(samples).empty();
+    page.raw(ordered ? "<h3>Every value, samples by what they bring</h3>\n" : "<h3>Every value, in the kernel's order</h3>\n");
     const std::vector<TwoValues>& lines = stage.values.lines;
-    const bool device = !stage.device.empty();
-    std::size_t sample = 0;
-    for (std::size_t i = 0; i < lines.size();) {
-        std::size_t end = i;
-        while (end < lines.size() && lines[end].sample == lines[i].sample) ++end;
+    for (std::size_t i = 0, first = 0; i < lines.size();) {
         if (lines[i].sample < 0) {
+            std::size_t end = i;
+            while (end < lines.size() && lines[end].sample < 0) ++end;
             page.raw(values_markup(stage.values, i, end, device));
-        } else {
-            const bool parts = stage.values.parts_at && *stage.values.parts_at >= i && *stage.values.parts_at < end;
+            i = end;
+            continue;
+        }
+        const std::size_t behind = end_of_run(samples, first);
+        std::vector<std::size_t> order = by_contribution(samples, first, behind);
+        if (!ordered) std::sort(order.begin(), order.end());
+        for (const std::size_t sample : order) {
+            const Sample& s = samples.all[sample];
+            const bool parts = stage.values.parts_at && *stage.values.parts_at >= s.first && *stage.values.parts_at < s.last;
             if (wanted.count(sample) || parts)
                 page.raw(fmt::format("<details data-key=\"{}{}\"{}><summary>{}</summary>{}</details>\n", escaped(key),
-                                     sample, parts ? " open" : "", escaped(summary_of(samples.all[sample])),
-                                     values_markup(stage.values, i, end, device)));
-            ++sample;
+                                     sample, parts ? " open" : "", escaped(summary_of(s)),
+                                     values_markup(stage.values, s.first, s.last, device)));
         }
-        i = end;
+        i = samples.all[behind - 1].last, first = behind;
     }
     if (samples.all.size() > rows.size()) page.raw(fmt::format("<p class=\"note\">{}</p>\n", left_out(samples)));
 }

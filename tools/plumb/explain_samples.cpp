@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "tools/shared/table.h"
 
@@ -156,6 +157,19 @@ double Sample::brought() const {
     return light > 0 ? light : 0;
 }
 
+double Sample::magnitude() const {
+    Sample unsigned_one;
+    for (const double c : contribution) {
+        if (std::isnan(c)) return std::numeric_limits<double>::infinity();
+        unsigned_one.contribution.push_back(std::abs(c));
+    }
+    return unsigned_one.brought();
+}
+
+bool Sample::brings_nothing() const {
+    return !contribution.empty() && std::all_of(contribution.begin(), contribution.end(), [](double c) { return c == 0; });
+}
+
 double Samples::total() const {
     double sum = 0;
     for (const Sample& s : all) sum += s.brought();
@@ -205,14 +219,59 @@ std::vector<std::size_t> every_sample(const Samples& samples) {
     return rows;
 }
 
+std::vector<std::size_t> by_contribution(const Samples& samples, std::size_t first, std::size_t last) {
+    std::vector<std::pair<double, std::size_t>> sized;
+    for (std::size_t i = first; i < last; ++i) sized.push_back({samples.all[i].magnitude(), i});
+    std::stable_sort(sized.begin(), sized.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+    std::vector<std::size_t> rows;
+    for (const auto& [size, row] : sized) rows.push_back(row);
+    return rows;
+}
+
+std::size_t end_of_run(const Samples& samples, std::size_t first) {
+    std::size_t end = first + 1;
+    while (end < samples.all.size() && samples.all[end].first == samples.all[end - 1].last) ++end;
+    return end;
+}
+
+std::vector<TapValue> by_contribution(const std::vector<TapValue>& values) {
+    const Samples samples = samples_of(values, {});
+    std::vector<TapValue> out;
+    for (std::size_t i = 0, sample = 0; i < values.size();) {
+        if (values[i].sample < 0) {
+            out.push_back(values[i++]);
+            continue;
+        }
+        const std::size_t end = end_of_run(samples, sample);
+        for (const std::size_t row : by_contribution(samples, sample, end))
+            out.insert(out.end(), values.begin() + std::ptrdiff_t(samples.all[row].first), values.begin() + std::ptrdiff_t(samples.all[row].last));
+        i = samples.all[end - 1].last, sample = end;
+    }
+    return out;
+}
+
+std::string nothing_brought(const Samples& samples) {
+    std::size_t known = 0, nothing = 0;
+    for (const Sample& s : samples.all) known += !s.contribution.empty(), nothing += s.brings_nothing();
+    if (known == 0) return "";
+    return fmt::format("{} of {} samples bring{} 0", nothing, samples.all.size(), nothing == 1 ? "s" : "");
+}
+
 std::string samples_text(const std::vector<TapValue>& values, const SampleShape& shape) {
     const Samples samples = samples_of(values, shape);
-    if (!samples.gathers) return "";
-    const SampleTable table = sample_table(samples, values, every_sample(samples));
-    std::vector<Column> columns;
-    for (const std::string& head : table.head) columns.push_back({head, Align::right});
-    return "what each sample brings: weight visibility flux form (VRSM (3.2))\n" + format_table(columns, table.rows) +
-           fmt::format("together: {}\n", exact_text(samples.together));
+    const std::string nothing = nothing_brought(samples);
+    if (nothing.empty()) return "";
+    if (!samples.gathers) return "samples: what brings most comes first; " + nothing + "\n";
+    std::vector<std::size_t> rows = by_contribution(samples, 0, samples.all.size());
+    std::erase_if(rows, [&](std::size_t row) { return samples.all[row].brings_nothing(); });
+    std::string text;
+    if (!rows.empty()) {
+        const SampleTable table = sample_table(samples, values, rows);
+        std::vector<Column> columns;
+        for (const std::string& head : table.head) columns.push_back({head, Align::right});
+        text = "what each sample brings, largest first: weight visibility flux form (VRSM (3.2))\n" + format_table(columns, table.rows);
+    }
+    return text + nothing + fmt::format("\ntogether: {}\n", exact_text(samples.together));
 }
 
 }  // namespace plumb::cli

@@ -26,6 +26,10 @@ struct Sample {
 
     // Rec. 709 luminance of three components, else the first one; what is no number, or negative, is 0.
     double brought() const;
+    // By which samples are ordered: the luminance of what it brings without its signs; infinite where that is no number, which
+    // must not be overlooked.
+    double magnitude() const;
+    bool brings_nothing() const;  // it is known, and 0
     bool hidden() const { return visibility && *visibility == 0; }
 };
 
@@ -60,7 +64,17 @@ SampleTable sample_table(const Samples& samples, const std::vector<TapValue>& va
                          const std::vector<std::size_t>& rows);
 std::vector<std::size_t> every_sample(const Samples& samples);
 
-// The table of a gather as text, with the sum below; "" for any other stage.
+// Of [first, last) of `all` those that bring most first, as the kernel has them where they bring the same.
+std::vector<std::size_t> by_contribution(const Samples& samples, std::size_t first, std::size_t last);
+// Behind the samples that follow `first` without a value of another kind between them.
+std::size_t end_of_run(const Samples& samples, std::size_t first);
+// The same values; the samples of each run in that order.
+std::vector<TapValue> by_contribution(const std::vector<TapValue>& values);
+// "12 of 37 samples bring 0"; "" where what they bring is not known.
+std::string nothing_brought(const Samples& samples);
+
+// Of a gather the table of the samples that bring something, largest first, with the sum below; of any other stage with samples
+// how many bring nothing, where that is known; else "".
 std::string samples_text(const std::vector<TapValue>& values, const SampleShape& shape);
 
 }  // namespace plumb::cli
