@@ -218,6 +218,33 @@ TEST_CASE("readme: every link to a file or a heading leads there", "[program][re
     CHECK_FALSE(has_anchor(root / "README.md", "is-my-shader-wrong"));
 }
 
+TEST_CASE("readme: examples read files of the repository, or what an example before them has written", "[program][readme]") {
+    // A reader's own, and what a line of the block makes that is no call of the program.
+    const std::set<std::string> own = {"scene.toml", "FOLDER/manifest.toml", "dumps/manifest.toml", "out/small_rsm_96x57/manifest.toml", "room.toml", "room.glb", "baked.exr"};
+    std::size_t read_files = 0;
+    for (const char* page : {"README.md", "tools/plumb/README.md"}) {
+        std::set<std::string> made = own;
+        for (const Words& call : calls_of(read(root / page))) {
+            const auto output = std::find_if(call.begin(), call.end(), [](const std::string& w) { return w == "-o" || w == "--output"; });
+            const std::string folder = output == call.end() || output + 1 == call.end() ? "" : output[1];
+            for (std::size_t i = 2; i < call.size(); ++i) {
+                const std::string ending = fs::path(call[i]).extension();
+                const bool written = call[i] == folder || std::set<std::string>{"--html", "--junit", "--export-sh", "--error"}.count(call[i - 1]);
+                if (written || !std::set<std::string>{".toml", ".glb", ".json", ".exr"}.count(ending)) continue;
+                INFO(page << ": " << call[1] << " " << call[i]);
+                CHECK((made.count(call[i]) > 0 || fs::exists(root / call[i])));
+                ++read_files;
+            }
+            if (folder.empty()) continue;
+            if (call[1] == "make-scene") made.insert(folder + "/" + call[2] + ".toml");
+            if (call[1] == "export") made.insert(folder + "/manifest.toml");
+            if (call[1] == "render") made.insert(folder + "/" + fs::path(call[2]).stem().string() + ".exr");
+            if (call[1] == "sweep") made.insert(folder + "/sweep.json");
+        }
+    }
+    CHECK(read_files > 30);
+}
+
 TEST_CASE("readme: command blocks name commands, options, stages and settings that there are", "[program][readme]") {
     ProgramNames names = program_names();
     std::size_t checked = 0;
