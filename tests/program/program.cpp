@@ -165,6 +165,18 @@ Result run_on_full_disk(const std::vector<std::string>& arguments, std::uint64_t
     return streams.result(exit_code(child));
 }
 
+Result run_within(const std::vector<std::string>& arguments, std::uint64_t bytes) {
+    const Streams streams;
+    const pid_t child = fork();
+    if (child == 0) {
+        streams.attach();
+        const rlimit limit{bytes, bytes};
+        if (setrlimit(RLIMIT_AS, &limit) != 0) _exit(127);
+        execute(arguments);
+    }
+    return streams.result(exit_code(child));
+}
+
 std::string fresh_folder(const std::string& name) {
     const std::string folder = PLUMB_BINARY_DIR "/program_tests/" + name;
     fs::remove_all(folder);

@@ -14,4 +14,7 @@ Result run_and_kill(const std::vector<std::string>& arguments, double seconds, c
 // On a disk that is full after `bytes` of any one file.
 Result run_on_full_disk(const std::vector<std::string>& arguments, std::uint64_t bytes);
 
+// With so many bytes of address space (ulimit -v).
+Result run_within(const std::vector<std::string>& arguments, std::uint64_t bytes);
+
 }  // namespace plumb::program

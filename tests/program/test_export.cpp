@@ -1,9 +1,11 @@
 // plumb export.
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <filesystem>
 
 #include "tests/program/exported.h"
+#include "tests/program/run_until.h"
 
 using namespace plumb::program;
 using Catch::Matchers::Contains;
@@ -104,7 +106,7 @@ TEST_CASE("export: one stage, one light", "[program]") {
 
 TEST_CASE("export: a setting of the command line is never replaced so that a stage runs; one of the scene is, with a note",
           "[program][errors]") {
-    const std::string folder = fresh_folder("export_replaced"), scene = small_scene(folder);
+    const std::string folder = fresh_folder("export_settings"), scene = small_scene(folder);
     auto refused = [&](const std::string& stage, const Words& more) {
         Words words = {"export", scene, "--stage", stage, "-o", folder + "/out"};
         words.insert(words.end(), more.begin(), more.end());
@@ -131,6 +133,36 @@ TEST_CASE("export: a setting of the command line is never replaced so that a sta
     const Result json = run({"export", scene, "--stage", "rsm.disc", "-o", folder + "/b", "--json"});
     CHECK_THAT(Json::parse(json.out)["notes"].dump(), Contains("in place of the scene's"));
 }
+
+#ifndef PLUMB_SANITIZED
+TEST_CASE("export and validate: what does not fit into memory is refused before work begins", "[program][errors][memory]") {
+    const std::string folder = fresh_folder("export_memory"), scene = small_scene(folder);
+    const std::uint64_t limit = 6000000000;
+    auto refused = [&](const Words& words, const std::string& what) {
+        const Result r = run_within(words, limit);
+        CHECK(r.exit == 2);
+        CHECK(r.out.empty());
+        CHECK(std::count(r.err.begin(), r.err.end(), '\n') == 1);
+        CHECK_THAT(r.err, Contains(what + " needs about ") && Contains(" GB of memory; there are 5.") && Contains(" GB: expected"));
+    };
+    for (const char* stage : {"all", "rsm.disc"})
+        refused({"export", scene, "--stage", stage, "--size", "16384x16384", "-o", folder + "/large"}, "export of 16384 x 16384 pixels");
+    CHECK_FALSE(std::filesystem::exists(folder + "/large"));
+    // What fits is written within the same limit, and says nothing.
+    const Result small = run_within({"export", scene, "--stage", "all", "-o", folder + "/dumps"}, limit);
+    CHECK(small.exit == 0);
+    CHECK(small.err.empty());
+
+    // A manifest whose pictures are said to be as large: no file of it is looked at.
+    const std::string file = folder + "/dumps/manifest.toml";
+    CHECK(run_within({"validate", file}, limit).exit == 1);
+    std::string text = read(file);
+    for (const auto& [from, to] : {std::pair("width = 61\n", "width = 16384\n"), std::pair("height = 43\n", "height = 16384\n")})
+        while (text.find(from) != std::string::npos) text = replaced(text, from, to);
+    write(file, text);
+    refused({"validate", file}, "validate " + file);
+}
+#endif
 
 TEST_CASE("export: the twins' own outputs of every stage hold up", "[program][vulkan]") {
     const std::string folder = fresh_folder("export_device"), scene = small_scene(folder);

@@ -18,11 +18,13 @@
 #include "tools/plumb/export_merge.h"
 #include "tools/plumb/export_readme.h"
 #include "tools/plumb/export_settings.h"
+#include "tools/plumb/memory_need.h"
 #include "tools/plumb/stage_case.h"
 #include "tools/shared/file_store.h"
 #include "tools/shared/options.h"
 #include "tools/shared/outputs.h"
 #include "tools/shared/probe_bake.h"
+#include "tools/shared/process_memory.h"
 #include "tools/shared/progress.h"
 #include "tools/shared/radiosity_report.h"
 #include "tools/shared/reports.h"
@@ -176,6 +178,9 @@ int run_export(const ExportOptions& given) {
     add_bake(scene, settings, {options, given.scene.no_cache ? "" : cache_folder(), !given.common.json});
     const frame::Plan plan = frame::plan(scene, settings);
     const std::vector<frame::PlannedStage> stages = chosen(plan, given, light);
+    require_memory(fmt::format("export of {} x {} pixels", scene.frame_size.x, scene.frame_size.y),
+                   bytes_to_export(frame::FrameGraph(scene, settings, Geometry{}), stages, int(scene.lights.size())), memory_there(),
+                   "expected a smaller --size");
     const std::optional<io::Manifest> earlier = earlier_export(given.folder);
     Outputs outputs(given.folder);
 

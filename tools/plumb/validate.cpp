@@ -11,6 +11,7 @@
 #include "io/image_file.h"
 #include "io/manifest.h"
 #include "tools/plumb/cli.h"
+#include "tools/plumb/memory_need.h"
 #include "tools/plumb/stage_case.h"
 #include "tools/plumb/validate_init.h"
 #include "tools/plumb/validate_refill.h"
@@ -19,6 +20,7 @@
 #include "tools/plumb/verdict_report.h"
 #include "tools/shared/options.h"
 #include "tools/shared/outputs.h"
+#include "tools/shared/process_memory.h"
 
 namespace plumb::cli {
 
@@ -83,6 +85,8 @@ int run_validate(const ValidateOptions& given) {
         options.profile.subpixel_bits = manifest.subpixel_bits;
     options.max_ambiguous = given.max_ambiguous.value_or(manifest.max_ambiguous);
 
+    require_memory("validate " + io::shown(given.manifest), bytes_to_validate(manifest, given.pictures()), memory_there(),
+                   "expected smaller pictures");
     // A folder that cannot be written to is found before the work, not after it.
     std::unique_ptr<Outputs> outputs;
     if (!given.folder.empty()) outputs = std::make_unique<Outputs>(given.folder);

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 
 #include "core/error.h"
 #include "gi/frame/probe_bake.h"
@@ -14,6 +13,7 @@
 #include "tools/shared/bake_progress.h"
 #include "tools/shared/file_store.h"
 #include "tools/shared/options.h"
+#include "tools/shared/process_memory.h"
 
 namespace plumb::cli {
 
@@ -113,15 +113,6 @@ std::string path_of(const std::string& file, const Scene& scene) {
 }
 
 }  // namespace
-
-std::uint64_t memory_there() {
-    std::ifstream file("/proc/meminfo");
-    std::string name, unit;
-    std::uint64_t kilobytes = 0;
-    while (file >> name >> kilobytes >> unit)
-        if (name == "MemAvailable:") return kilobytes * 1024;
-    return ~std::uint64_t(0);
-}
 
 std::shared_ptr<const probes::Bake> read_bake(const std::string& path, const Scene& scene) {
     const io::DescribedFile file = io::read_described(path, bake_kind);

@@ -37,7 +37,4 @@ void add_bake(const Scene& scene, frame::Settings& settings, const BakeWith& wit
 // A scene as the settings' method draws it: of radiosity with its triangles split.
 Scene drawn(Scene scene, const frame::Settings& settings, const RunOptions& options = {});
 
-// Bytes that the system would give; all there are where it does not tell.
-std::uint64_t memory_there();
-
 }  // namespace plumb::cli
