@@ -49,11 +49,28 @@ DeviceProfile swiftshader() {
     return d;
 }
 
+// Measured on an H100 and an H200 with driver 580.159.04, 2^16 inputs an operation (data/parity/nvidia.md); a quotient as Vulkan bounds it.
+// Its interpolation is none that is known.
+DeviceProfile nvidia_hopper() {
+    DeviceProfile d;
+    d.name = "nvidia-hopper-580";
+    d.driver = "NVIDIA, 580.";
+    d.device = "NVIDIA H";
+    d.half_store = HalfStore::truncate;
+    d.half_store_either = false;
+    d.precision.add = d.precision.multiply = 0.5;
+    d.precision.inverse_sqrt = 1.5;
+    d.precision.sqrt = 1;
+    d.precision.exp2 = 2, d.precision.exp2_slope = 1.2;
+    d.precision.log2_absolute = 2.5e-7;
+    return d;
+}
+
 }  // namespace
 
 const std::vector<DeviceProfile>& device_profiles() {
     static const std::vector<DeviceProfile> profiles = {DeviceProfile{}, lavapipe("lavapipe-22.3-fma", true),
-                                                        lavapipe("lavapipe-22.3-sse4.1", false), swiftshader()};
+                                                        lavapipe("lavapipe-22.3-sse4.1", false), swiftshader(), nvidia_hopper()};
     return profiles;
 }
 

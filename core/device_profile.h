@@ -33,6 +33,7 @@ enum class Interpolation : int {
 struct DeviceProfile {
     std::string name = "ideal";
     std::string driver;                 // what a driver says of itself, name and version; "" for any
+    std::string device = {};            // a part of the device's name; "" for any
     // Rasterisation.
     int subpixel_bits = 8;
     Interpolation interpolation = Interpolation::ideal;
@@ -47,7 +48,7 @@ struct DeviceProfile {
 };
 
 // ideal (the default: the Vulkan specification, and exact rasterisation), lavapipe-22.3-fma, lavapipe-22.3-sse4.1,
-// swiftshader.
+// swiftshader, nvidia-hopper-580.
 const std::vector<DeviceProfile>& device_profiles();
 // Throws InputError at `place` that names the nearest known one.
 const DeviceProfile& find_profile(const std::string& name, const std::string& place);

@@ -13,8 +13,10 @@ namespace {
 
 std::string frame_of(const std::string& name) { return std::string(PLUMB_MEASURED) + "/" + name; }
 
-Json judged(const std::string& folder, int exit) {
-    const Result r = run({"validate", folder + "/manifest.toml", "--json"});
+Json judged(const std::string& folder, int exit, const Words& more = {}) {
+    Words words = {"validate", folder + "/manifest.toml", "--json"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Result r = run(words);
     INFO(r.out << r.err);
     REQUIRE(r.exit == exit);
     return Json::parse(r.out);
@@ -42,6 +44,20 @@ TEST_CASE("measured: three frames of an NVIDIA H100 agree, and not by being equa
         const Json gather = stage_of(all, e.stage);
         CHECK(gather.at("counts").at("within_bound") > 0);
         CHECK(gather.at("counts").at("equal") > gather.at("counts").at("within_bound"));
+    }
+}
+
+TEST_CASE("measured: the H100's frames keep the profile that was probed on it, and not that of a driver that rounds otherwise", "[program]") {
+    for (const char* frame : {"small_rsm_96x57", "small_paths_96x57", "small_isr_96x57"}) {
+        CAPTURE(frame);
+        const Json own = judged(frame_of(frame), 0, {"--profile", "nvidia-hopper-580"});
+        CHECK(own["verdict"] == "within_bound");
+        for (const Json& stage : own["stages"]) {
+            CAPTURE(stage.at("name"));
+            CHECK(stage.at("counts").at("wrong") == 0);
+        }
+        // Quotients and roots that are correctly rounded are not what it writes.
+        CHECK(judged(frame_of(frame), 1, {"--profile", "lavapipe-22.3-fma"})["verdict"] == "wrong");
     }
 }
 

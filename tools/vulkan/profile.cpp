@@ -19,7 +19,7 @@ const DeviceProfile& profile_of(const DeviceInfo& device) {
     const bool fused = processor_fuses() && device.name().find("128 bits") == std::string::npos;
     for (const DeviceProfile& p : device_profiles()) {
         const bool fits = p.interpolation != Interpolation::plane_equation || p.fused_raster == fused;
-        if (fits && !p.driver.empty() && text.find(p.driver) != std::string::npos) return p;
+        if (fits && !p.driver.empty() && text.find(p.driver) != std::string::npos && device.name().find(p.device) != std::string::npos) return p;
     }
     return find_profile("ideal", device.name());
 }
