@@ -18,6 +18,7 @@
 #include "core/bounded.h"
 #include "core/error.h"
 #include "core/fp_environment.h"
+#include "core/inexact_inputs.h"
 #include "core/kernel_rows.h"
 #include "core/outcomes.h"
 #include "core/parallel.h"
@@ -109,7 +110,9 @@ class KernelStage final : public BoundStage {
         for (std::size_t i = 0; i < description.inputs.size(); ++i) bind(description.inputs[i], binding.inputs[i]);
         for (const Lends<View>& lent : description.lends)
             if (is_lent(data, lent.name, lent.dtype)) bind(lent);
+        const View read = view_;
         if (description.prepare) description.prepare(view_, own_);
+        bind_inexact(read);
     }
 
     void run(const RunOptions& options, const DeviceProfile&, Bundle& outputs) const override {
@@ -136,6 +139,7 @@ class KernelStage final : public BoundStage {
     void outcomes(glm::ivec2 pixel, const DeviceProfile& profile, std::span<const float>,
                   std::span<const std::int32_t> choices, std::vector<Outcome>& out) const override {
         const PrecisionScope precision(profile.precision);
+        const InexactScope inexact(inexact_);
         auto one = [&](std::vector<Bounded>& values) { append<Bounded>(pixel, values); };
         enumerate_outcomes(one, most_outcomes, out, choices);
         // What a device left there that does not write the pixel could be anything.
@@ -222,6 +226,35 @@ class KernelStage final : public BoundStage {
         lent.at.set(view_, at(data_.inputs, lent.name).bytes.data());
     }
 
+    // What a device makes before it reads it: in the inputs, and in the copies of them that prepare() makes of `read`.
+    void bind_inexact(View read) {
+        for (std::size_t i = 0; i < binding_.inputs.size(); ++i) {
+            const Slot& slot = binding_.inputs[i];
+            const Array *input = find(data_.inputs, slot.name), *moved = find(data_.inputs, moved_name(slot.name));
+            if (input && moved) bind_inexact(*input, *moved, description_.inputs[i], read);
+        }
+        if (inexact_.empty() || own_.empty()) return;
+        // Of what is exact no number moves.
+        std::size_t most = 0;
+        for (const Array& array : data_.inputs.arrays) most = std::max(most, array.bytes.size() / sizeof(float));
+        const Buffer<float> nothing(most);
+        for (std::size_t i = 0; i < binding_.inputs.size(); ++i) {
+            const Array* input = find(data_.inputs, binding_.inputs[i].name);
+            if (input && input->dtype == DType::f32 && !find(data_.inputs, moved_name(input->name)))
+                description_.inputs[i].at.set(read, nothing.data());
+        }
+        description_.prepare(read, own_moved_);
+        inexact_.push_back({own_.data(), own_moved_.data(), std::ptrdiff_t(own_.size())});
+    }
+    void bind_inexact(const Array& input, const Array& moved, const Reads<View>& slot, View& read) {
+        if (input.dtype != DType::f32 || moved.dtype != DType::f32 || moved.shape != input.shape)
+            throw std::logic_error(moved.name + ": expected numbers of the input's shape");
+        inexact_.push_back({reinterpret_cast<const float*>(input.bytes.data()),
+                            reinterpret_cast<const float*>(moved.bytes.data()),
+                            std::ptrdiff_t(input.bytes.size() / sizeof(float))});
+        slot.at.set(read, moved.bytes.data());
+    }
+
     bool fits(const Bundle& outputs) const {
         if (outputs.arrays.size() != binding_.outputs.size()) return false;
         for (std::size_t i = 0; i < outputs.arrays.size(); ++i) {
@@ -264,7 +297,8 @@ class KernelStage final : public BoundStage {
     const StageBinding& binding_;
     const StageDescription<View>& description_;
     const StageData& data_;
-    Buffer<float> own_;
+    Buffer<float> own_, own_moved_;
+    std::vector<InexactRange> inexact_;
     View view_{};
 };
 

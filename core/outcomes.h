@@ -16,6 +16,7 @@
 
 #include "core/binding.h"
 #include "core/bounded.h"
+#include "core/inexact_inputs.h"
 
 namespace plumb {
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "core/bounded.h"
+#include "core/inexact_inputs.h"
 #include "raster/texture_kernel.h"
 
 namespace plumb::raster {

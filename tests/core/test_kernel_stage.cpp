@@ -199,6 +199,40 @@ TEST_CASE("a stage with two outputs of different types", "[stage]") {
     CHECK(along.size() == 5);
 }
 
+TEST_CASE("what a device makes of an input before it reads it lies within the input's bound", "[stage]") {
+    const StageBinding& binding = made<PairKernel, PairTwin>();
+    Image4 normal(2, 1, glm::vec4(3, 0, 4, 1)), moved(2, 1, glm::vec4(0));
+    moved(1, 0) = glm::vec4(0.01f, 0.02f, 0, 0);
+    StageData data = begin_data(binding, {2, 1}, uniform_block(PairView::Uniforms{2, 1, {}}));
+    lend(data.inputs, "normal", normal);
+    std::vector<Outcome> exact, inexact;
+    binding.bind(data)->outcomes({0, 0}, {}, {}, {}, exact);
+    lend(data.inputs, moved_name("normal"), moved);
+    const auto bound = binding.bind(data);
+    for (const int x : {0, 1}) {
+        INFO(x);
+        bound->outcomes({x, 0}, {}, {}, {}, inexact);
+        REQUIRE(inexact.size() == 1);
+        const auto& values = inexact[0].values;
+        // Its own float result is the same; the length moves by n . moved / |n| = 0.006, and of second order by less than
+        // |moved|^2 / |n| = 0.0001 (3.01^2 + 0.02^2 + 4^2 is 5.00605^2).
+        CHECK(values[4].shadow == 5);
+        CHECK(values[0].bound == (x == 0 ? 0 : double(0.01f)));
+        CHECK(values[1].bound == (x == 0 ? 0 : double(0.02f)));
+        CHECK(values[2].bound == 0);
+        if (x == 0) CHECK(values[4].bound == exact[0].values[4].bound);
+        if (x == 1) CHECK(values[4].bound > 0.00605);
+        if (x == 1) CHECK(values[4].bound < 0.0063);
+    }
+    // Who reads the same numbers afterwards reads them as they are.
+    binding.bind(data)->outcomes({0, 0}, {}, {}, {}, exact);
+    CHECK(number<Bounded>::fetch4(normal.data(), 1).x.bound == 0);
+    const Image4 wrong(1, 1);
+    StageData cut = begin_data(binding, {2, 1}, uniform_block(PairView::Uniforms{2, 1, {}}));
+    lend(cut.inputs, "normal", normal), lend(cut.inputs, moved_name("normal"), wrong);
+    CHECK_THROWS_WITH(binding.bind(cut), "normal.moved: expected numbers of the input's shape");
+}
+
 namespace {
 
 struct Unbound : PairTwin {

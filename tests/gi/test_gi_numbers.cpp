@@ -7,6 +7,7 @@
 
 #include "core/bounded.h"
 #include "core/detmath_bounded.h"
+#include "core/inexact_inputs.h"
 #include "core/tap.h"
 #include "gi/compose/compose_kernel.h"
 #include "gi/compose/tonemap_kernel.h"
