@@ -118,10 +118,25 @@ TEST_CASE("reports: stages' JSON has the contract's keys", "[tools][contract]") 
     const Json json = stages_json(frame::all_stages());
     REQUIRE(json.size() >= 8);
     for (const Json& s : json) {
-        CHECK(keys(s) == Words{"name", "source", "inputs", "outputs", "params", "twin", "budget"});
+        CHECK(keys(s) == Words{"name", "source", "inputs", "outputs", "params", "uniforms", "twin", "budget"});
         CHECK_FALSE(s["inputs"].empty());
         CHECK_FALSE(s["outputs"].empty());
     }
+}
+
+TEST_CASE("reports: every uniform of every stage says what it means", "[tools][contract]") {
+    std::size_t count = 0;
+    for (const Json& s : stages_json(frame::all_stages()))
+        for (const Json& u : s["uniforms"]) {
+            INFO(s["name"] << " " << u["name"]);
+            CHECK(keys(u) == Words{"name", "type", "unit", "meaning", "harmless"});
+            CHECK_FALSE(u["meaning"] == "");
+            ++count;
+        }
+    CHECK(count > 500);
+    const std::string text = stages_text(frame::all_stages());
+    CHECK_THAT(text, Catch::Matchers::Contains("uniforms, in the order of the block") &&
+                         Catch::Matchers::Contains("floor of |x - x_p|^2"));
 }
 
 TEST_CASE("reports: a name that is no UTF-8 is still JSON", "[tools]") {

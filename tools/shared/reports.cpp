@@ -9,6 +9,8 @@
 
 #include "core/content_hash.h"
 #include "core/parallel.h"
+#include "gi/parity/stages.h"
+#include "gi/uniform_words.h"
 #include "tools/shared/table.h"
 
 namespace plumb::cli {
@@ -244,6 +246,27 @@ std::string compare_text(const compare::Report& r) {
     return format_table({{""}, {""}}, rows);
 }
 
+// The members of a stage's block; none of a stage without a twin.
+template <class Each>
+void each_uniform(const StageInfo& stage, Each each) {
+    const std::vector<StageBinding>& all = parity::bindings();
+    const auto binding = std::find_if(all.begin(), all.end(), [&](const StageBinding& b) { return b.info.name == stage.name; });
+    if (binding == all.end()) return;
+    for (const UniformMember& m : binding->uniforms) {
+        const UniformWords* words = words_of(*binding, m.name);
+        each(m, words ? *words : UniformWords{});
+    }
+}
+
+Json uniforms_json(const StageInfo& stage) {
+    Json json = Json::array();
+    each_uniform(stage, [&](const UniformMember& m, const UniformWords& words) {
+        json.push_back({{"name", m.name}, {"type", m.type}, {"unit", words.unit}, {"meaning", words.meaning},
+                        {"harmless", words.harmless}});
+    });
+    return json;
+}
+
 Json stages_json(const std::vector<StageInfo>& stages) {
     auto ports_json = [](const std::vector<Port>& ports) {
         Json json = Json::array();
@@ -267,6 +290,7 @@ Json stages_json(const std::vector<StageInfo>& stages) {
                         {"inputs", ports_json(s.inputs)},
                         {"outputs", ports_json(s.outputs)},
                         {"params", params},
+                        {"uniforms", uniforms_json(s)},
                         {"twin", s.twin},
                         {"budget", {{"c", s.budget.c}, {"reason", s.budget.reason}}}});
     }
@@ -290,6 +314,13 @@ std::string stages_text(const std::vector<StageInfo>& stages) {
         for (const ParamInfo& p : s.params) rows.push_back({p.name, p.default_value, p.range, p.unit, p.meaning});
         if (!rows.empty())
             text += "  parameters\n" + format_table({{"name"}, {"default"}, {"range"}, {"unit"}, {"meaning"}}, rows, 4);
+        rows.clear();
+        each_uniform(s, [&](const UniformMember& m, const UniformWords& words) {
+            rows.push_back({m.name, m.type, words.unit, words.meaning, words.harmless});
+        });
+        if (!rows.empty())
+            text += "  uniforms, in the order of the block\n" +
+                    format_table({{"name"}, {"type"}, {"unit"}, {"meaning"}, {"harmless"}}, rows, 4);
     }
     return text;
 }

@@ -1,0 +1,32 @@
+#include "gi/uniform_words.h"
+
+namespace plumb::direct {
+
+std::vector<StageWords> uniform_words() {
+    return {
+        {"direct",
+         {{"lights", "", "how many: layers of visibility"},
+          {"density", "", "1: w of the output is the shadow density; 2: density, and E / pi", "0: w is 0"}}},
+        {"shadow.blur",
+         {{"radius", "texels", "of the blur"},
+          {"vertical", "", "0 along rows, 1 along columns"},
+          {"c", "1/m", "of ISR (30): exponent for each metre behind the map"}}},
+        {"shadow",
+         {{"eye", "m", "xyz: world, where the light's linear depth starts; a view_proj gives it"},
+          {"forward", "", "xyz: unit, the way the light looks; a view_proj gives it"},
+          {"footprint_scale", "", "side of a texel at a depth of 1 m, m/m; of parallel rays 0; a view_proj gives it"},
+          {"footprint_base", "m", "side of a texel of parallel rays; else 0; a view_proj gives it"},
+          {"bias", "m", "constant part of the depth bias; a bias of window depth is another formula"},
+          {"slope_bias", "texels", "part that follows the slope, times the reach of the kernel", "0: a constant bias alone"},
+          {"max_slope", "", "limit of that slope", "16"},
+          {"perspective", "", "1 spot or point, 0 parallel rays; a view_proj gives it"},
+          {"kernel", "texels", "side of the kernel of texels that are compared", "1: one texel"},
+          {"samples", "", "kernel squared"},
+          {"published", "", "1: VRSM Algorithm 4, or ISR Listing 8, as printed", "0"},
+          {"face", "", "of a point light: the face whose points this map serves, 0 to 5", "-1: it serves all"},
+          {"soft", "", "0 each texel lit or not, 1 four comparisons weighed bilinearly, 2 exponential shadow map"},
+          {"c", "1/m", "of soft = 2: exponent for each metre behind the map", "0"}}},
+    };
+}
+
+}  // namespace plumb::direct

@@ -1,0 +1,23 @@
+#include "gi/uniform_words.h"
+
+namespace plumb::rsm {
+
+std::vector<StageWords> uniform_words() {
+    return {
+        {"",
+         {{"least_distance2", "m2", "floor of |x - x_p|^2", "1e-37: no floor, but the inverse does not overflow", 1e-37},
+          {"scale", "", "of the sum: 1 / pi = 0.31830987, since a texel of flux Phi sends Phi / pi; 1 where the flux is over pi already"},
+          {"samples", "", "of a pixel; the pattern gives it"},
+          {"rotations", "", "of the pattern: a power of two, a column of its table each", "1: one pattern for all pixels; a pattern of one's own gives it"},
+          {"seed", "", "of the hash that chooses a pixel's rotation", "0 where rotations is 1", 0, "rotations"},
+          {"reach", "texels", "the pattern's largest |dx| or |dy|, of continuous ones 2 more than its whole part; the pattern gives it"},
+          {"axis", "", "xyz: unit, towards the light along its axis; a view_proj gives it"},
+          {"directions", "", "paths of a pixel"},
+          {"steps", "", "samples of a path"},
+          {"tiled", "", "1: rotations follow a tile of 4 x 4 pixels, in Bayer's order; 0: a hash of the pixel"},
+          {"slots", "", "of the micro linear buffer, 2 to 32", "0: without visibility"},
+          {"propagates", "", "-1: Algorithms 3 and 6; 0: Algorithm 2"}}},
+    };
+}
+
+}  // namespace plumb::rsm
