@@ -285,6 +285,13 @@ std::optional<SpecFault> fault_of(const DumpSpec& spec) {
     const auto& planes = spec.near_far;
     if (!planes.empty() && !(planes.size() == 2 && planes[0] > 0 && planes[1] > planes[0] && std::isfinite(planes[0])))
         return SpecFault{"near_far", "expected [near, far] with 0 < near < far; far may be inf"};
+    if (spec.from_depth && spec.encoding != "plain")
+        return SpecFault{"from_depth", fmt::format("takes the depth buffer as it is; expected the encoding plain, not {}",
+                                                   spec.encoding)};
+    const bool formed = spec.from_depth || spec.matrix || !spec.scale.empty() || !spec.factors.empty() || spec.normalized;
+    if (formed && (spec.count || spec.encoding == "integer"))
+        return SpecFault{spec.count ? "count" : "encoding",
+                         "from_depth, matrix, scale, factor and normalized are of images of floats"};
     return {};
 }
 

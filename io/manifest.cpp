@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 
 #include "core/error.h"
 #include "io/document.h"
@@ -82,8 +83,8 @@ class ManifestReader {
         stage.stage = reader.filled("stage", "");
         const std::string name = stage.stage.empty() ? number : fmt::format("{} ({})", number, printable(stage.stage));
         reader.rename(name);
-        reader.allow({"stage", "label", "form", "light", "face", "size", "block", "params", "uniforms", "input",
-                      "output", "choices", "coverage"});
+        reader.allow({"stage", "label", "form", "light", "face", "size", "block", "params", "uniforms",
+                      "light_view_proj", "view_proj", "input", "output", "choices", "coverage"});
         if (stage.stage.empty())
             reader.fail("stage", "is missing; expected a stage's name, as `plumb stages` lists them");
         stage.place = fmt::format("{}: {}", shown(path_), name);
@@ -98,14 +99,15 @@ class ManifestReader {
         read_size(reader, stage);
         read_params(reader, stage);
         read_uniforms(reader, stage);
+        read_views(reader, stage);
         // Outputs first: their sizes may be the stage's.
         read_dumps(reader, "output", name, stage, stage.outputs);
         if (stage.outputs.empty()) reader.fail("output", "expected at least one output");
         read_dumps(reader, "input", name, stage, stage.inputs);
         if (const DocumentValue* choices = reader.table("choices"))
-            stage.choices = read_spec(*choices, "choices of " + name, stage, false);
+            stage.choices = read_spec(*choices, "choices of " + name, stage, Role::other);
         if (const DocumentValue* coverage = reader.table("coverage"))
-            stage.coverage.dump = read_spec(*coverage, "coverage of " + name, stage, false, &stage.coverage);
+            stage.coverage.dump = read_spec(*coverage, "coverage of " + name, stage, Role::other, &stage.coverage);
         manifest_.stages.push_back(std::move(stage));
     }
 
@@ -180,6 +182,33 @@ class ManifestReader {
         }
     }
 
+    // [stage.light_view_proj] is [stage.view_proj.map].
+    void read_views(DocumentReader& reader, ManifestStage& stage) {
+        if (const DocumentValue* table = reader.table("light_view_proj"))
+            stage.views.emplace("map", read_view(*table, "light_view_proj of " + reader.name()));
+        const DocumentValue* views = reader.table("view_proj");
+        if (!views) return;
+        DocumentReader named(*views, path_, "view_proj of " + reader.name());
+        for (const auto& [key, value] : views->table) {
+            if (key.empty() || value.kind != Kind::table)
+                named.fail(key, "expected a table with rows or columns: [stage.view_proj.<struct of the block>]");
+            if (!stage.views.emplace(key, read_view(value, fmt::format("view_proj.{} of {}", printable(key), reader.name()))).second)
+                named.fail(key, "is given twice: light_view_proj is view_proj.map");
+        }
+    }
+
+    ViewSpec read_view(const DocumentValue& table, const std::string& name) {
+        DocumentReader reader(table, path_, name);
+        reader.allow({"rows", "columns", "clip_depth", "reversed_z", "y"});
+        ViewSpec view;
+        view.place = fmt::format("{}: {}", reader.place(), name);
+        view.view_proj = read_matrix(reader);
+        view.below_zero = read_clip_depth(reader);
+        view.reversed_z = reader.flag("reversed_z", false);
+        view.y_up = one_of(reader, "y", {"down", "up"}) == "up";
+        return view;
+    }
+
     void read_dumps(DocumentReader& reader, const std::string& kind, const std::string& stage_name,
                     ManifestStage& stage, std::map<std::string, DumpSpec>& to) {
         const DocumentValue* table = reader.table(kind);
@@ -189,17 +218,24 @@ class ManifestReader {
             if (key.empty() || value.kind != Kind::table)
                 dumps.fail(key, "expected a table with the key \"file\": [stage." + kind + ".<name>]");
             to.emplace(key, read_spec(value, fmt::format("{}.{} of {}", kind, printable(key), stage_name), stage,
-                                      kind == "output"));
+                                      kind == "output" ? Role::output : key == "pattern" ? Role::pattern : Role::input));
         }
     }
 
-    DumpSpec read_spec(const DocumentValue& table, const std::string& name, ManifestStage& stage, bool is_output,
+    // `other`: choices, coverage and factors.
+    enum class Role { input, pattern, output, other };
+
+    DumpSpec read_spec(const DocumentValue& table, const std::string& name, ManifestStage& stage, Role role,
                        CoverageSpec* coverage = nullptr) {
+        const bool is_output = role == Role::output;
         DocumentReader reader(table, path_, name);
         std::vector<std::string> keys = {"file",     "vk_format", "width", "height",   "count",    "row_pitch", "offset",
                                          "trailing", "layer",     "channels", "encoding", "near_far", "flip_y"};
         if (coverage) keys.insert(keys.end(), {"above", "below"});
         if (is_output) keys.insert(keys.end(), {"expected", "filling"});
+        if (role == Role::input)
+            keys.insert(keys.end(), {"from_depth", "matrix", "scale", "factor", "normalized"});
+        if (role == Role::pattern) keys.insert(keys.end(), {"radius", "unit", "weight_scale"});
         reader.allow(keys);
         DumpSpec spec;
         spec.place = fmt::format("{}: {}", reader.place(), name);
@@ -224,8 +260,118 @@ class ManifestReader {
         read_planes(reader, spec);
         if (coverage) read_limits(reader, *coverage);
         complete_size(reader, spec, stage, is_output);
+        if (role == Role::input) read_forms(reader, spec);
+        if (role == Role::pattern) {
+            constexpr double largest = std::numeric_limits<double>::max();
+            spec.radius = reader.number("radius", 1, std::numeric_limits<double>::min(), 32767);
+            spec.weight_scale = reader.number("weight_scale", 1, -largest, largest);
+            spec.of_map = one_of(reader, "unit", {"texels", "map"}) == "map";
+        }
         if (const auto fault = fault_of(spec)) reader.fail(fault->key, fault->cause);
         return spec;
+    }
+
+    // What an input goes through once it is decoded.
+    void read_forms(DocumentReader& reader, DumpSpec& spec) {
+        if (const DocumentValue* table = reader.table("from_depth")) read_from_depth(*table, reader.name(), spec);
+        if (const DocumentValue* table = reader.table("matrix")) {
+            DocumentReader matrix(*table, path_, "matrix of " + reader.name());
+            matrix.allow({"rows", "columns", "of"});
+            spec.matrix.emplace();
+            spec.matrix->rows = read_matrix(matrix);
+            spec.matrix->of = one_of(matrix, "of", {"", "points", "normals", "directions"});
+        }
+        spec.scale = read_numbers(reader, "scale");
+        if (!spec.scale.empty() && spec.scale.size() != 1 && spec.scale.size() != 3)
+            reader.fail("scale", "expected a number, or one for each of x, y, z");
+        read_factors(reader, spec);
+        spec.normalized = reader.flag("normalized", false);
+    }
+
+    // A file, a table as an input's, or a list of tables; images are as large as what they multiply.
+    void read_factors(DocumentReader& reader, DumpSpec& spec) {
+        const DocumentValue* factor = reader.find("factor");
+        if (!factor) return;
+        const std::vector<DocumentValue> alone = {*factor};
+        for (const DocumentValue& value : factor->kind == Kind::list ? factor->list : alone) {
+            if (value.kind != Kind::table && value.kind != Kind::text)
+                reader.fail("factor", "expected the name of a file, or a table with the key \"file\", or a list of them");
+            DocumentValue table = value;
+            if (value.kind == Kind::text) {
+                table = {}, table.kind = Kind::table, table.place = value.place;
+                table.table.push_back({"file", value});
+            }
+            // Beside the size of the input no stage's is asked for.
+            ManifestStage sized;
+            sized.width = spec.width, sized.height = spec.height;
+            spec.factors.push_back(read_spec(table, "factor of " + reader.name(), sized, Role::other));
+        }
+        if (spec.factors.empty()) reader.fail("factor", "expected at least one");
+    }
+
+    void read_from_depth(const DocumentValue& table, const std::string& name, DumpSpec& spec) {
+        DocumentReader reader(table, path_, "from_depth of " + name);
+        reader.allow({"inverse_view_proj", "clip_depth", "reversed_z", "y"});
+        FromDepth from;
+        const DocumentValue* matrix = reader.table("inverse_view_proj");
+        if (!matrix) reader.fail("inverse_view_proj", "is missing; expected { rows = [16 numbers] }, or columns");
+        DocumentReader inside(*matrix, path_, "inverse_view_proj of " + reader.name());
+        inside.allow({"rows", "columns"});
+        from.inverse_view_proj = read_matrix(inside);
+        from.below_zero = read_clip_depth(reader);
+        from.reversed_z = reader.flag("reversed_z", false);
+        from.y_up = one_of(reader, "y", {"down", "up"}) == "up";
+        spec.from_depth = from;
+    }
+
+    // Whether clip space reaches from -1 on.
+    static bool read_clip_depth(DocumentReader& reader) {
+        const std::vector<double> range = read_numbers(reader, "clip_depth");
+        const bool below_zero = range == std::vector<double>{-1, 1};
+        if (!range.empty() && !below_zero && range != std::vector<double>{0, 1})
+            reader.fail("clip_depth", "expected [0, 1] or [-1, 1]");
+        return below_zero;
+    }
+
+    // Of a word that has to be one of those; the first where it is not there.
+    static std::string one_of(DocumentReader& reader, const std::string& key, const std::vector<std::string>& words) {
+        const std::string word = reader.word(key, words[0]);
+        const auto choice = std::find(words.begin(), words.end(), word);
+        if (choice != words.end() && (!word.empty() || !reader.has(key))) return word;
+        std::vector<std::string> named = words;
+        std::erase(named, "");
+        reader.fail(key, fmt::format("expected {}", fmt::join(named, ", ")));
+    }
+
+    // `rows` or `columns`: how the 16 numbers follow each other is said, never guessed.
+    static MatrixRows read_matrix(DocumentReader& reader) {
+        const bool by_rows = reader.has("rows");
+        if (by_rows == reader.has("columns"))
+            reader.fail("rows", "expected 16 numbers row by row as rows, or column by column as columns; one of both");
+        const std::vector<double> numbers = read_numbers(reader, by_rows ? "rows" : "columns");
+        if (numbers.size() != 16)
+            reader.fail(by_rows ? "rows" : "columns", fmt::format("expected 16 numbers, {} given", numbers.size()));
+        MatrixRows rows;
+        for (std::size_t i = 0; i < 16; ++i) rows[i] = numbers[by_rows ? i : i % 4 * 4 + i / 4];
+        return rows;
+    }
+
+    // A number, or a list of them that may have lists within: 16 numbers as four rows. Empty where the key is not there.
+    static std::vector<double> read_numbers(DocumentReader& reader, const std::string& key) {
+        std::vector<double> numbers;
+        const std::function<void(const DocumentValue&)> add = [&](const DocumentValue& value) {
+            if (value.kind == Kind::list)
+                for (const DocumentValue& one : value.list) add(one);
+            else if (value.kind == Kind::number && std::isfinite(value.number))
+                numbers.push_back(value.number);
+            else
+                reader.fail(key, "expected finite numbers");
+        };
+        if (const DocumentValue* value = reader.find(key)) {
+            add(*value);
+            if (numbers.empty()) reader.fail(key, "expected numbers");
+        }
+        return numbers;
     }
 
     void read_filling(DocumentReader& reader, DumpSpec& spec) {

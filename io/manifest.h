@@ -12,12 +12,15 @@
 //     size = [1920, 1080]
 //     [stage.params]                    # as `plumb stages` lists them; instead of the scene's settings
 //     [stage.uniforms]                  # members of the block by name; or file = "block.bin"
+//     [stage.light_view_proj]           # instead of those that follow from it: rows = [...] or columns = [...]
 //     [stage.input.position]
 //     file = "position.raw"             # .exr .pfm .hdr .tif .dds .png .npy; or raw, of the format
 //     vk_format = "R16G16B16A16_SFLOAT" # with width, height, row_pitch (bytes), offset (bytes)
 //     channels = "xyz"                  # which channels of the file are x, y, z, w: "xyz" is "rgb"; "w" is the fourth
 //     encoding = "plain"                # plain, biased (2 c - 1), octahedral, octahedral_unorm, reversed_depth, ...
 //     flip_y = false
+//     normalized = true                 # of an input: to unit length, as a shader that renormalises does
+//     matrix = { rows = [...] }         # of an input: 16 numbers that bring it to world space; or columns
 //     [stage.output.irradiance]
 //     ...
 //     expected = "expected/irradiance.bin"  # of an export: what it should hold; filling = "ffe1a2b3": what it held
@@ -25,6 +28,7 @@
 //     file = "stencil.raw"
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <limits>
@@ -37,6 +41,30 @@
 #include "core/formats.h"
 
 namespace plumb::io {
+
+// A 4x4 matrix that takes columns (x, y, z, w): 16 numbers, row by row.
+using MatrixRows = std::array<double, 16>;
+
+// What an input goes through once it is decoded: world = matrix (x, y, z, 1).
+struct InputMatrix {
+    MatrixRows rows{};
+    std::string of;  // "points", "normals" or "directions"; "": as the input's name says
+};
+
+// A position out of a depth buffer: world = inverse_view_proj (x, y, z, 1) in clip space, divided by its w.
+struct FromDepth {
+    MatrixRows inverse_view_proj{};
+    bool below_zero = false;  // clip space reaches from z = -1 to 1, which is 2 depth - 1; else from 0 to 1
+    bool reversed_z = false;  // cleared to 0; else to 1: there nothing is
+    bool y_up = false;        // clip space has its y upwards
+};
+
+// A view that gives what a block holds of it: clip = view_proj (x, y, z, 1), world.
+struct ViewSpec {
+    std::string place;
+    MatrixRows view_proj{};
+    bool below_zero = false, reversed_z = false, y_up = false;  // as of FromDepth
+};
 
 // A dumped image or buffer, as the manifest describes it.
 struct DumpSpec {
@@ -53,6 +81,16 @@ struct DumpSpec {
     std::string encoding = "plain";
     bool flip_y = false;           // the file's first row is the lowest
     std::vector<double> near_far;  // of encodings of depth, m; far may be infinite
+    // Of an input, once it is decoded, in this order.
+    std::optional<FromDepth> from_depth;
+    std::optional<InputMatrix> matrix;
+    std::vector<double> scale;      // a factor, or one for each of x, y, z; empty: 1
+    std::vector<DumpSpec> factors;  // images of the same size by which x, y and z are multiplied
+    bool normalized = false;        // then to unit length
+    // Of a pattern of samples: dx and dy are multiplied by `radius`, and by the map's side where they are shares of it; the
+    // weights by `weight_scale`.
+    double radius = 1, weight_scale = 1;
+    bool of_map = false;
     // Of an exported output: the file that holds what should be written, and the word that stood in it until something
     // was (io/filling.h). A raw file with a filling may be missing or end early.
     std::filesystem::path expected;
@@ -87,6 +125,7 @@ struct ManifestStage {
     std::string stage, label, form, light, face;
     int width = 0, height = 0;
     std::map<std::string, std::vector<double>> uniforms;
+    std::map<std::string, ViewSpec> views;     // by the struct in the block that they fill: "map" of a light's
     std::filesystem::path uniforms_file;
     std::filesystem::path block;  // of an export: the block as a file, beside the values
     std::map<std::string, std::vector<std::string>> params;  // words as in a scene file

@@ -117,6 +117,7 @@ class ManifestWriter {
         if (!stage.uniforms_file.empty()) text_line("file", name_of(stage.uniforms_file), "");
         for (const auto& [key, numbers] : stage.uniforms)
             out_ += key_text(key) + " = " + list_text(numbers, number_text) + "\n";
+        for (const auto& [name, view] : stage.views) write(name, view);
         for (const auto& [name, spec] : stage.inputs) write("[stage.input." + key_text(name) + "]", spec);
         for (const auto& [name, spec] : stage.outputs) write("[stage.output." + key_text(name) + "]", spec);
         if (!stage.choices.file.empty()) write("[stage.choices]", stage.choices);
@@ -149,6 +150,40 @@ class ManifestWriter {
         text_line("encoding", spec.encoding, "plain");
         flag_line("flip_y", spec.flip_y);
         if (!spec.near_far.empty()) out_ += "near_far = " + list_text(spec.near_far, number_text) + "\n";
+        write_forms(spec);
+        // Tables within come last.
+        for (const DumpSpec& factor : spec.factors)
+            write("[[" + header.substr(1, header.size() - 2) + ".factor]]", factor);
+    }
+
+    void write(const std::string& name, const ViewSpec& view) {
+        out_ += "[stage.view_proj." + key_text(name) + "]\n";
+        out_ += "rows = " + list_text(std::vector<double>(view.view_proj.begin(), view.view_proj.end()), number_text) + "\n";
+        if (view.below_zero) out_ += "clip_depth = [-1, 1]\n";
+        flag_line("reversed_z", view.reversed_z);
+        text_line("y", view.y_up ? "up" : "down", "down");
+    }
+
+    static std::string matrix_text(const MatrixRows& rows, const std::string& more = "") {
+        return "{ rows = " + list_text(std::vector<double>(rows.begin(), rows.end()), number_text) + more + " }";
+    }
+
+    void write_forms(const DumpSpec& spec) {
+        if (const auto& from = spec.from_depth) {
+            out_ += "from_depth = { inverse_view_proj = " + matrix_text(from->inverse_view_proj);
+            if (from->below_zero) out_ += ", clip_depth = [-1, 1]";
+            if (from->reversed_z) out_ += ", reversed_z = true";
+            out_ += (from->y_up ? ", y = \"up\" }\n" : " }\n");
+        }
+        if (spec.matrix) {
+            const std::string of = spec.matrix->of.empty() ? "" : ", of = " + quoted(spec.matrix->of);
+            out_ += "matrix = " + matrix_text(spec.matrix->rows, of) + "\n";
+        }
+        if (!spec.scale.empty()) out_ += "scale = " + list_text(spec.scale, number_text) + "\n";
+        flag_line("normalized", spec.normalized);
+        if (spec.radius != 1) out_ += "radius = " + number_text(spec.radius) + "\n";
+        if (spec.of_map) text_line("unit", "map", "texels");
+        if (spec.weight_scale != 1) out_ += "weight_scale = " + number_text(spec.weight_scale) + "\n";
     }
 
     const Manifest& manifest_;

@@ -602,3 +602,78 @@ TEST_CASE("manifest: damaged text is refused or read, never worse", "[io][manife
     load_damaged(folder, "d.toml", full_toml, [](const std::string& path) { read_manifest(path); });
     load_damaged(folder, "d.json", full_json, [](const std::string& path) { read_manifest(path); });
 }
+
+TEST_CASE("manifest: what an input goes through once it is decoded", "[io][manifest]") {
+    const Folder folder;
+    const auto input = [&](const std::string& lines) {
+        return read_manifest(folder.put("m.toml", small("") + "[stage.input.normal]\nfile = \"n.exr\"\n" + lines));
+    };
+    const std::string rows = "[[1, 2, 3, 4], [5, 6, 7, 8], [9, 10, 11, 12], [13, 14, 15, 16]]";
+    const std::string columns = "[1, 5, 9, 13, 2, 6, 10, 14, 3, 7, 11, 15, 4, 8, 12, 16]";
+    const MatrixRows numbers = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16};
+    const std::string lines = "normalized = true\nscale = 2\nmatrix = { columns = " + columns +
+                              ", of = \"directions\" }\nfactor = \"a.png\"\n" +
+                              "from_depth = { inverse_view_proj = { rows = " + rows +
+                              " }, clip_depth = [-1, 1], reversed_z = true, y = \"up\" }\n";
+    const Manifest m = input(lines);
+    const DumpSpec& spec = m.stages.at(0).inputs.at("normal");
+    CHECK(spec.normalized);
+    CHECK(spec.scale == std::vector<double>{2});
+    REQUIRE(spec.matrix);
+    CHECK(spec.matrix->rows == numbers);
+    CHECK(spec.matrix->of == "directions");
+    REQUIRE(spec.from_depth);
+    CHECK(spec.from_depth->inverse_view_proj == numbers);
+    CHECK(spec.from_depth->below_zero);
+    CHECK(spec.from_depth->reversed_z);
+    CHECK(spec.from_depth->y_up);
+    REQUIRE(spec.factors.size() == 1);
+    CHECK(spec.factors[0].file == folder / "a.png");
+    // Written and read back it is the same; left out it is nothing.
+    const std::string text = manifest_text(m);
+    CHECK(manifest_text(read_manifest(folder.put("m.toml", text))) == text);
+    CHECK_THAT(text, Catch::Matchers::Contains("[[stage.input.normal.factor]]") &&
+                         Catch::Matchers::Contains("of = \"directions\"") && Catch::Matchers::Contains("y = \"up\""));
+    const Manifest without = input("");
+    const DumpSpec& plain = without.stages.at(0).inputs.at("normal");
+    CHECK_FALSE((plain.normalized || plain.matrix || plain.from_depth));
+    CHECK((plain.scale.empty() && plain.factors.empty()));
+    // Factors of one's own format are as large as what they multiply.
+    const Manifest two = input("vk_format = \"R8G8B8_UNORM\"\nwidth = 5\nheight = 7\nscale = [1, 2, 3]\n"
+                               "factor = [{ file = \"a.raw\", vk_format = \"R8_UNORM\" }, \"b.png\"]\n");
+    const DumpSpec& many = two.stages.at(0).inputs.at("normal");
+    REQUIRE(many.factors.size() == 2);
+    CHECK(many.factors[0].width == 5);
+    CHECK(many.factors[0].height == 7);
+    CHECK(many.scale == std::vector<double>{1, 2, 3});
+
+    const std::vector<std::pair<std::string, std::string>> faults = {
+        {"normalized = 1\n", "normalized = 1: expected true or false"},
+        {"matrix = { rows = [1, 2, 3] }\n", "rows = a list of 3: expected 16 numbers, 3 given"},
+        {"matrix = {}\n", "rows: expected 16 numbers row by row as rows, or column by column as columns"},
+        {"matrix = { rows = " + columns + ", columns = " + columns + " }\n", "one of both"},
+        {"matrix = { rows = " + columns + ", of = \"colours\" }\n", "expected points, normals, directions"},
+        {"matrix = { rows = " + columns + ", of = \"\" }\n", "expected points, normals, directions"},
+        {"matrix = [1, 0]\n", "expected a table"},
+        {"scale = [1, 2]\n", "scale = a list of 2: expected a number, or one for each of x, y, z"},
+        {"scale = \"2\"\n", "expected finite numbers"},
+        {"scale = inf\n", "expected finite numbers"},
+        {"factor = 2\n", "factor = 2: expected the name of a file, or a table with the key \"file\""},
+        {"factor = []\n", "factor = a list of 0: expected at least one"},
+        {"factor = { file = \"a.png\", normalized = true }\n", "unknown key 'normalized'"},
+        {"from_depth = {}\n", "inverse_view_proj: is missing"},
+        {"from_depth = { inverse_view_proj = { rows = " + rows + " }, clip_depth = [0, 2] }\n", "expected [0, 1] or [-1, 1]"},
+        {"from_depth = { inverse_view_proj = { rows = " + rows + " }, y = \"left\" }\n", "expected down, up"},
+        {"from_depth = { inverse_view_proj = { rows = " + rows + " } }\nencoding = \"depth\"\nnear_far = [1, 2]\n",
+         "from_depth = a table: takes the depth buffer as it is; expected the encoding plain, not depth"},
+        {"normalized = true\nvk_format = \"R32_SFLOAT\"\ncount = 4\n", "are of images of floats"},
+    };
+    for (const auto& [fault, message] : faults) {
+        INFO(fault);
+        CHECK_THROWS_WITH(input(fault), Catch::Matchers::Contains(message) && Catch::Matchers::Contains("m.toml: line ") &&
+                                            Catch::Matchers::Contains("input.normal of stage 1"));
+    }
+    // An output is judged as it was stored.
+    CHECK_THROWS_WITH(read_manifest(folder.put("m.toml", small("", "", "normalized = true\n"))),
+                      Catch::Matchers::Contains("unknown key 'normalized'"));
+}

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "core/error.h"
+#include "core/inexact_inputs.h"
 #include "tools/plumb/slot_array.h"
 
 namespace plumb::cli {
@@ -20,23 +21,29 @@ void clear(Array& array, std::size_t layers, const std::vector<bool>& covered) {
 
 }  // namespace
 
-void apply_coverage(const io::ManifestStage& stage, StageCase& out) {
-    if (stage.coverage.dump.file.empty()) return;
+std::vector<bool> read_coverage(const io::ManifestStage& stage, glm::ivec2 expected) {
+    if (stage.coverage.dump.file.empty()) return {};
     const std::string place = stage.place + ": coverage";
     const Array array = io::read_dump(stage.coverage.dump).array;
     const glm::ivec2 size = image_size(array, place);
-    if (size != out.data.size)
-        throw InputError(fmt::format("{}: is {} x {}: the stage's outputs are {} x {}", place, size.x, size.y,
-                                     out.data.size.x, out.data.size.y));
+    if (size != expected)
+        throw InputError(fmt::format("{}: is {} x {}: the stage's outputs are {} x {}", place, size.x, size.y, expected.x,
+                                     expected.y));
     const std::vector<double> values = numbers(array, place);
     std::vector<bool> covered(std::size_t(size.x) * std::size_t(size.y));
     const std::size_t channels = values.size() / covered.size();
     for (std::size_t i = 0; i < covered.size(); ++i)
         covered[i] = values[i * channels] > stage.coverage.above && values[i * channels] < stage.coverage.below;
+    return covered;
+}
 
+void apply_coverage(const io::ManifestStage& stage, StageCase& out) {
+    const std::vector<bool>& covered = out.covered;
+    if (covered.empty()) return;
     for (const Slot& slot : out.binding->inputs)
         for (Array& input : out.data.inputs.arrays)
-            if (input.name == slot.name && slot.frame && slot.kind != SlotKind::buffer)
+            if ((input.name == slot.name || input.name == moved_name(slot.name)) && slot.frame &&
+                slot.kind != SlotKind::buffer)
                 clear(input, slot.kind == SlotKind::image_array ? std::size_t(input.shape[0]) : 1, covered);
     // Indices have a code of their own for nothing.
     for (parity::Dumped& output : out.dumped) {

@@ -111,6 +111,11 @@ void complete(const Slot& slot, unsigned dumped, Array& array, const std::string
 
 }  // namespace
 
+void replace(Bundle& bundle, Array array) {
+    std::erase_if(bundle.arrays, [&](const Array& a) { return a.name == array.name; });
+    bundle.arrays.push_back(std::move(array));
+}
+
 std::vector<double> numbers(const Array& array, const std::string& place) {
     std::vector<double> values(element_count(place, array.shape));
     for (std::size_t i = 0; i < values.size(); ++i) values[i] = element(array, i);

@@ -24,4 +24,7 @@ glm::ivec2 image_size(const Array& array, const std::string& place);
 // All elements as double.
 std::vector<double> numbers(const Array& array, const std::string& place);
 
+// In place of the array of that name, if there is one.
+void replace(Bundle& bundle, Array array);
+
 }  // namespace plumb::cli

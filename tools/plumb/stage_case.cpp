@@ -7,13 +7,17 @@
 #include <map>
 
 #include "core/error.h"
+#include "core/inexact_inputs.h"
 #include "core/nearest_known.h"
 #include "gi/frame/frame_graph.h"
 #include "gi/parity/stages.h"
 #include "io/file.h"
 #include "io/scene_file.h"
 #include "raster/light_view.h"
+#include "tools/plumb/case_pattern.h"
+#include "tools/plumb/case_uniforms.h"
 #include "tools/plumb/coverage.h"
+#include "tools/plumb/input_forms.h"
 #include "tools/plumb/slot_array.h"
 #include "tools/shared/options.h"
 
@@ -36,11 +40,6 @@ std::vector<std::string> slot_names(const std::vector<Slot>& slots) {
 const Slot* find_slot(const std::vector<Slot>& slots, const std::string& name) {
     const auto at = std::find_if(slots.begin(), slots.end(), [&](const Slot& s) { return s.name == name; });
     return at == slots.end() ? nullptr : &*at;
-}
-
-bool has_uniform(const StageBinding& binding, const std::string& name) {
-    return std::any_of(binding.uniforms.begin(), binding.uniforms.end(),
-                       [&](const UniformMember& m) { return m.name == name; });
 }
 
 // ---- Parameters ---------------------------------------------------------------------------------------------------
@@ -83,113 +82,6 @@ bool reversed_z(const io::ManifestStage& stage, bool otherwise) {
     throw InputError(stage.place + ": params: reversed_z: expected true or false");
 }
 
-// ---- Uniforms -----------------------------------------------------------------------------------------------------
-
-// Members that the stage's size gives.
-void set_size(const StageBinding& binding, StageData& data) {
-    for (const auto& [name, value] : {std::pair("width", data.size.x), std::pair("height", data.size.y)}) {
-        const double number = value;
-        if (has_uniform(binding, name)) set_uniform(binding, data, name, {&number, 1}, "size");
-    }
-}
-
-// The block from its file, and members by name over it. Without a scene or a file every member has to be named; "pad"
-// members and what the size gives need not be.
-void set_uniforms(const io::ManifestStage& stage, const StageBinding& binding, bool pattern, StageData& data) {
-    const std::string place = stage.place + ": uniforms";
-    const bool whole = !data.uniforms.empty() || !stage.uniforms_file.empty();
-    if (!stage.uniforms_file.empty()) {
-        const std::vector<unsigned char> bytes = io::read_bytes(stage.uniforms_file.string(), 1 << 20);
-        if (bytes.size() != binding.uniform_bytes)
-            throw InputError(fmt::format("{}: {} has {} bytes: the block of {} has {}", place,
-                                         io::shown(stage.uniforms_file.string()), bytes.size(), stage.stage,
-                                         binding.uniform_bytes));
-        data.uniforms = bytes;
-    }
-    data.uniforms.resize(binding.uniform_bytes);
-    if (!whole) set_size(binding, data);
-    for (const auto& [name, value] : stage.uniforms) set_uniform(binding, data, name, value, place);
-    for (const auto& [name, value] : {std::pair("width", data.size.x), std::pair("height", data.size.y)})
-        if (has_uniform(binding, name) && uniform_value(binding, data, name)[0] != value)
-            throw InputError(fmt::format("{}: {} = {}: the stage's outputs are {} x {}", place, name,
-                                         uniform_value(binding, data, name)[0], data.size.x, data.size.y));
-    if (whole) return;
-
-    std::vector<std::string> missing;
-    for (const UniformMember& m : binding.uniforms) {
-        const bool given = stage.uniforms.count(m.name) || m.name == "width" || m.name == "height" ||
-                           m.name.find("pad") != std::string::npos;
-        const bool from_pattern = pattern && (m.name == "samples" || m.name == "rotations" || m.name == "reach");
-        if (!given && !from_pattern) missing.push_back(m.name);
-    }
-    if (!missing.empty())
-        throw InputError(fmt::format("{}: missing: {}; give them by name, the block as file = \"...\", or a scene", place,
-                                     joined(missing)));
-}
-
-// ---- A sample pattern of one's own --------------------------------------------------------------------------------
-
-std::vector<float> given_weights(const StageData& data, std::size_t n) {
-    const Array* weights = find(data.inputs, "weights");
-    if (!weights || weights->dtype != DType::f32 || weights->bytes.size() != n * sizeof(float)) return {};
-    const float* w = floats(data, "weights");
-    return {w, w + n};
-}
-
-void replace(Bundle& bundle, Array array) {
-    std::erase_if(bundle.arrays, [&](const Array& a) { return a.name == array.name; });
-    bundle.arrays.push_back(std::move(array));
-}
-
-// The table of samples that a gather reads, or null: whole texels, or positions.
-const Slot* pattern_slot(const StageBinding& binding) {
-    if (!has_uniform(binding, "reach")) return nullptr;
-    const Slot* whole = find_slot(binding.inputs, "offsets");
-    return whole ? whole : find_slot(binding.inputs, "positions");
-}
-
-// [N][2] dx, dy or [N][3] dx, dy, weight instead of the table of rotations: texels from the projection of x.
-void set_pattern(const StageBinding& binding, const Array& pattern, const std::string& place, StageData& data) {
-    const bool shaped = pattern.shape.size() == 2 && (pattern.shape[1] == 2 || pattern.shape[1] == 3);
-    if (!shaped || pattern.shape[0] < 1 || pattern.shape[0] > 1 << 20)
-        throw InputError(fmt::format("{}: is {}: expected [N, 2] (dx, dy in texels) or [N, 3] (and the weight)", place,
-                                     shape_text(pattern.shape)));
-    const std::size_t n = std::size_t(pattern.shape[0]), columns = std::size_t(pattern.shape[1]);
-    const std::vector<double> values = numbers(pattern, place);
-    std::vector<float> weights = columns == 3 ? std::vector<float>(n) : given_weights(data, n);
-    if (weights.empty())
-        throw InputError(fmt::format("{}: has no third column, and there is no input \"weights\" of {}: expected the "
-                                     "texels that each sample stands for", place, n));
-    const bool whole = pattern_slot(binding)->name == "offsets";
-    std::vector<std::int32_t> offsets(n);
-    std::vector<float> positions(2 * n);
-    double reach = 0;
-    for (std::size_t k = 0; k < n; ++k) {
-        for (std::size_t c = 0; c < 2; ++c) {
-            const double d = values[k * columns + c];
-            if (!((!whole || d == std::floor(d)) && std::abs(d) <= 32767))
-                throw InputError(fmt::format("{}: row {}: {}: expected {}texels of at most 32767", place, k, d,
-                                             whole ? "whole " : ""));
-            reach = std::max(reach, whole ? std::abs(d) : std::floor(std::abs(d)) + 2);
-            if (whole) offsets[k] |= std::int32_t((std::uint32_t(std::int32_t(d)) & 0xffffu) << (16 * c));
-            positions[2 * k + c] = float(d);
-        }
-        if (columns == 3) weights[k] = float(values[k * columns + 2]);
-        if (!std::isfinite(weights[k]))
-            throw InputError(fmt::format("{}: row {}: the weight is not finite", place, k));
-    }
-    Bundle made;
-    if (whole)
-        replace(data.inputs, add(made, "offsets", {std::int64_t(n), 1}, offsets.data()));
-    else
-        replace(data.inputs, add(made, "positions", {std::int64_t(n), 1, 2}, positions.data()));
-    replace(data.inputs, add(made, "weights", {std::int64_t(n)}, weights.data()));
-    const double samples = double(n), rotations = 1;
-    if (has_uniform(binding, "samples")) set_uniform(binding, data, "samples", {&samples, 1}, place);
-    set_uniform(binding, data, "rotations", {&rotations, 1}, place);
-    set_uniform(binding, data, "reach", {&reach, 1}, place);
-}
-
 // ---- Inputs -------------------------------------------------------------------------------------------------------
 
 int light_index(const Scene& scene, const std::string& name, const std::string& place) {
@@ -222,7 +114,21 @@ void add_layer(StageData& data, const Slot& slot, int layer, Array image, const 
     std::copy(image.bytes.begin(), image.bytes.end(), array.bytes.begin() + std::ptrdiff_t(bytes * std::size_t(layer)));
 }
 
-void set_inputs(const io::ManifestStage& stage, const StageBinding& binding, const Scene* scene, StageCase& out) {
+// What one of the manifest's inputs brings: the array that the stage reads, and how far a device's own may be from it.
+struct ReadInput {
+    Array array, moved;
+};
+ReadInput read_input(const io::DumpSpec& spec, const Slot& slot, const Precision& precision, const std::string& place,
+                     StageCase& out) {
+    io::DumpedImage dump = io::read_dump(spec);
+    Array moved = form_input(spec, slot, precision, out.covered, place, dump, out.notes);
+    ReadInput read{input_array(slot, std::move(dump), out.data.size, place, out.notes), {}};
+    if (moved.shape == read.array.shape) read.moved = std::move(moved);
+    return read;
+}
+
+void set_inputs(const io::ManifestStage& stage, const StageBinding& binding, const Scene* scene,
+                const Precision& precision, StageCase& out) {
     const bool takes_pattern = pattern_slot(binding);
     StageData& data = out.data;
     std::map<std::string, int> layers;
@@ -240,11 +146,12 @@ void set_inputs(const io::ManifestStage& stage, const StageBinding& binding, con
             if (takes_pattern) known.push_back("pattern");
             throw InputError(fmt::format("{}: unknown input{}", place, nearest_known(name, known, "\"\"")));
         }
-        Array array = input_array(*slot, io::read_dump(spec), data.size, place, out.notes);
+        ReadInput read = read_input(spec, *slot, precision, place, out);
         if (layer >= 0)
-            add_layer(data, *slot, layer, std::move(array), place);
+            add_layer(data, *slot, layer, std::move(read.array), place);
         else
-            replace(data.inputs, std::move(array));
+            replace(data.inputs, std::move(read.array));
+        if (!read.moved.bytes.empty()) replace(data.inputs, std::move(read.moved));
         if (layer >= 0) ++layers[slot->name];
     }
     for (const auto& [name, count] : layers)
@@ -252,7 +159,7 @@ void set_inputs(const io::ManifestStage& stage, const StageBinding& binding, con
             throw InputError(fmt::format("{}: input.{}: {} of {} layers were dumped", stage.place, name, count,
                                          at(data.inputs, name).shape[0]));
     if (const auto pattern = stage.inputs.find("pattern"); takes_pattern && pattern != stage.inputs.end())
-        set_pattern(binding, io::read_dump(pattern->second).array, slot_place(stage, "input", "pattern"), data);
+        set_pattern(binding, pattern->second, slot_place(stage, "input", "pattern"), data);
 
     std::vector<std::string> missing;
     for (const Slot& slot : binding.inputs)
@@ -321,7 +228,7 @@ void note_not_finite(const io::ManifestStage& stage, StageCase& out) {
         const bool dumped = std::any_of(stage.inputs.begin(), stage.inputs.end(), [&](const auto& input) {
             return input.first == array.name || input.first.starts_with(array.name + ".");
         });
-        if (array.dtype != DType::f32 || !dumped) continue;
+        if (array.dtype != DType::f32 || !dumped || array.name.ends_with(moved_name(""))) continue;
         const float* values = floats(out.data, array.name);
         const auto count = std::count_if(values, values + array.bytes.size() / sizeof(float),
                                          [](float v) { return !std::isfinite(v); });
@@ -360,7 +267,7 @@ std::string face_of(const StageData& data) {
     return "";
 }
 
-CaseReader::CaseReader(const io::Manifest& manifest) {
+CaseReader::CaseReader(const io::Manifest& manifest, const Precision& precision) : precision_(precision) {
     if (!manifest.scene.empty()) scene_ = io::load_scene(manifest.scene.string(), frame::method_tables());
 }
 
@@ -453,8 +360,12 @@ StageCase CaseReader::read(const io::ManifestStage& stage) const {
     if (!scene_ && !stage.light.empty() && stage.label.empty())
         out.notes.push_back("light: there is no scene, so that \"" + stage.light + "\" is no more than a name");
 
-    set_uniforms(stage, binding, stage.inputs.count("pattern") > 0, out.data);
-    set_inputs(stage, binding, scene_ ? &*scene_ : nullptr, out);
+    const bool whole = !out.data.uniforms.empty() || !stage.uniforms_file.empty();
+    const bool pattern = pattern_slot(binding) && stage.inputs.count("pattern") > 0;
+    set_uniforms(stage, binding, out.data);
+    out.covered = read_coverage(stage, out.data.size);
+    set_inputs(stage, binding, scene_ ? &*scene_ : nullptr, precision_, out);
+    complete_uniforms(stage, binding, whole, pattern, out.data, out.notes);
     read_outputs(stage, binding, out);
     apply_coverage(stage, out);
     note_not_finite(stage, out);

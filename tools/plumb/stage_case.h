@@ -17,14 +17,16 @@ struct StageCase {
     std::vector<parity::Dumped> dumped;
     std::vector<std::int32_t> choices;  // [height][width][choices_a_pixel], or empty
     int choices_a_pixel = 0;
+    std::vector<bool> covered;       // where something is seen, as [stage.coverage] says; empty: everywhere
     std::vector<std::string> notes;  // what was assumed
 };
 
 // Reads the stages of one manifest, and its scene once.
 class CaseReader {
   public:
-    // Throws InputError where there is a scene that cannot be read.
-    explicit CaseReader(const io::Manifest& manifest);
+    // What a device makes of its inputs before it reads them errs as much as `precision` grants. Throws InputError where
+    // there is a scene that cannot be read.
+    explicit CaseReader(const io::Manifest& manifest, const Precision& precision = {});
 
     // Throws InputError of one line that begins with the stage's place and names what is missing, has the wrong size or
     // is not known.
@@ -34,6 +36,7 @@ class CaseReader {
     StageData data_of_scene(const io::ManifestStage& stage, const StageBinding& binding) const;
 
     std::optional<Scene> scene_;
+    Precision precision_;
 };
 
 // The stage's data as the frame of a scene would bind it, with images of zeros where `frame` was not executed; one for

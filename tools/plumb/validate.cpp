@@ -91,7 +91,7 @@ int run_validate(const ValidateOptions& given) {
     std::unique_ptr<Outputs> outputs;
     if (!given.folder.empty()) outputs = std::make_unique<Outputs>(given.folder);
     ValidationReport report{manifest, options.profile.name, options.max_ambiguous, {}};
-    const CaseReader reader(manifest);
+    const CaseReader reader(manifest, options.profile.precision);
     for (const io::ManifestStage& stage : manifest.stages) {
         StageCase one = reader.read(stage);
         options.choices = std::move(one.choices);
