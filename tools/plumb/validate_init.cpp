@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <map>
 #include <set>
 
@@ -12,7 +13,11 @@
 #include "gi/parity/stages.h"
 #include "io/file.h"
 #include "io/manifest.h"
+#include "tools/plumb/case_pattern.h"
 #include "tools/plumb/cli.h"
+#include "tools/plumb/init_files.h"
+#include "tools/plumb/init_formats.h"
+#include "tools/plumb/init_stub.h"
 #include "tools/plumb/slot_array.h"
 #include "tools/shared/reports.h"
 #include "tools/shared/table.h"
@@ -23,77 +28,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::size_t most_files = 2000;
-
-// Other words for the words of slots' names.
-const std::vector<std::pair<std::string, std::vector<std::string>>> synonyms = {
-    {"position", {"pos", "wpos", "worldpos", "world"}},
-    {"normal", {"norm", "nrm", "nml"}},
-    {"albedo", {"diffuse", "basecolor", "base", "reflectance"}},
-    {"emission", {"emissive"}},
-    {"irradiance", {"gi", "gather", "bounce", "lighting"}},
-    {"visibility", {"shadow", "shadows", "lit"}},
-    {"radiance", {"hdr", "color", "colour", "scene"}},
-    {"display", {"ldr", "tonemapped", "final", "backbuffer"}},
-    {"indirect", {"gi", "bounce"}},
-    {"depth", {"zbuffer"}},
-    {"map", {"rsm", "light"}},
-    {"rsm", {"map"}},
-    {"id", {"ids", "object", "objects"}},
-};
-
-// "GBuffer_worldPos0" is gbuffer, world, pos.
-std::vector<std::string> words_of(const std::string& text) {
-    std::vector<std::string> words(1);
-    bool lower = false;
-    for (char c : text) {
-        const bool upper = c >= 'A' && c <= 'Z';
-        const bool letter = upper || (c >= 'a' && c <= 'z');
-        if (!letter || (upper && lower)) words.emplace_back();
-        if (letter) words.back() += upper ? char(c - 'A' + 'a') : c;
-        lower = letter && !upper;
-    }
-    std::erase_if(words, [](const std::string& w) { return w.empty(); });
-    return words;
-}
-
-// The same word, a plural, or the start of one: "pos" of "position".
-bool alike(const std::string& word, const std::string& term) {
-    return word == term || (term.size() >= 3 && word.starts_with(term)) || (word.size() >= 3 && term.starts_with(word));
-}
-
-bool means(const std::string& word, const std::string& term) {
-    if (alike(word, term)) return true;
-    for (const auto& [name, others] : synonyms)
-        if (name == term && std::find(others.begin(), others.end(), word) != others.end()) return true;
-    return false;
-}
-
-// How well a file's words name something: 0 where a word of the name is not among them, more for longer names, less for
-// words that are left over.
-double likeness(const std::vector<std::string>& words, const std::string& name) {
-    const std::vector<std::string> terms = words_of(name);
-    double score = 0;
-    for (const std::string& term : terms) {
-        double best = 0;
-        for (const std::string& word : words)
-            best = std::max(best, word == term ? 1.0 : means(word, term) ? 0.75 : 0.0);
-        if (best == 0) return 0;
-        score += best;
-    }
-    return score - 0.01 * double(words.size());
-}
-
-struct File {
-    fs::path path;                   // in the folder
-    std::string group;               // its first subfolder, or ""
-    std::vector<std::string> words;  // of its name
-    bool in = false, out = false;    // lies in a folder of that name
-    bool raw = false;
-    std::size_t bytes = 0;
-    glm::ivec2 size{0};              // of a picture
-};
-
 struct Guess {
     std::string file, stage, slot, format;
 };
@@ -102,93 +36,8 @@ struct Start {
     io::Manifest manifest;
     std::vector<Guess> guesses;
     std::vector<std::string> missing, unused;
+    std::map<std::string, std::string> why;  // of what is not used
 };
-
-// ---- What is there ------------------------------------------------------------------------------------------------
-
-std::vector<File> find_files(const fs::path& folder) {
-    const std::set<std::string> pictures = {"exr", "pfm", "hdr", "tif", "tiff", "dds", "png", "npy"};
-    const std::set<std::string> raws = {"bin", "raw", "dat"};
-    std::vector<File> files;
-    std::error_code error;
-    fs::recursive_directory_iterator at(folder, fs::directory_options::skip_permission_denied, error), end;
-    for (; !error && at != end; at.increment(error)) {
-        // Nor is anything dumped in expected/, where an export keeps the answer.
-        if (at.depth() > 2 || at->path().filename() == "expected") at.disable_recursion_pending();
-        const std::string extension = io::extension_of(at->path().string());
-        std::error_code ignored;
-        if (!at->is_regular_file(ignored) || (!pictures.count(extension) && !raws.count(extension))) continue;
-        if (files.size() == most_files)
-            throw InputError(io::shown(folder.string()), "", fmt::format("holds more than {} dumps", most_files));
-        File file;
-        file.path = at->path().lexically_relative(folder);
-        file.words = words_of(file.path.stem().string());
-        file.raw = raws.count(extension) > 0;
-        file.bytes = std::size_t(at->file_size(ignored));
-        std::vector<std::string> folders;
-        for (const fs::path& part : file.path.parent_path()) folders.push_back(part.string());
-        if (!folders.empty()) file.group = folders.front();
-        for (const std::string& name : folders) {
-            file.in |= name == "in" || name == "input" || name == "inputs";
-            file.out |= name == "out" || name == "output" || name == "outputs";
-        }
-        files.push_back(std::move(file));
-    }
-    if (error) throw InputError(io::shown(folder.string()), "", "cannot be read: " + error.message());
-    std::sort(files.begin(), files.end(), [](const File& a, const File& b) { return a.path < b.path; });
-    return files;
-}
-
-// ---- Raw files say nothing about themselves -----------------------------------------------------------------------
-
-std::string raw_format(const Slot& slot, std::size_t bytes_a_texel) {
-    const bool integers = slot.dtype != DType::f32;
-    switch (bytes_a_texel) {
-        case 16: return integers ? "R32G32B32A32_SINT" : "R32G32B32A32_SFLOAT";
-        case 12: return integers ? "" : "R32G32B32_SFLOAT";
-        case 8: return integers ? "R32G32_SINT" : slot.channels == 2 ? "R32G32_SFLOAT" : "R16G16B16A16_SFLOAT";
-        case 4: return integers ? "R32_SINT" : slot.channels == 1 ? "R32_SFLOAT" : "R8G8B8A8_UNORM";
-        case 2: return slot.channels == 1 && !integers ? "R16_SFLOAT" : "";
-        default: return "";
-    }
-}
-
-glm::ivec2 square(std::size_t texels) {
-    const int side = int(std::lround(std::sqrt(double(texels))));
-    return std::size_t(side) * std::size_t(side) == texels ? glm::ivec2(side) : glm::ivec2(0);
-}
-
-// Fills in what the manifest says about a raw file; false where nothing fits.
-bool guess_raw(const Slot& slot, const File& file, glm::ivec2 frame, io::DumpSpec& spec) {
-    if (slot.kind == SlotKind::buffer) {
-        const std::size_t element = 4 * std::size_t(slot.channels);
-        const char* names[] = {"", "R32", "R32G32", "R32G32B32", "R32G32B32A32"};
-        spec.vk_format = std::string(names[slot.channels]) + (slot.dtype == DType::f32 ? "_SFLOAT" : "_SINT");
-        spec.count = int(file.bytes / element);
-        return file.bytes > 0 && file.bytes % element == 0;
-    }
-    if (slot.kind == SlotKind::image_array) {
-        spec.vk_format = slot.channels == 1 ? "R32_SFLOAT" : "R32G32B32A32_SFLOAT";
-        const std::size_t row = std::size_t(frame.x) * 4 * std::size_t(slot.channels);
-        spec.width = frame.x;
-        spec.height = row > 0 ? int(file.bytes / row) : 0;
-        return row > 0 && file.bytes > 0 && file.bytes % row == 0;
-    }
-    // Maps are square, of a format of so many bytes.
-    for (std::size_t texel : {16, 8, 4, 12, 2}) {
-        const std::string format = raw_format(slot, texel);
-        if (format.empty() || file.bytes % texel != 0) continue;
-        const std::size_t texels = file.bytes / texel;
-        const bool fits = slot.frame && frame.x > 0 && texels == std::size_t(frame.x) * std::size_t(frame.y);
-        const glm::ivec2 size = fits ? frame : slot.frame ? glm::ivec2(0) : square(texels);
-        if (size.x == 0) continue;
-        spec.vk_format = format;
-        spec.width = size.x;
-        spec.height = size.y;
-        return true;
-    }
-    return false;
-}
 
 // ---- One stage ----------------------------------------------------------------------------------------------------
 
@@ -205,10 +54,10 @@ const StageBinding* named_after(const std::string& name) {
 }
 
 // The file of the slot: the one whose name is most like it.
-const File* file_of(const Slot& slot, bool output, const std::vector<const File*>& files, const StageBinding& binding) {
-    const File* best = nullptr;
+const DumpFile* file_of(const Slot& slot, bool output, const std::vector<const DumpFile*>& files, const StageBinding& binding) {
+    const DumpFile* best = nullptr;
     double most = 0;
-    for (const File* file : files) {
+    for (const DumpFile* file : files) {
         if (output ? file->in : file->out) continue;
         const double score = likeness(file->words, slot.name);
         if (score <= most) continue;
@@ -230,18 +79,18 @@ std::string light_of(const std::string& group) {
 }
 
 // What several stages read may lie with one of them; a light's map with one of the same light.
-const File* shared_file(const Slot& slot, const std::vector<File>& files, const StageBinding& binding,
+const DumpFile* shared_file(const Slot& slot, const std::vector<DumpFile>& files, const StageBinding& binding,
                         const std::string& group) {
-    std::vector<const File*> near, far;
-    for (const File& file : files)
+    std::vector<const DumpFile*> near, far;
+    for (const DumpFile& file : files)
         if (file.in && named_after(file.group)) (light_of(file.group) == light_of(group) ? near : far).push_back(&file);
     if (slot.frame || slot.kind == SlotKind::buffer) near.insert(near.end(), far.begin(), far.end());
     return file_of(slot, false, near, binding);
 }
 
 std::vector<unsigned char> block_of(const fs::path& folder, const StageBinding& binding,
-                                    const std::vector<const File*>& files, fs::path& path) {
-    for (const File* file : files) {
+                                    const std::vector<const DumpFile*>& files, fs::path& path) {
+    for (const DumpFile* file : files) {
         const bool named = likeness(file->words, "block") > 0 || likeness(file->words, "uniforms") > 0;
         if (!file->raw || !named || file->bytes != binding.uniform_bytes) continue;
         path = folder / file->path;
@@ -250,9 +99,15 @@ std::vector<unsigned char> block_of(const fs::path& folder, const StageBinding& 
     return {};
 }
 
+glm::ivec2 picture_size(const fs::path& folder, const DumpFile& file) {
+    io::DumpSpec spec;
+    spec.file = folder / file.path;
+    return image_size(io::read_dump(spec).array, spec.file.string());
+}
+
 // The size of the outputs: of the block, of a picture, or one that is known from another stage.
 glm::ivec2 frame_size(const fs::path& folder, const StageBinding& binding, const std::vector<unsigned char>& block,
-                      const std::vector<const File*>& files, const std::vector<glm::ivec2>& known) {
+                      const std::vector<const DumpFile*>& files, const std::vector<glm::ivec2>& known) {
     StageData data;
     data.uniforms = block;
     std::map<std::string, double> sides;
@@ -261,16 +116,16 @@ glm::ivec2 frame_size(const fs::path& folder, const StageBinding& binding, const
             sides[m.name] = uniform_value(binding, data, m.name).at(0);
     if (sides.size() == 2) return {int(sides["width"]), int(sides["height"])};
     for (const Slot& slot : binding.outputs) {
-        const File* file = file_of(slot, true, files, binding);
+        const DumpFile* file = file_of(slot, true, files, binding);
         if (!file) continue;
-        if (!file->raw) {
-            io::DumpSpec spec;
-            spec.file = folder / file->path;
-            return image_size(io::read_dump(spec).array, spec.file.string());
-        }
+        if (!file->raw) return picture_size(folder, *file);
         const std::size_t texels = file->bytes / (4 * std::size_t(slot.channels));
         for (const glm::ivec2 size : known)
-            if (std::size_t(size.x) * std::size_t(size.y) == texels) return size;
+            if (file->bytes % (std::size_t(size.x) * std::size_t(size.y)) == 0) return size;
+        for (const Slot& input : binding.inputs) {
+            const DumpFile* picture = input.frame ? file_of(input, false, files, binding) : nullptr;
+            if (picture && !picture->raw) return picture_size(folder, *picture);
+        }
         if (square(texels).x > 0) return square(texels);
     }
     return glm::ivec2(0);
@@ -292,42 +147,140 @@ void guess_reversed_z(const std::string& label, io::ManifestStage& stage, Start&
                              "params.reversed_z", "cleared to 0"});
 }
 
+// Files of maps, as far as they are raw, of one side.
+int side_of_maps(const StageBinding& binding, const std::vector<const DumpFile*>& files) {
+    std::vector<std::pair<const Slot*, std::size_t>> maps;
+    for (const Slot& slot : binding.inputs) {
+        const DumpFile* file = !slot.frame && slot.kind == SlotKind::image ? file_of(slot, false, files, binding) : nullptr;
+        if (file && file->raw && file->bytes > 0) maps.emplace_back(&slot, file->bytes);
+    }
+    return map_side(maps);
+}
+
+// What nothing covers holds what a depth buffer was cleared to, or a stencil of 0.
+void guess_coverage(const fs::path& folder, const std::string& label, const std::vector<const DumpFile*>& files,
+                    std::set<const DumpFile*>& used, io::ManifestStage& stage, Start& start) {
+    const std::size_t texels = std::size_t(stage.width) * std::size_t(stage.height);
+    for (const DumpFile* file : files) {
+        const bool depth = likeness(file->words, "depth") > 0, stencil = likeness(file->words, "stencil") > 0;
+        if (used.count(file) || file->out || (!depth && !stencil) || texels == 0 || file->bytes == 0) continue;
+        io::CoverageSpec coverage;
+        coverage.dump.file = folder / file->path;
+        if (file->raw) {
+            const std::size_t each = file->bytes / texels;
+            if (file->bytes % texels != 0 || (each != 1 && each != 2 && each != 4)) continue;
+            coverage.dump.vk_format = each == 1 ? "R8_UINT" : each == 2 ? "D16_UNORM" : "D32_SFLOAT";
+            coverage.dump.width = stage.width, coverage.dump.height = stage.height;
+        }
+        Array dump = io::read_dump(coverage.dump).array;
+        if (image_size(dump, file->path.string()) != glm::ivec2(stage.width, stage.height)) continue;
+        std::int64_t zeros = 0, ones = 0, beyond = 0;
+        const std::vector<double> values = numbers(dump, file->path.string());
+        for (std::size_t i = 0; i < values.size(); i += values.size() / texels)
+            zeros += values[i] == 0, ones += values[i] == 1, beyond += !(values[i] >= 0 && values[i] <= 1);
+        if (!stencil && (beyond > 0 || zeros + ones == 0)) continue;
+        const bool far_is_one = !stencil && ones >= zeros;
+        if (far_is_one) coverage.above = -std::numeric_limits<double>::infinity(), coverage.below = 1;
+        stage.coverage = coverage;
+        used.insert(file);
+        start.guesses.push_back({file->path.string(), label, "coverage", far_is_one ? "cleared to 1" : "cleared to 0"});
+        return;
+    }
+}
+
+// The shader's own samples: a .npy named after them. Where they lie between texels the stage is the one that reads such.
+void guess_pattern(const fs::path& folder, const std::string& label, const std::vector<const DumpFile*>& files,
+                   std::set<const DumpFile*>& used, io::ManifestStage& stage, Start& start) {
+    for (const DumpFile* file : files) {
+        const bool named = likeness(file->words, "pattern") > 0 || likeness(file->words, "samples") > 0 ||
+                           likeness(file->words, "kernel") > 0;
+        if (!named || io::extension_of(file->path.string()) != "npy" || used.count(file)) continue;
+        io::DumpSpec spec;
+        spec.file = folder / file->path;
+        const Array rows = io::read_dump(spec).array;
+        if (rows.shape.size() != 2 || (rows.shape[1] != 2 && rows.shape[1] != 3)) {
+            start.missing.push_back(fmt::format("{}: input.pattern: {} is {}: expected [N, 2] or [N, 3]", label,
+                                                file->path.string(), shape_text(rows.shape)));
+            continue;
+        }
+        const std::vector<double> values = numbers(rows, file->path.string());
+        bool between = false;
+        for (std::size_t i = 0; i < values.size(); ++i)
+            between |= i % std::size_t(rows.shape[1]) < 2 && values[i] != std::floor(values[i]);
+        const std::string continuous = stage.stage + "_continuous";
+        const std::vector<StageBinding>& all = parity::bindings();
+        if (between && std::any_of(all.begin(), all.end(), [&](const StageBinding& b) { return b.info.name == continuous; }))
+            stage.stage = continuous;
+        stage.inputs["pattern"] = spec;
+        used.insert(file);
+        start.guesses.push_back({file->path.string(), label, "input.pattern",
+                                 fmt::format("{} samples{}", rows.shape[0], between ? ", between texels" : "")});
+        return;
+    }
+}
+
+// What the pattern takes the place of.
+bool given_by_pattern(const io::ManifestStage& stage, const Slot& slot) {
+    const auto pattern = stage.inputs.find("pattern");
+    if (pattern == stage.inputs.end()) return false;
+    if (slot.name == "offsets" || slot.name == "positions") return true;
+    return slot.name == "weights" && io::read_dump(pattern->second).array.shape[1] == 3;
+}
+
+std::string format_text(const io::DumpSpec& spec) {
+    if (spec.vk_format.empty()) return "";
+    const std::string size = spec.count > 0 ? fmt::format("{} elements", spec.count) : fmt::format("{} x {}", spec.width, spec.height);
+    return fmt::format("{}, {}{}", spec.vk_format, size, spec.encoding == "plain" ? "" : ", " + spec.encoding);
+}
+
+void add_slot(const fs::path& folder, const Slot& slot, bool output, const std::string& label, const DumpFile* file,
+              glm::ivec2 frame, int map, std::set<const DumpFile*>& used, io::ManifestStage& stage, Start& start) {
+    const std::string name = (output ? "output." : "input.") + slot.name;
+    io::DumpSpec spec;
+    const std::string refused = !file ? "no file is named like it" : !file->raw ? "" : guess_raw(slot, file->bytes, frame, map, spec);
+    if (!refused.empty()) {
+        if (slot.optional && !file) return;
+        start.missing.push_back(fmt::format("{}: {}{}", label, name, file ? ": " + file->path.string() + " " + refused : ""));
+        return;
+    }
+    spec.file = folder / file->path;
+    used.insert(file);
+    start.guesses.push_back({file->path.string(), label, name, format_text(spec)});
+    (output ? stage.outputs : stage.inputs)[slot.name] = spec;
+}
+
 void add_stage(const fs::path& folder, const StageBinding& binding, const std::string& label,
-               const std::vector<const File*>& files, const std::vector<File>& all, std::vector<glm::ivec2>& known,
-               std::set<const File*>& used, Start& start) {
+               const std::vector<const DumpFile*>& files, const std::vector<DumpFile>& all, std::vector<glm::ivec2>& known,
+               std::set<const DumpFile*>& used, Start& start) {
     io::ManifestStage stage;
     stage.stage = binding.info.name;
     stage.label = label;
     const std::vector<unsigned char> block = block_of(folder, binding, files, stage.uniforms_file);
     const glm::ivec2 frame = frame_size(folder, binding, block, files, known);
+    const int map = side_of_maps(binding, files);
     if (frame.x > 0) known.push_back(frame);
     stage.width = frame.x;
     stage.height = frame.y;
-    for (const File* file : files)
+    for (const DumpFile* file : files)
         if (!block.empty() && folder / file->path == stage.uniforms_file) used.insert(file);
-    if (block.empty() && !binding.uniforms.empty()) start.missing.push_back(label + ": the uniforms, or a scene");
-    for (const bool output : {false, true}) {
+    if (block.empty() && !binding.uniforms.empty())
+        start.missing.push_back(label + ": the uniforms: fill in [stage.uniforms], or name a scene");
+    if (pattern_slot(binding)) guess_pattern(folder, label, files, used, stage, start);
+    for (const bool output : {false, true})
         for (const Slot& slot : output ? binding.outputs : binding.inputs) {
-            const std::string name = (output ? "output." : "input.") + slot.name;
-            const File* file = file_of(slot, output, files, binding);
+            if (!output && given_by_pattern(stage, slot)) continue;
+            const DumpFile* file = file_of(slot, output, files, binding);
             if (!file && !output) file = shared_file(slot, all, binding, label);
-            io::DumpSpec spec;
-            const bool formatted = file && (!file->raw || guess_raw(slot, *file, frame, spec));
-            if (!formatted) {
-                const std::string why = file ? ": what format does " + file->path.string() + " have?" : "";
-                start.missing.push_back(fmt::format("{}: {}{}", label, name, why));
-                continue;
-            }
-            spec.file = folder / file->path;
-            used.insert(file);
-            start.guesses.push_back({file->path.string(), label, name,
-                                     spec.vk_format.empty() ? "" : fmt::format("{}{}", spec.vk_format,
-                                         spec.count > 0 ? fmt::format(", {} elements", spec.count)
-                                                        : fmt::format(", {} x {}", spec.width, spec.height))});
-            (output ? stage.outputs : stage.inputs)[slot.name] = spec;
+            add_slot(folder, slot, output, label, file, frame, map, used, stage, start);
         }
-    }
-    if (binding.raster) guess_reversed_z(label, stage, start);
+    if (const Slot* slot = pattern_slot(binding); slot && !stage.inputs.count("pattern") && !stage.inputs.count(slot->name))
+        start.missing.push_back(fmt::format("{}: or input.pattern in place of {}: the shader's own samples, a .npy [N, 3] of dx, dy, "
+                                            "weight; where they lie between texels, the stage {}_continuous", label, slot->name,
+                                            stage.stage));
+    if (binding.raster)
+        guess_reversed_z(label, stage, start);
+    else
+        guess_coverage(folder, label, files, used, stage, start);
     if (!stage.outputs.empty()) start.manifest.stages.push_back(std::move(stage));
 }
 
@@ -341,14 +294,14 @@ bool writes_first(const StageBinding& binding, const std::string& output) {
     return true;
 }
 
-bool any_of_slots(const std::vector<Slot>& slots, bool output, const std::vector<const File*>& files,
+bool any_of_slots(const std::vector<Slot>& slots, bool output, const std::vector<const DumpFile*>& files,
                   const StageBinding& binding) {
     return std::any_of(slots.begin(), slots.end(),
                        [&](const Slot& slot) { return file_of(slot, output, files, binding) != nullptr; });
 }
 
 // Whether the file is rather an input of another stage, of which outputs lie there: nothing else of this one does.
-bool read_by_another(const File& file, const StageBinding& binding, const std::vector<const File*>& files) {
+bool read_by_another(const DumpFile& file, const StageBinding& binding, const std::vector<const DumpFile*>& files) {
     if (any_of_slots(binding.inputs, false, files, binding)) return false;
     const std::vector<StageBinding>& all = parity::bindings();
     return std::any_of(all.begin(), all.end(), [&](const StageBinding& other) {
@@ -360,10 +313,10 @@ bool read_by_another(const File& file, const StageBinding& binding, const std::v
 
 // Whether dumps that lie together hold what the stage writes. Of stages whose outputs have the same name a file is the first
 // one's, but where it names another.
-bool written_by(const StageBinding& binding, const std::vector<const File*>& files) {
+bool written_by(const StageBinding& binding, const std::vector<const DumpFile*>& files) {
     if (binding.raster) return false;
     for (const Slot& slot : binding.outputs) {
-        const File* file = file_of(slot, true, files, binding);
+        const DumpFile* file = file_of(slot, true, files, binding);
         if (!file || read_by_another(*file, binding, files)) continue;
         auto names = [&](const StageBinding& b) {
             return std::find(file->words.begin(), file->words.end(), b.info.name) != file->words.end();
@@ -375,16 +328,17 @@ bool written_by(const StageBinding& binding, const std::vector<const File*>& fil
 }
 
 Start guess(const fs::path& folder) {
-    const std::vector<File> files = find_files(folder);
+    std::map<std::string, std::string> unread;
+    const std::vector<DumpFile> files = find_files(folder, unread);
     if (files.empty()) throw InputError(io::shown(folder.string()), "", "holds no dumps that a manifest could name");
     Start start;
     start.manifest.file = folder / "manifest.toml";
-    std::map<std::string, std::vector<const File*>> groups;
-    for (const File& file : files) groups[file.group].push_back(&file);
+    std::map<std::string, std::vector<const DumpFile*>> groups;
+    for (const DumpFile& file : files) groups[file.group].push_back(&file);
 
     // A folder named after a stage is one dispatch of it; stages that know their size come first.
     std::vector<glm::ivec2> known;
-    std::set<const File*> used;
+    std::set<const DumpFile*> used;
     for (const bool raster : {false, true})
         for (const auto& [group, members] : groups)
             if (const StageBinding* binding = named_after(group); binding && binding->raster == raster)
@@ -396,8 +350,12 @@ Start guess(const fs::path& folder) {
                 add_stage(folder, binding, (group.empty() ? "" : group + ": ") + binding.info.name, members, files,
                           known, used, start);
     }
-    for (const File& file : files)
-        if (!used.count(&file)) start.unused.push_back(file.path.string());
+    for (const DumpFile& file : files)
+        if (!used.count(&file)) {
+            start.unused.push_back(file.path.string());
+            start.why[file.path.string()] = file.bytes == 0 ? "it is empty" : "no input or output of these stages is named like it";
+        }
+    for (const auto& [name, why] : unread) start.unused.push_back(name), start.why[name] = why;
     std::vector<std::string> order;
     for (const StageBinding& binding : parity::bindings()) order.push_back(binding.info.name);
     std::stable_sort(start.manifest.stages.begin(), start.manifest.stages.end(),
@@ -419,8 +377,32 @@ std::string comment(const Start& start) {
         "#     encoding = \"biased\"        # of an input: normals stored as 0..1; or octahedral, reversed_depth, ...\n"
         "#     flip_y = true              # the first row is the lowest\n";
     for (const std::string& missing : start.missing) text += "# missing: " + io::printable(missing, 400) + "\n";
-    for (const std::string& unused : start.unused) text += "# not used: " + io::printable(unused, 400) + "\n";
+    for (const std::string& unused : start.unused)
+        text += fmt::format("# not used: {}: {}\n", io::printable(unused, 400), start.why.at(unused));
     return text + "\n";
+}
+
+// The manifest's text with what is to be filled in of each stage that has no block.
+std::string with_stubs(const io::Manifest& manifest) {
+    const std::string text = io::manifest_text(manifest), mark = "\n[[stage]]\n";
+    std::string out = text.substr(0, text.find(mark));
+    std::size_t at = out.size();
+    for (const io::ManifestStage& stage : manifest.stages) {
+        const std::size_t next = text.find(mark, at + 1);
+        std::string part = text.substr(at, next == text.npos ? next : next - at);
+        const StageBinding& binding = parity::find_binding(stage.stage, stage.stage);
+        int map = 0;
+        for (const Slot& slot : binding.inputs)
+            if (const auto input = stage.inputs.find(slot.name); !slot.frame && slot.kind == SlotKind::image && input != stage.inputs.end())
+                map = std::max(map, input->second.width);
+        if (stage.uniforms_file.empty()) {
+            const std::size_t dumps = std::min(part.find("\n[stage.input"), part.find("\n[stage.output")) + 1;
+            part.insert(dumps, uniforms_stub(binding, stage, map));
+        }
+        out += part;
+        at = next;
+    }
+    return out;
 }
 
 }  // namespace
@@ -437,7 +419,7 @@ int init_manifest(const std::string& given, bool json) {
         throw InputError(io::shown(given), "",
                          "no dump here is named like an output of a stage (`plumb stages` lists them): irradiance, "
                          "visibility, radiance, display");
-    io::write_text(path, comment(start) + io::manifest_text(start.manifest));
+    io::write_text(path, comment(start) + with_stubs(start.manifest));
 
     if (json) {
         Json guessed = Json::array();
@@ -454,7 +436,8 @@ int init_manifest(const std::string& given, bool json) {
     if (!start.missing.empty()) text += "\nnot found:\n";
     for (const std::string& missing : start.missing) text += "  " + io::printable(missing, 400) + "\n";
     if (!start.unused.empty()) text += "\nnot used:\n";
-    for (const std::string& unused : start.unused) text += "  " + io::printable(unused, 400) + "\n";
+    for (const std::string& unused : start.unused)
+        text += fmt::format("  {}: {}\n", io::printable(unused, 400), start.why.at(unused));
     text += "\nwrote " + path + ": look through it, then run plumb validate " + path + "\n";
     std::fputs(text.c_str(), stdout);
     return success;
