@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <memory>
 
 #include "core/binding.h"
 #include "gi/parity/stored.h"
@@ -57,6 +58,20 @@ struct Pair {
         std::memcpy(&n, p + 4 * i, 4);
         return n;
     }
+};
+
+// All outputs that were dumped, each beside what our kernel makes of it, rounded as the target rounds. `binding`, `data`,
+// `dumped` and `options` have to outlive it.
+class ComparedPairs {
+  public:
+    ComparedPairs(const StageBinding& binding, const StageData& data, const std::vector<Dumped>& dumped,
+                  const JudgeOptions& options);
+    ~ComparedPairs();
+    const std::vector<Pair>& all() const;
+
+  private:
+    struct Owner;
+    std::unique_ptr<Owner> owner_;
 };
 
 }  // namespace plumb::parity

@@ -37,6 +37,8 @@ class Judge {
         find_flags();
     }
 
+    const std::vector<Pair>& pairs() const { return pairs_; }
+
     bool judged(glm::ivec2 pixel) const { return stage_->writes(pixel); }
 
     bool expects_nothing(glm::ivec2 pixel) const {
@@ -354,6 +356,16 @@ void conclude(const Judge& judge, const JudgeOptions& options, StageVerdict& v) 
 }
 
 }  // namespace
+
+struct ComparedPairs::Owner {
+    Judge judge;
+};
+
+ComparedPairs::ComparedPairs(const StageBinding& binding, const StageData& data, const std::vector<Dumped>& dumped,
+                             const JudgeOptions& options)
+    : owner_(new Owner{Judge(binding, data, dumped, options)}) {}
+ComparedPairs::~ComparedPairs() = default;
+const std::vector<Pair>& ComparedPairs::all() const { return owner_->judge.pairs(); }
 
 const char* verdict_name(Verdict verdict) {
     constexpr const char* names[] = {"equal", "within_bound", "ambiguous", "wrong"};
