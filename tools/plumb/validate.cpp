@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 
@@ -11,6 +12,8 @@
 #include "io/image_file.h"
 #include "io/manifest.h"
 #include "tools/plumb/cli.h"
+#include "tools/plumb/diagnosis_dumps.h"
+#include "tools/plumb/diagnosis_mutants.h"
 #include "tools/plumb/memory_need.h"
 #include "tools/plumb/stage_case.h"
 #include "tools/plumb/validate_init.h"
@@ -30,14 +33,17 @@ struct ValidateOptions {
     Common common;
     std::string manifest, junit, html, profile, folder, init;
     std::optional<double> max_ambiguous;
-    bool refill = false;
+    std::string mutants;  // a device that runs mutants of twins
+    bool refill = false, without_diagnosis = false;
 
     bool pictures() const { return !folder.empty() || !html.empty(); }
 };
 
 // One row: the verdict; where not all is equal how our kernel comes to its value at the worst pixel; and the pictures.
-StageReport report_on(const StageCase& stage, const ValidateOptions& given, const parity::JudgeOptions& options) {
-    StageReport report{parity::judge(*stage.binding, stage.data, stage.dumped, options), stage.notes, "", {}, {}, {}};
+// `guesses`: at what is wrong, of what this command alone knows.
+StageReport report_on(const StageCase& stage, const ValidateOptions& given, const parity::JudgeOptions& options,
+                      const std::function<std::vector<parity::Hypothesis>()>& guesses) {
+    StageReport report{parity::judge(*stage.binding, stage.data, stage.dumped, options), stage.notes, "", {}, {}, {}, {}};
     const parity::StageVerdict& verdict = report.verdict;
     const bool written = verdict.unwritten < verdict.pixels;
     const bool differs = verdict.verdict != parity::Verdict::equal && !verdict.worst.empty() && written;
@@ -45,6 +51,8 @@ StageReport report_on(const StageCase& stage, const ValidateOptions& given, cons
     if (!differs) return report;
     const std::unique_ptr<BoundStage> bound = stage.binding->bind(stage.data);
     report.explanation = bound->explain(verdict.worst.front().pixel, options.profile);
+    if (!given.without_diagnosis && verdict.verdict == parity::Verdict::wrong)
+        report.diagnosis = parity::diagnose(*stage.binding, stage.data, stage.dumped, options, verdict, guesses());
     if (!given.pictures()) return report;
     Bundle expected;
     bound->run(options.run, options.profile, expected);
@@ -91,13 +99,21 @@ int run_validate(const ValidateOptions& given) {
     std::unique_ptr<Outputs> outputs;
     if (!given.folder.empty()) outputs = std::make_unique<Outputs>(given.folder);
     ValidationReport report{manifest, options.profile.name, options.max_ambiguous, {}};
+    const std::unique_ptr<TwinMutants> mutants =
+        given.mutants.empty() ? nullptr : std::make_unique<TwinMutants>(given.mutants);
     const CaseReader reader(manifest, options.profile.precision);
     for (const io::ManifestStage& stage : manifest.stages) {
         StageCase one = reader.read(stage);
         options.choices = std::move(one.choices);
         options.choices_a_pixel = one.choices_a_pixel;
+        const auto guesses = [&] {
+            std::vector<parity::Hypothesis> all = other_dumps(manifest, stage, *one.binding);
+            if (mutants)
+                for (parity::Hypothesis& h : mutants->of(*one.binding, one.data)) all.push_back(std::move(h));
+            return all;
+        };
         try {
-            report.stages.push_back(report_on(one, given, options));
+            report.stages.push_back(report_on(one, given, options, guesses));
             StageReport& made = report.stages.back();
             made.stale = find_stale(manifest, stage, made.notes);
         } catch (const InputError& error) {
@@ -142,6 +158,13 @@ void add_validate(CLI::App& program, Action& action) {
                         "ambiguous; the manifest's otherwise")
         ->check(number_within(0, 1))
         ->type_name("S");
+    command->add_flag("--no-diagnosis", given->without_diagnosis,
+                      "do not run the kernel again under guesses at what is wrong");
+    command->add_option("--mutants", given->mutants,
+                        "also run the twins of what is wrong with a change each, on a Vulkan device of that name or index in\n"
+                        "`plumb devices`: a minute a stage")
+        ->check(some_word())
+        ->type_name("DEVICE");
     command->add_option("-o,--output", given->folder, "also write pictures of verdicts and errors")
         ->check(some_word())
         ->type_name("DIR");

@@ -6,6 +6,7 @@
 #include "io/file.h"
 #include "tools/page/markup.h"
 #include "tools/page/page.h"
+#include "tools/plumb/diagnosis_report.h"
 #include "tools/plumb/verdict_report.h"
 #include "tools/shared/table.h"
 
@@ -130,6 +131,7 @@ void section(Page& page, const StageReport& stage, std::size_t index) {
     page.paragraph(shares_line(v));
     for (const std::string& note : stage.notes) page.raw(fmt::format("<p class=\"note\">{}</p>\n", escaped(note)));
     table_of_worst(page, v);
+    diagnosis_part(page, stage.diagnosis);
     figure(
         page, stage.map,
         "The verdict of each pixel: grey equal, blue within bound, yellow ambiguous, orange wrong, black not judged. "

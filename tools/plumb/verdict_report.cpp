@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "io/file.h"
+#include "tools/plumb/diagnosis_report.h"
 #include "tools/shared/table.h"
 
 namespace plumb::cli {
@@ -119,6 +120,7 @@ Json stage_json(const StageReport& stage) {
                  {"worst", worst ? worst_json(*worst) : Json(nullptr)},
                  {"worst_pixels", worst_pixels},
                  {"notes", stage.notes},
+                 {"diagnosis", diagnosis_json(stage.diagnosis)},
                  {"ms", v.ms}};
     if (!stage.explanation.empty())
         json["explain"] = explain_json({v.label, worst ? worst->pixel : glm::ivec2(0), stage.explanation});
@@ -241,11 +243,15 @@ std::string validation_text(const ValidationReport& report) {
     }
     text += fmt::format("\nThe first stage that fails: {}\n", failed->verdict.label);
     if (failed->verdict.unwritten < failed->verdict.pixels) text += worst_table(failed->verdict);
+    text += diagnosis_text(failed->diagnosis);
     if (const WorstPixel* worst = worst_of(failed->verdict); worst && !failed->explanation.empty())
         text += "\n" + explain_text({"explain: " + failed->verdict.label, worst->pixel, ends_of(failed->explanation)});
     text += "\n";
     for (const StageReport& s : report.stages)
-        if (s.failed()) text += fmt::format("disagree: {}: {}\n", s.verdict.label, s.reason());
+        if (s.failed()) {
+            const std::string cause = cause_text(s.diagnosis);
+            text += fmt::format("disagree: {}: {}{}{}\n", s.verdict.label, s.reason(), cause.empty() ? "" : "; ", cause);
+        }
     return text;
 }
 

@@ -6,6 +6,7 @@
 
 #include "core/image.h"
 #include "core/tap.h"
+#include "gi/parity/diagnosis.h"
 #include "gi/parity/verdict.h"
 #include "io/manifest.h"
 #include "tools/shared/reports.h"
@@ -19,6 +20,7 @@ struct StageReport {
     std::vector<TapValue> explanation;  // of the worst pixel, where not all is equal
     // Pictures, where they were asked for: of the verdicts; and of |got - expected|, where not all is equal.
     Image<std::uint32_t> map, error;
+    parity::Diagnosis diagnosis = {};   // of what is wrong
 
     bool passed() const { return decided() && verdict.passed && stale.empty(); }
     bool failed() const { return !verdict.passed || !stale.empty(); }
