@@ -64,7 +64,7 @@ function(plumb_add_tests folder)
   target_link_libraries(test_${folder} PRIVATE ${ARGN})
   plumb_add_kernels(test_${folder} ${kernels})
   # What needs a driver is not among the tests that are watched by sanitizers: drivers leak.
-  if(NOT folder MATCHES "^(parity|vulkan)$")
+  if(NOT folder MATCHES "^(foreign|parity|vulkan)$")
     add_dependencies(unit_tests test_${folder})
   endif()
   plumb_add_test_entries(test_${folder} ${folder} ${sources})

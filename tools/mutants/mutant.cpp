@@ -65,6 +65,13 @@ std::string quoted(const std::string& word) {
     return out + "'";
 }
 
+fs::path write_into(const fs::path& overlay, const std::string& name, const std::string& text) {
+    const fs::path file = overlay / name;
+    fs::create_directories(file.parent_path());
+    std::ofstream(file, std::ios::binary) << text;
+    return file;
+}
+
 std::string main_file(const StageBinding& binding) { return binding.raster ? binding.twin + ".frag" : binding.twin; }
 
 }  // namespace
@@ -136,11 +143,15 @@ std::vector<std::uint32_t> TwinCompiler::compile(const StageBinding& binding) co
 // The mutated file lies in an overlay of its own, which is searched before the source.
 std::vector<std::uint32_t> TwinCompiler::compile(const StageBinding& binding, const Mutant& mutant, double scale) const {
     const std::string text = with_prelude(edited(mutant, text_of(source_ / mutant.file, mutant.place), scale));
-    const fs::path overlay = new_overlay(), file = overlay / mutant.file;
-    fs::create_directories(file.parent_path());
-    std::ofstream(file, std::ios::binary) << text;
+    const fs::path overlay = new_overlay(), file = write_into(overlay, mutant.file, text);
     const bool is_main = mutant.file == main_file(binding);
     return compile_file(overlay, is_main ? file : source_ / main_file(binding), mutant.place + ": " + mutant.name);
+}
+
+std::vector<std::uint32_t> TwinCompiler::compile_text(const std::string& file, const std::string& text,
+                                                      const std::string& name) const {
+    const fs::path overlay = new_overlay();
+    return compile_file(overlay, write_into(overlay, file, text), name);
 }
 
 std::vector<std::uint32_t> TwinCompiler::compile_with_lines(const std::string& file) const {

@@ -49,6 +49,9 @@ class TwinCompiler {
     std::vector<std::uint32_t> compile(const StageBinding& binding) const;
     std::vector<std::uint32_t> compile(const StageBinding& binding, const Mutant& mutant, double scale = 1) const;
 
+    // Any shader by its path from the project's root, with this text in place of its own. `name` is what errors call it.
+    std::vector<std::uint32_t> compile_text(const std::string& file, const std::string& text, const std::string& name) const;
+
     // Any twin as it is, by its path from the project's root, with its text and lines (-g).
     std::vector<std::uint32_t> compile_with_lines(const std::string& file) const;
 

@@ -1,0 +1,29 @@
+// What `plumb validate` makes of a manifest, run as its user does.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace plumb::foreign {
+
+struct JudgedStage {
+    std::string name, verdict, reason;
+    std::int64_t pixels = 0, wrong = 0, ambiguous = 0;
+    std::vector<std::string> causes;  // the first three of its diagnosis; none without one
+};
+
+struct Judged {
+    bool passed = false;
+    std::vector<JudgedStage> stages;
+
+    std::int64_t wrong() const;
+    const JudgedStage* first_wrong() const;  // null: none is
+};
+
+Judged judge(const std::string& manifest);
+
+// Lines of "name: verdict, wrong of pixels", for messages.
+std::string summary(const Judged& judged);
+
+}  // namespace plumb::foreign
