@@ -20,9 +20,9 @@ Texture download(const vulkan::Device& device, const vulkan::Image& image, const
 
 // Everything that a pass reads: a uniform block at binding 0, textures from binding 1 on, then a buffer.
 struct PassInputs {
-    std::vector<unsigned char> block;
-    std::vector<Texture> textures;
-    std::vector<float> buffer;
+    std::vector<unsigned char> block = {};
+    std::vector<Texture> textures = {};
+    std::vector<float> buffer = {};
     VkFilter filter = VK_FILTER_NEAREST;
     VkSamplerAddressMode address = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
 };
