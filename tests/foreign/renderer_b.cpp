@@ -18,15 +18,17 @@ constexpr float exposure = 1.5f;
 struct GBuffer {
     Texture position;  // w: depth, 0 where nothing is
     Texture normal;    // octahedral
+    Texture flat;      // normals of the triangles, half floats
     Texture albedo;    // a: 1 on a surface
     Texture emission;
 
-    explicit GBuffer(const Exported& e) {
+    GBuffer(const Exported& e, const Variant& variant) {
         const Image4 normals = e.image("compose", "normal");
         Image4 reflectance = e.image("compose", "albedo");
         for (std::size_t i = 0; i < reflectance.size(); ++i) reflectance.texels[i].w = normals.texels[i].w;
-        position = pack(e.image("screen.ssao", "position"), Format::rgba32f);
+        position = pack(e.image("screen.ssao", "position"), variant.host == "half floats" ? Format::rgba16f : Format::rgba32f);
         normal = pack(normals, Format::octahedral16);
+        flat = pack(normals, Format::rgba16f);
         albedo = pack(reflectance, Format::rgba8);
         emission = pack(e.image("compose", "emission"), Format::r11g11b10f);
     }
@@ -148,7 +150,7 @@ class Passes {
         f.turns = {"R32G32_SFLOAT", 4, 4, {}, false};
         const auto* bytes = reinterpret_cast<const unsigned char*>(turns.data());
         f.turns.bytes.assign(bytes, bytes + turns.size() * sizeof(float));
-        f.open = draw("ssao.frag", {block_bytes(camera_of(e_)), {g_.position, g_.normal, f.turns},
+        f.open = draw("ssao.frag", {block_bytes(camera_of(e_)), {g_.position, g_.flat, f.turns},
                                     e_.numbers("screen.ssao", "samples")}, {"R16_SFLOAT"})[0];
     }
 
@@ -219,7 +221,7 @@ class Dumps {
 
     io::ManifestStage ssao() {
         io::ManifestStage s = bare(e_, "screen.ssao", "B: ambient occlusion");
-        s.inputs = {{"position", position_}, {"normal", normal_}, {"map_position", position_}};
+        s.inputs = {{"position", position_}, {"normal", write("flat", g_.flat)}, {"map_position", position_}};
         // No other view was summed before; a manifest wants that in full.
         s.inputs["before"] = write_image(folder_, "before", Image4(e_.width(), e_.height(), glm::vec4(0)));
         for (const char* buffer : {"samples", "rotations"}) s.inputs[buffer] = e_.stage("screen.ssao").inputs.at(buffer);
@@ -270,7 +272,7 @@ class Dumps {
 }  // namespace
 
 std::string render_deferred(const vulkan::Device& device, const Exported& e, const Variant& variant, const std::string& folder) {
-    const GBuffer g(e);
+    const GBuffer g(e, variant);
     const Frame f = Passes(device, e, g, variant).run();
     io::Manifest manifest;
     manifest.file = folder + "/manifest.toml";

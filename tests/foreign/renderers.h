@@ -6,6 +6,8 @@
 //     "row-major"         hands its matrix over by rows
 //     "rgb for bgr"       uploads the light's colour with its components turned around
 //     "no border"         samplers repeat the edge
+//     "full floats"       A's textures are floats of 32 bits
+//     "half floats"       B's positions are floats of 16 bits
 #pragma once
 
 #include <string>
@@ -25,6 +27,9 @@ std::string render_deferred(const vulkan::Device& device, const Exported& export
                             const std::string& folder);
 // C: OpenGL, fragments, bottom row first: rsm.disc, shadow, direct.
 std::string render_in_opengl(const Exported& exported, const Variant& variant, const std::string& folder);
+
+// The one that the variant is of.
+std::string render(const vulkan::Device& device, const Exported& exported, const Variant& variant, const std::string& folder);
 
 // Why render_in_opengl() cannot run here; "" where it can.
 std::string no_opengl();
