@@ -210,7 +210,7 @@ void guess_pattern(const fs::path& folder, const std::string& label, const std::
         const std::string continuous = stage.stage + "_continuous";
         const std::vector<StageBinding>& all = parity::bindings();
         if (between && std::any_of(all.begin(), all.end(), [&](const StageBinding& b) { return b.info.name == continuous; }))
-            stage.stage = continuous;
+            stage.label.replace(stage.label.size() - stage.stage.size(), stage.stage.size(), continuous), stage.stage = continuous;
         stage.inputs["pattern"] = spec;
         used.insert(file);
         start.guesses.push_back({file->path.string(), label, "input.pattern",
