@@ -1,8 +1,14 @@
+#include <fmt/format.h>
+
 #include <catch2/catch.hpp>
 #include <cstdlib>
 #include <limits>
+#include <map>
 #include <nlohmann/json.hpp>
 
+#include "gi/parity/stages.h"
+#include "gi/uniform_words.h"
+#include "io/file.h"
 #include "tools/shared/progress.h"
 #include "tools/shared/reports.h"
 #include "tools/shared/table.h"
@@ -137,6 +143,33 @@ TEST_CASE("reports: every uniform of every stage says what it means", "[tools][c
     const std::string text = stages_text(frame::all_stages());
     CHECK_THAT(text, Catch::Matchers::Contains("uniforms, in the order of the block") &&
                          Catch::Matchers::Contains("floor of |x - x_p|^2"));
+}
+
+TEST_CASE("reports: READMEs explain the uniforms in the same words", "[tools][readme]") {
+    auto text_of = [](const std::string& path) { return io::read_text(PLUMB_SOURCE_DIR "/" + path, std::size_t(1) << 24); };
+    auto cell = [](std::string text) {
+        for (std::size_t at = 0; (at = text.find('|', at)) != text.npos; at += 2) text.insert(at, 1, '\\');
+        return text;
+    };
+    const std::string shared = text_of("gi/README.md");
+    std::map<std::string, std::string> readmes;
+    for (const StageBinding& binding : parity::bindings()) {
+        std::string& own = readmes[binding.twin.substr(0, binding.twin.rfind('/'))];
+        if (own.empty()) own = text_of(binding.twin.substr(0, binding.twin.rfind('/')) + "/README.md");
+        for (const UniformMember& m : binding.uniforms) {
+            INFO(binding.info.name << " " << m.name);
+            const UniformWords* words = words_of(binding, m.name);
+            REQUIRE(words);
+            const std::string row = fmt::format(" | {} | {} | {} |\n", words->unit, cell(words->meaning), cell(words->harmless));
+            const std::string name = "| `" + words->member + "` |";
+            auto has = [&](const std::string& text) {
+                for (std::size_t at = 0; (at = text.find(name, at)) != text.npos; ++at)
+                    if (text.substr(at, text.find('\n', at) + 1 - at).ends_with(row)) return true;
+                return false;
+            };
+            CHECK((has(own) || has(shared)));
+        }
+    }
 }
 
 TEST_CASE("reports: a name that is no UTF-8 is still JSON", "[tools]") {
