@@ -47,7 +47,7 @@ std::uint64_t bytes_to_export(const frame::FrameGraph& graph, const std::vector<
             const glm::ivec2 size = graph.node(stage).size();
             dispatch = std::max(dispatch, bytes_of(binding->inputs, size, lights) + 2 * bytes_of(binding->outputs, size, lights));
         }
-    return frame + dispatch;
+    return frame + dispatch + (frame + dispatch) / 10;
 }
 
 std::uint64_t bytes_to_validate(const io::Manifest& manifest, bool pictures) {

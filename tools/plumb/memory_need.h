@@ -10,7 +10,7 @@
 namespace plumb::cli {
 
 // The frame with all that it holds, and beside it a copy of the largest dispatch's inputs with its outputs: as our kernels make
-// them, as a device does, and what fills out/. Of stages without a twin, and of buffers, nothing is known.
+// them, as a device does, and what fills out/; and a tenth for stages without a twin, buffers and the scene, of which nothing is known.
 std::uint64_t bytes_to_export(const frame::FrameGraph& graph, const std::vector<frame::PlannedStage>& stages, int lights);
 
 // The largest stage's files as they are read, its inputs and outputs as numbers, ours beside them, and of all stages their maps of
