@@ -9,6 +9,7 @@
 #include "io/file.h"
 #include "tools/experiments/ddgi.h"
 #include "tools/experiments/experiments.h"
+#include "tools/shared/announce.h"
 #include "tools/shared/outputs.h"
 #include "tools/shared/scene_command.h"
 
@@ -61,6 +62,18 @@ std::string command_line(const DdgiOptions& given) {
     return text;
 }
 
+std::string settings_text(const DdgiRequest& r) {
+    return fmt::format("{} grids, {} sides, {} counts of rays, {} of probes", r.grids.size(), r.sides.size(), r.rays.size(), r.probes.size());
+}
+
+// Of one core: paths of the truth, half of the lightmap covered, and rays of all settings until the light has settled.
+double expected_seconds(const DdgiRequest& r) {
+    double probes = 0, rays = 0;
+    for (const int side : r.grids) probes += double(side) * side * side;
+    for (const int n : r.rays) rays += n;
+    return 1.6e-6 * 0.5 * r.lightmap * r.lightmap * r.samples + 2.4e-5 * probes * rays * double(r.sides.size());
+}
+
 int run_ddgi(DdgiOptions given) {
     const RunOptions options = given.common.run_options();
     set_volume(given.request, given.volume);
@@ -68,6 +81,7 @@ int run_ddgi(DdgiOptions given) {
     given.request.bake = settings_of(scene, given.scene).probes;
     std::unique_ptr<Outputs> outputs;
     if (!given.folder.empty()) outputs = std::make_unique<Outputs>(given.folder);
+    announce("experiment ddgi: " + settings_text(given.request), expected_seconds(given.request), options);
     DdgiResult result = measure_ddgi(scene, given.request, options, [](const std::string& line) { std::fprintf(stderr, "%s\n", line.c_str()); });
     result.scene = io::stem_of(scene.name);
     const std::string json = json_text(ddgi_json(result));

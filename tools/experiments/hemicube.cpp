@@ -11,6 +11,7 @@
 #include "core/parallel.h"
 #include "io/file.h"
 #include "tools/experiments/experiments.h"
+#include "tools/shared/announce.h"
 #include "tools/shared/machine_load.h"
 #include "tools/shared/outputs.h"
 #include "tools/shared/reports.h"
@@ -60,6 +61,9 @@ int run_hemicube(HemicubeOptions given) {
     check(given);
     std::unique_ptr<Outputs> outputs;
     if (!given.folder.empty()) outputs = std::make_unique<Outputs>(given.folder);
+    // Of one core: ten minutes for all parts on two.
+    const double parts = given.request.parts.empty() ? 1 : double(given.request.parts.size()) / double(hemicube_parts.size());
+    announce("experiment hemicube", parts * (given.request.quick ? 60 : 1200), given.common.run_options());
     const Hemicube result = measure_hemicube(given.request, given.common.run_options(), [](const std::string& line) { std::fprintf(stderr, "%s\n", line.c_str()); });
     const std::string json = json_text(hemicube_json(result));
     std::string text = hemicube_text(result);

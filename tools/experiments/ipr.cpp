@@ -11,6 +11,7 @@
 #include "io/camera_list.h"
 #include "io/file.h"
 #include "tools/experiments/experiments.h"
+#include "tools/shared/announce.h"
 #include "tools/shared/outputs.h"
 #include "tools/shared/scene_command.h"
 
@@ -94,6 +95,10 @@ int run_ipr(IprOptions given) {
     std::vector<IprRequest> requests(scenes.size(), given.request);
     for (std::size_t i = 0; i < scenes.size(); ++i) listed += (requests[i].cameras = cameras_of(cameras, given.scenes[i], scenes[i])).size();
     if (!given.cameras.empty() && listed == 0) throw InputError(io::shown(given.cameras), "", "has no camera of these scenes");
+    // Of one core, a scene: a minute on two with --quick, else two hours.
+    const double parts = given.request.parts.empty() ? 1 : double(given.request.parts.size()) / double(ipr_parts.size());
+    announce(fmt::format("experiment ipr: {} scene{}", scenes.size(), scenes.size() == 1 ? "" : "s"),
+             double(scenes.size()) * parts * (given.request.quick ? 120 : 14400), options);
     for (std::size_t i = 0; i < scenes.size(); ++i)
         results.push_back(measure_ipr(scenes[i], settings[i], requests[i], options,
                                       [&](const std::string& line) { std::fprintf(stderr, "%s: %s\n", io::stem_of(scenes[i].name).c_str(), line.c_str()); }));

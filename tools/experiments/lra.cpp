@@ -11,6 +11,7 @@
 #include "core/error.h"
 #include "io/file.h"
 #include "tools/experiments/experiments.h"
+#include "tools/shared/announce.h"
 #include "tools/shared/outputs.h"
 #include "tools/shared/reports.h"
 
@@ -56,6 +57,9 @@ int run_lra(const LraOptions& given) {
     const LraRequest request = request_of(given);
     std::unique_ptr<Outputs> outputs;
     if (!given.folder.empty()) outputs = std::make_unique<Outputs>(given.folder);
+    // Of one core: half an hour on two for 4 million triangles and all parts.
+    const double parts = request.parts.empty() ? 1 : double(request.parts.size()) / double(lra_parts.size());
+    announce(fmt::format("experiment lra: a city of {} triangles", request.triangles), 3600 * parts * double(request.triangles) / 4e6, given.common.run_options());
     const Lra result = measure_lra(request, given.common.run_options(), [](const std::string& line) { std::fprintf(stderr, "%s\n", line.c_str()); });
     const std::string json = json_text(lra_json(result));
     std::string text = lra_text(result);

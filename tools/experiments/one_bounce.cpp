@@ -14,6 +14,7 @@
 #include "gi/frame/frame.h"
 #include "gi/frame/truth.h"
 #include "tools/experiments/experiments.h"
+#include "tools/shared/announce.h"
 #include "tools/shared/reports.h"
 #include "tools/shared/scene_command.h"
 #include "tools/shared/table.h"
@@ -186,6 +187,11 @@ int run_one_bounce(const OneBounceOptions& given) {
     const std::vector<int>& sizes = given.sizes;
     if (sizes.size() < 2 || std::adjacent_find(sizes.begin(), sizes.end(), std::greater_equal<>()) != sizes.end())
         throw InputError("--sizes: expected at least two, each larger than the one before");
+    // Of one core: 25 ns a ray to a texel, 100 ns a path. The frame is as wide as high here.
+    double texels = 0;
+    for (const int side : sizes) texels += double(side) * side;
+    const double points = double(given.width) * given.width;
+    announce(fmt::format("experiment one-bounce: {:.0f} points", points), points * (2.5e-8 * texels + 1e-7 * given.paths), given.common.run_options());
     const std::vector<Row> rows = measure(given);
     std::fputs((given.common.json ? json_text(one_bounce_json(rows)) : one_bounce_text(rows)).c_str(), stdout);
     return success;

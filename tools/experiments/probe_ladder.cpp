@@ -7,8 +7,10 @@
 #include <memory>
 
 #include "core/error.h"
+#include "gi/probes/run_stages.h"
 #include "io/file.h"
 #include "tools/experiments/experiments.h"
+#include "tools/shared/announce.h"
 #include "tools/shared/scene_command.h"
 #include "tools/shared/sweep_subject.h"
 
@@ -35,6 +37,12 @@ int run_ladder(LadderOptions given) {
     Scene scene = load(given.scene);
     if (given.without_sky) scene.environment = {};
     const probes::BakeParams params = settings_of(scene, given.scene).probes;
+    // Some eight rungs an axis, each a bake: 0.5 ms of one core a receiver; and rays of the truth.
+    const std::size_t axes = given.request.axes.empty() ? ladder_axes.size() : given.request.axes.size();
+    const double receivers = probes::expected_bake(scene, params).receivers;
+    announce(fmt::format("experiment probe-ladder: {} axes, about {:.0f} receivers a bake", axes, receivers),
+             8 * double(axes) * 5e-4 * receivers + 1e-6 * given.request.check.receivers * given.request.check.truth_rays,
+             given.common.run_options());
     const Ladder ladder = climb(scene, params, given.request, given.common.run_options(), show_progress);
     show_progress("");
     std::string command = "plumb experiment probe-ladder " + given.scene.file;

@@ -22,6 +22,7 @@
 #include "tools/experiments/bake_sizes.h"
 #include "tools/experiments/bare_rate.h"
 #include "tools/experiments/experiments.h"
+#include "tools/shared/announce.h"
 #include "tools/shared/command.h"
 #include "tools/shared/reports.h"
 #include "tools/shared/scene_command.h"
@@ -178,6 +179,11 @@ int probes_experiment(const ProbesOptions& given) {
     as_published.sets.insert(as_published.sets.begin(), thesis.begin(), thesis.end());
     const Scene scene = load(as_published);
     const probes::BakeParams params = settings_of(scene, as_published).probes;
+    // Of one core: 0.6 ms a receiver.
+    double receivers = 0;
+    for (const Column& column : columns)
+        if (given.only.empty() || given.only == column.name) receivers += column.receivers;
+    announce(fmt::format("experiment probes: bakes of {:.0f} receivers together, {} of each", receivers, given.repeats), 6e-4 * receivers * given.repeats, options);
     std::map<int, int> lightmaps;  // by the thesis' receivers
     std::vector<Row> rows;
     for (const Column& column : columns) {

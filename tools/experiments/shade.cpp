@@ -11,6 +11,7 @@
 #include "io/file.h"
 #include "io/image_file.h"
 #include "tools/experiments/experiments.h"
+#include "tools/shared/announce.h"
 #include "tools/shared/outputs.h"
 #include "tools/shared/scene_command.h"
 
@@ -93,6 +94,9 @@ int run_shade(const ShadeOptions& given) {
     const frame::Settings settings = settings_of(scene, of_scene);
     std::unique_ptr<Outputs> outputs;
     if (!given.folder.empty()) outputs = std::make_unique<Outputs>(given.folder);
+    // Of one core: a bake with places in the air, and paths of three truths.
+    announce(fmt::format("experiment indirect-shadow: 3 truths of {} x {} pixels", request.size.x, request.size.y),
+             26 + 3 * 1.6e-6 * request.size.x * request.size.y * request.samples, given.common.run_options());
     const ShadeResult r = measure_shade(scene, settings, request, given.common.run_options(),
                                         [](const std::string& line) { std::fprintf(stderr, "%s\n", line.c_str()); });
     const std::string json = json_text(shade_json(r));

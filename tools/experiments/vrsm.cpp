@@ -15,6 +15,7 @@
 #include "io/scene_file.h"
 #include "io/scenes/generate.h"
 #include "tools/experiments/experiments.h"
+#include "tools/shared/announce.h"
 #include "tools/shared/machine_load.h"
 #include "tools/shared/outputs.h"
 #include "tools/shared/sweep.h"
@@ -103,6 +104,10 @@ int run_vrsm(VrsmOptions given) {
     given.common.run_options();
     const std::vector<VrsmSubject> all = subjects(given);
     Outputs outputs(given.folder);
+    // Of one core: rays of the truth, and frames of every setting.
+    const double pixels = double(given.request.size) * given.request.size;
+    const double a_scene = 5e-8 * given.request.truth_rays + 2.3e-5 * pixels * (given.request.repeats + 1);
+    announce(fmt::format("experiment vrsm: {} scenes", all.size()), double(all.size()) * a_scene, given.common.run_options());
     const Vrsm result = measure(given, all);
 
     const std::vector<VrsmNumber> numbers = vrsm_numbers(result);

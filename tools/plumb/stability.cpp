@@ -1,10 +1,13 @@
 // plumb stability: every stage in the stiff and extreme cases, float against double.
+#include <fmt/format.h>
+
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "io/file.h"
 #include "tools/plumb/cli.h"
 #include "tools/plumb/stability_report.h"
+#include "tools/shared/announce.h"
 #include "tools/shared/progress.h"
 #include "tools/shared/table.h"
 
@@ -32,6 +35,9 @@ int list_cases(bool json) {
     return success;
 }
 
+// Of one core, measured over all cases: with all their stages, and with one (mostly its frames).
+constexpr double seconds_a_case = 1.3, seconds_a_cell = 0.07;
+
 // All of the cases are what the bar shows of a frame: a stage.
 constexpr const char* bar_label = "cases";
 frame::Plan as_plan(const stability::Filter& filter) {
@@ -47,6 +53,10 @@ int run_stability(const Given& given) {
     stability::Effort effort = given.effort;
     effort.run = given.common.run_options();
     if (given.list) return list_cases(given.common.json);
+    const bool every_stage = given.filter.stage.empty();
+    const std::size_t cases = given.filter.case_name.empty() ? stability::case_infos().size() : 1;
+    announce(fmt::format("stability: {} case{} of {}", cases, cases == 1 ? "" : "s", every_stage ? "every stage" : given.filter.stage),
+             double(cases) * (every_stage ? seconds_a_case : seconds_a_cell), effort.run);
     std::vector<stability::Cell> cells;
     {
         ProgressBar bar(as_plan(given.filter));
