@@ -37,6 +37,13 @@ const JudgedStage* Judged::first_wrong() const {
     return nullptr;
 }
 
+std::string Judged::wrong_stages() const {
+    std::string text;
+    for (const JudgedStage& s : stages)
+        if (s.wrong > 0) text += (text.empty() ? "" : ", ") + s.name;
+    return text;
+}
+
 Judged judge(const std::string& manifest) {
     const program::Result r = program::run({"validate", manifest, "--json"});
     if (r.exit != 0 && r.exit != 1) throw std::runtime_error(r.err);

@@ -19,6 +19,7 @@ struct Judged {
 
     std::int64_t wrong() const;
     const JudgedStage* first_wrong() const;  // null: none is
+    std::string wrong_stages() const;        // "A: bounce, A: shadow"
 };
 
 Judged judge(const std::string& manifest);

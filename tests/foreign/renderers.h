@@ -31,7 +31,8 @@ std::string render_in_opengl(const Exported& exported, const Variant& variant, c
 // The one that the variant is of.
 std::string render(const vulkan::Device& device, const Exported& exported, const Variant& variant, const std::string& folder);
 
-// Why render_in_opengl() cannot run here; "" where it can.
+// Why they cannot run here; "" where they can.
+std::string no_vulkan();
 std::string no_opengl();
 
 }  // namespace plumb::foreign

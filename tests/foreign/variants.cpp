@@ -30,6 +30,7 @@ Variant read_variant(const io::DocumentValue& table, const std::string& path, co
     v.file = reader.word("file", "");
     v.host = reader.word("host", "");
     v.cause = reader.word("cause", "");
+    v.wrong = reader.word("wrong", "");
     v.place = reader.place();
     if (reader.has("find")) v.edits.push_back(read_edit(reader));
     for (const io::DocumentValue* one : reader.tables("edit")) {

@@ -10,6 +10,7 @@
 //     find = ..., replace = ...
 //     host = "last frame"              # what the program does otherwise: renderers.h
 //     cause = "1/pi"                   # in words: bugs alone
+//     wrong = "A: bounce"              # the stages that have the bug, by their labels: the others are right. Bugs alone
 #pragma once
 
 #include <string>
@@ -23,7 +24,7 @@ struct Edit {
 };
 
 struct Variant {
-    std::string name, renderer, file, host, cause, place;
+    std::string name, renderer, file, host, cause, wrong, place;
     std::vector<Edit> edits;
 };
 
