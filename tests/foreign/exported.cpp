@@ -8,7 +8,8 @@
 namespace plumb::foreign {
 
 Exported::Exported(const std::string& folder) {
-    const program::Result r = program::run({"export", PLUMB_SOURCE_DIR "/tests/foreign/scene.toml", "--stage", "all", "-o", folder});
+    const std::string scene = PLUMB_SOURCE_DIR "/tests/foreign/scene.toml";
+    const program::Result r = program::run({"export", scene, "--stage", "all", "-o", folder});
     if (r.exit != 0) throw std::runtime_error(r.err);
     manifest_ = io::read_manifest(folder + "/manifest.toml");
 }

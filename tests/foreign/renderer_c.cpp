@@ -1,4 +1,5 @@
 // Renderer C: gl/gather.frag and gl/direct.frag. Its textures and dumps have their lowest row first, its map's y points up.
+#include <cmath>
 #include <fstream>
 #include <stdexcept>
 

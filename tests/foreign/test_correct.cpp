@@ -21,7 +21,8 @@ TEST_CASE("foreign: two renderers of Vulkan that are right are judged so", "[for
     for (const auto& [name, stages] : {std::pair("A", 2), std::pair("B", 6)}) {
         Variant as_it_stands;
         as_it_stands.renderer = name;
-        const Judged judged = judge(render(device, exported, as_it_stands, program::fresh_folder(std::string("foreign_correct/") + name)));
+        const std::string folder = program::fresh_folder(std::string("foreign_correct/") + name);
+        const Judged judged = judge(render(device, exported, as_it_stands, folder));
         INFO(summary(judged));
         CHECK(judged.passed);
         CHECK(judged.wrong() == 0);

@@ -53,8 +53,10 @@ Image4 unpack(const Texture& texture) {
 Texture upside_down(const Texture& texture) {
     Texture out = texture;
     const std::size_t row = texture.bytes.size() / std::size_t(texture.height);
-    for (int y = 0; y < texture.height; ++y)
-        std::memcpy(out.bytes.data() + std::size_t(texture.height - 1 - y) * row, texture.bytes.data() + std::size_t(y) * row, row);
+    for (int y = 0; y < texture.height; ++y) {
+        const unsigned char* from = texture.bytes.data() + std::size_t(y) * row;
+        std::memcpy(out.bytes.data() + std::size_t(texture.height - 1 - y) * row, from, row);
+    }
     out.bottom_first = !texture.bottom_first;
     return out;
 }
