@@ -121,7 +121,7 @@ int main(int argc, char** argv) {
     try {
         const vulkan::Device device({.name = options.device, .validate = options.validate});
         if (options.gathers.empty()) options.gathers = {""};
-        // On a software device nearly all goes into the judge where roundings differ: 37 s of one core a million pixels (llvmpipe).
+        // Of one core on a software device, about: 37 s a million pixels (llvmpipe).
         double pixels = 0;
         for (const std::string& size : options.sizes) pixels += double(parse_size(size).x) * parse_size(size).y;
         const std::size_t frames = options.scenes.size() * options.gathers.size();

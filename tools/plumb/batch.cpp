@@ -81,8 +81,7 @@ class Batch {
         for (const BatchView& v : scenes.views()) rows_.push_back({v.name, "", false, false, {}, {}});
     }
 
-    // Of one core, measured on the views of data/cameras, a million pixels; POV-Ray's radiosity (physical) takes most. What is
-    // kept from before is not made again.
+    // Of one core, about, a million pixels; POV-Ray's radiosity (physical) takes most. What is kept from before is not made again.
     double expected_seconds(const Steps& steps) const {
         constexpr double gather = 5, pov = 900, path = 1.6, compare = 6;
         const double model = given_.model == "pov" ? pov * thread_count(options_.threads) / given_.jobs : path * given_.samples;

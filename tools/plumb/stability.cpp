@@ -35,7 +35,7 @@ int list_cases(bool json) {
     return success;
 }
 
-// Of one core, measured over all cases: with all their stages, and with one (mostly its frames).
+// Of one core, about: a case with all its stages, and with one (mostly its frames).
 constexpr double seconds_a_case = 1.3, seconds_a_cell = 0.07;
 
 // All of the cases are what the bar shows of a frame: a stage.
