@@ -6,10 +6,11 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
+#include <ctime>
 #include <map>
-#include <optional>
 
 #include "core/error.h"
+#include "core/hash.h"
 #include "core/parallel.h"
 #include "gi/parity/pair.h"
 
@@ -17,22 +18,27 @@ namespace plumb::parity {
 
 namespace {
 
-// Pixels of a first look, of a second one at the guesses that came through it, and of the last one.
-constexpr std::size_t first_wrong = 64, first_right = 32, second_wrong = 1024, second_right = 512, last_pixels = 65536;
-// Guesses that come through the first look; and wrong pixels below which one alike is found for anything: a ratio, an output
-// to leave aside, the cause of a place.
-constexpr std::size_t second_guesses = 16, last_guesses = 5, cluster_pixels = 16, clusters_told = 4;
-constexpr double last_look_ms = 4000;
+// Wrong pixels of a glance, one of which a guess has to explain; pixels of a first look, of a second one at the guesses
+// that came through it, and of the last one.
+constexpr std::size_t glance_wrong = 16, first_wrong = 64, first_right = 32, second_wrong = 384, second_right = 128,
+                      last_pixels = 65536;
+// Guesses that come through the first look; and wrong pixels below which one alike is found for anything: a ratio, an
+// output to leave aside, the cause of a place.
+constexpr std::size_t second_guesses = 12, last_guesses = 6, cluster_pixels = 16, clusters_told = 4;
+constexpr double last_look_ms = 2000;  // of a processor, a guess
 
-double seconds_ms(std::chrono::steady_clock::time_point start) {
-    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-}
+// Of all threads: what else the machine does is not in it.
+double processor_ms() { return 1e3 * double(std::clock()) / CLOCKS_PER_SEC; }
 
-// `count` of them, evenly.
+// `count` of them: one of each of as many equal parts, by a hash, so that no column of a picture is preferred.
 std::vector<glm::ivec2> some_of(const std::vector<glm::ivec2>& all, std::size_t count) {
     if (all.size() <= count) return all;
     std::vector<glm::ivec2> some;
-    for (std::size_t i = 0; i < count; ++i) some.push_back(all[i * all.size() / count]);
+    for (std::size_t i = 0; i < count; ++i) {
+        const std::size_t first = i * all.size() / count, last = (i + 1) * all.size() / count;
+        const auto hash = pixel_hash<std::int32_t>(std::int32_t(i), std::int32_t(count), 0, 0);
+        some.push_back(all[first + std::uint32_t(hash.x) % (last - first)]);
+    }
     return some;
 }
 
@@ -46,7 +52,8 @@ StageData lent_data(const StageData& data) {
     return lent;
 }
 
-// Pixels that guesses are tried on, with what the kernel as it is may make of them, which all guesses about results share.
+// Pixels that guesses are tried on, with what the kernel as it is may make of them, which all guesses about results
+// share.
 struct Look {
     std::vector<glm::ivec2> pixels;
     std::vector<std::vector<Outcome>> outcomes = {};
@@ -59,10 +66,15 @@ struct Guess {
 
 class Diagnoser {
   public:
-    Diagnoser(const StageBinding& binding, const StageData& data, const std::vector<Dumped>& dumped, const JudgeOptions& options,
-              const StageVerdict& verdict)
-        : binding_(binding), data_(data), options_(options), verdict_(verdict), stage_(binding.bind(data)),
-          compared_(binding, data, dumped, options), pairs_(compared_.all()) {
+    Diagnoser(const StageBinding& binding, const StageData& data, const std::vector<Dumped>& dumped,
+              const JudgeOptions& options, const StageVerdict& verdict)
+        : binding_(binding),
+          data_(data),
+          options_(options),
+          verdict_(verdict),
+          stage_(binding.bind(data)),
+          compared_(binding, data, dumped, options),
+          pairs_(compared_.all()) {
         for (const Slot& slot : binding.outputs) components_ += slot.channels;
         std::vector<std::uint8_t> wrong(verdict.map.size());
         for (std::size_t i = 0; i < wrong.size(); ++i) {
@@ -81,7 +93,7 @@ class Diagnoser {
             second_look(guesses);
             last_look(guesses);
         }
-        found_.ms = seconds_ms(start);
+        found_.ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
         return std::move(found_);
     }
 
@@ -101,13 +113,15 @@ class Diagnoser {
     bool holds(std::size_t at, const std::vector<BoundedValue>& values, double slack) const {
         for (const Pair& p : pairs_) {
             double largest = 0;
-            for (int c = 0; c < p.channels; ++c) largest = std::max(largest, std::abs(values[std::size_t(p.first + c)].shadow));
+            for (int c = 0; c < p.channels; ++c)
+                largest = std::max(largest, std::abs(values[std::size_t(p.first + c)].shadow));
             for (int c = 0; c < p.channels; ++c) {
                 if (!p.compared(c)) continue;
                 const BoundedValue& v = values[std::size_t(p.first + c)];
                 const double bound = v.bound + slack * largest;
                 if (!std::isfinite(bound) || !std::isfinite(v.shadow)) return false;
-                const StoredRange range = p.stored(at, c, v.shadow - bound, v.shadow + bound, largest, options_.profile);
+                const StoredRange range =
+                    p.stored(at, c, v.shadow - bound, v.shadow + bound, largest, options_.profile);
                 const double got = p.got(at, c);
                 if (!(got >= range.low && got <= range.high)) return false;
             }
@@ -157,7 +171,8 @@ class Diagnoser {
         return false;
     }
     // `outputs`: what the stage's float kernel made, or null.
-    bool agrees(const BoundStage& stage, const Hypothesis& h, const Bundle* outputs, glm::ivec2 pixel, double slack) const {
+    bool agrees(const BoundStage& stage, const Hypothesis& h, const Bundle* outputs, glm::ivec2 pixel,
+                double slack) const {
         const glm::ivec2 ours = h.place ? h.place(pixel) : pixel;
         if (!inside(ours) || !stage.writes(ours)) return false;
         const std::size_t at = index(pixel);
@@ -177,7 +192,8 @@ class Diagnoser {
     Look look(std::vector<glm::ivec2> pixels) const {
         Look l{std::move(pixels)};
         l.outcomes.resize(l.pixels.size());
-        each_of(l.pixels.size(), [&](std::size_t i) { l.outcomes[i] = outcomes(*stage_, l.pixels[i], index(l.pixels[i])); });
+        each_of(l.pixels.size(),
+                [&](std::size_t i) { l.outcomes[i] = outcomes(*stage_, l.pixels[i], index(l.pixels[i])); });
         return l;
     }
 
@@ -189,7 +205,8 @@ class Diagnoser {
     }
     // A byte a pixel; empty where the kernel cannot serve such data. `whole`: with the float kernel's own result, which
     // spares most bounds where many pixels are asked.
-    std::vector<std::uint8_t> agreement(const Hypothesis& h, const std::vector<glm::ivec2>& pixels, bool whole, double slack) const {
+    std::vector<std::uint8_t> agreement(const Hypothesis& h, const std::vector<glm::ivec2>& pixels, bool whole,
+                                        double slack) const {
         if (h.outputs) return agreement_of_outputs(h, pixels, slack);
         StageData data = lent_data(data_);
         std::unique_ptr<BoundStage> own;
@@ -205,17 +222,18 @@ class Diagnoser {
         Bundle outputs;
         if (whole) stage.run(options_.run, options_.profile, outputs);
         std::vector<std::uint8_t> agree(pixels.size());
-        each_of(agree.size(), [&](std::size_t i) { agree[i] = agrees(stage, h, whole ? &outputs : nullptr, pixels[i], slack); });
+        each_of(agree.size(),
+                [&](std::size_t i) { agree[i] = agrees(stage, h, whole ? &outputs : nullptr, pixels[i], slack); });
         return agree;
     }
 
-    std::vector<std::uint8_t> agreement_of_outputs(const Hypothesis& h, const std::vector<glm::ivec2>& pixels, double slack) const {
+    std::vector<std::uint8_t> agreement_of_outputs(const Hypothesis& h, const std::vector<glm::ivec2>& pixels,
+                                                   double slack) const {
         Bundle outputs;
         if (!h.outputs(outputs)) return {};
         std::vector<std::uint8_t> agree(pixels.size());
-        each_of(agree.size(), [&](std::size_t i) {
-            agree[i] = agrees(h, own_outcome(outputs, index(pixels[i])), pixels[i], slack);
-        });
+        each_of(agree.size(),
+                [&](std::size_t i) { agree[i] = agrees(h, own_outcome(outputs, index(pixels[i])), pixels[i], slack); });
         return agree;
     }
 
@@ -227,7 +245,9 @@ class Diagnoser {
             for (const Ratios& r : ratios) {
                 const double m = r.quartiles[1];
                 if (!r.constant() || r.counted < std::int64_t(cluster_pixels)) continue;
-                if (std::none_of(all.begin(), all.end(), [m](double x) { return std::abs(x - m) <= 1e-3 * std::abs(m); })) all.push_back(m);
+                if (std::none_of(all.begin(), all.end(),
+                                 [m](double x) { return std::abs(x - m) <= 1e-3 * std::abs(m); }))
+                    all.push_back(m);
             }
         };
         note(found_.wrong.ratios);
@@ -248,7 +268,8 @@ class Diagnoser {
     // Keeps those that explain something: of all wrong pixels, less what they break, or of one cluster.
     std::vector<Guess> first_look(const std::vector<Hypothesis>& more) {
         std::vector<Hypothesis> all = result_hypotheses(binding_, data_, constant_ratios());
-        for (std::vector<Hypothesis> list : {input_hypotheses(binding_, data_), uniform_hypotheses(binding_, data_), more})
+        for (std::vector<Hypothesis> list :
+             {input_hypotheses(binding_, data_), uniform_hypotheses(binding_, data_), more})
             for (Hypothesis& h : list) all.push_back(std::move(h));
         std::stable_partition(all.begin(), all.end(), [](const Hypothesis& h) { return !h.aside; });
         if (wrong_.size() < cluster_pixels) std::erase_if(all, [](const Hypothesis& h) { return h.aside; });
@@ -257,12 +278,14 @@ class Diagnoser {
         std::vector<glm::ivec2> pixels = wrong_sample(first_wrong);
         const std::size_t wrong = pixels.size();
         pixels.insert(pixels.end(), right.begin(), right.end());
-        const Look seen = look(std::move(pixels));
+        const Look glance = look(wrong_sample(glance_wrong)), seen = look(std::move(pixels));
         std::vector<Guess> kept;
         for (Hypothesis& h : all) {
-            const std::vector<std::uint8_t> agree = agreement(h, seen, h.slack);
-            if (agree.empty()) continue;
+            const std::vector<std::uint8_t> any = agreement(h, glance, h.slack);
+            if (any.empty()) continue;
             ++found_.tried;
+            if (std::count(any.begin(), any.end(), 1) == 0) continue;
+            const std::vector<std::uint8_t> agree = agreement(h, seen, h.slack);
             Guess g{std::move(h)};
             for (std::size_t i = 0; i < agree.size(); ++i) (i < wrong ? g.wrong : g.right) += agree[i];
             if (8 * g.wrong >= wrong) kept.push_back(std::move(g));
@@ -271,11 +294,14 @@ class Diagnoser {
         const double broken_weight = double(wrong) / double(std::max<std::size_t>(right.size(), 1));
         std::stable_sort(kept.begin(), kept.end(), [&](const Guess& a, const Guess& b) {
             const double share = double(right_.size()) / double(wrong_.size());
-            auto net = [&](const Guess& g) { return double(g.wrong) + std::min(share, 4.0) * broken_weight * double(g.right); };
+            auto net = [&](const Guess& g) {
+                return double(g.wrong) + std::min(share, 4.0) * broken_weight * double(g.right);
+            };
             return net(a) > net(b);
         });
         if (kept.size() > second_guesses) {
-            std::stable_sort(kept.begin() + second_guesses, kept.end(), [](const Guess& a, const Guess& b) { return a.wrong > b.wrong; });
+            std::stable_sort(kept.begin() + second_guesses, kept.end(),
+                             [](const Guess& a, const Guess& b) { return a.wrong > b.wrong; });
             kept.resize(std::min(kept.size(), 2 * second_guesses));
         }
         return kept;
@@ -288,7 +314,7 @@ class Diagnoser {
         const std::vector<glm::ivec2> right = some_of(right_, second_right);
         pixels.insert(pixels.end(), right.begin(), right.end());
         std::vector<std::vector<std::uint8_t>> agree;
-        const auto start = std::chrono::steady_clock::now();
+        const double start = processor_ms();
         for (Guess& g : guesses) {
             agree.push_back(agreement(g.hypothesis, pixels, false, g.hypothesis.slack));
             g.wrong = g.right = 0;
@@ -297,32 +323,37 @@ class Diagnoser {
                 if (i >= wrong) g.right += agree.back()[i];
             }
         }
-        ms_a_pixel_ = guesses.empty() ? 0 : seconds_ms(start) / double(guesses.size() * pixels.size());
+        ms_a_pixel_ = guesses.empty() ? 0 : (processor_ms() - start) / double(guesses.size() * pixels.size());
         clusters(guesses, agree, clusters_first, pixels);
 
         // The share of all pixels that would agree.
         const double of_wrong = double(wrong_.size()) / double(std::max<std::size_t>(clusters_first, 1));
         const double of_right = double(right_.size()) / double(std::max<std::size_t>(right.size(), 1));
         std::erase_if(guesses, [&](const Guess& g) {
-            return !(of_wrong * double(g.wrong) + of_right * double(g.right) >= double(right_.size()) + 0.45 * double(wrong_.size()));
+            return !(of_wrong * double(g.wrong) + of_right * double(g.right) >=
+                     double(right_.size()) + 0.45 * double(wrong_.size()));
         });
         std::stable_sort(guesses.begin(), guesses.end(), [&](const Guess& a, const Guess& b) {
-            return of_wrong * double(a.wrong) + of_right * double(a.right) > of_wrong * double(b.wrong) + of_right * double(b.right);
+            return of_wrong * double(a.wrong) + of_right * double(a.right) >
+                   of_wrong * double(b.wrong) + of_right * double(b.right);
         });
-        if (guesses.size() > 2 * last_guesses) guesses.resize(2 * last_guesses);
+        if (guesses.size() > last_guesses) guesses.resize(last_guesses);
     }
 
     // Of the largest clusters each the guess that explains the most of its pixels.
-    void clusters(const std::vector<Guess>& guesses, const std::vector<std::vector<std::uint8_t>>& agree, std::size_t at,
-                  const std::vector<glm::ivec2>& pixels) {
+    void clusters(const std::vector<Guess>& guesses, const std::vector<std::vector<std::uint8_t>>& agree,
+                  std::size_t at, const std::vector<glm::ivec2>& pixels) {
         const std::vector<Cluster>& all = found_.wrong.clusters;
         if (all.size() < 2) return;
         for (std::size_t i = 0; i < std::min(clusters_told, all.size()); ++i) {
             const std::size_t count = some_of(all[i].members, second_wrong / 8).size();
-            ClusterCause c{all[i].pixels, all[i].low, all[i].high, ratios_of(pairs_, data_.size.x, all[i].members), "", std::int64_t(count), 0};
+            ClusterCause c{
+                all[i].pixels,       all[i].low, all[i].high, ratios_of(pairs_, data_.size.x, all[i].members), "",
+                std::int64_t(count), 0};
             for (std::size_t g = 0; g < guesses.size() && all[i].members.size() >= cluster_pixels; ++g) {
                 std::int64_t n = 0;
-                for (std::size_t k = at; k < at + count && k < std::min(agree[g].size(), pixels.size()); ++k) n += agree[g][k];
+                for (std::size_t k = at; k < at + count && k < std::min(agree[g].size(), pixels.size()); ++k)
+                    n += agree[g][k];
                 if (2 * n >= std::int64_t(count) && n > c.agree) c.agree = n, c.text = guesses[g].hypothesis.text;
             }
             found_.clusters.push_back(std::move(c));
@@ -344,7 +375,9 @@ class Diagnoser {
             const Hypothesis& h = g.hypothesis;
             if (!without.count(h.slack)) without[h.slack] = agree_without(pixels, h.slack);
             const std::vector<std::uint8_t> agree = agreement(h, pixels, true, h.slack);
-            Cause c{h.text, std::int64_t(pixels.size()), std::count(agree.begin(), agree.end(), 1), without[h.slack], {}, h.aside};
+            Cause c{
+                h.text, std::int64_t(pixels.size()), std::count(agree.begin(), agree.end(), 1), without[h.slack], {},
+                h.aside};
             const std::int64_t left = c.pixels - c.without;
             if (left > 0 && 2 * (c.agree - c.without) >= left) causes.push_back(std::move(c));
         }

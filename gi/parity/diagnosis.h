@@ -1,5 +1,5 @@
-// A diagnosis beside the verdict `wrong`: which guesses at what the shader does make its pixels agree, and what its wrong
-// pixels have in common. It changes no verdict.
+// A diagnosis beside the verdict `wrong`: which guesses at what the shader does make its pixels agree, and what its
+// wrong pixels have in common. It changes no verdict.
 #pragma once
 
 #include <string>
@@ -11,14 +11,14 @@
 
 namespace plumb::parity {
 
-// A guess that explains pixels. Agree: equal or within the bound, as the verdict has it, and a guess that computes something
-// may be off by its slack (hypothesis.h) besides; the kernel without it is counted with the same slack.
+// A guess that explains pixels. Agree: equal or within the bound, as the verdict has it, and a guess that computes
+// something may be off by its slack (hypothesis.h) besides; the kernel without it is counted with the same slack.
 struct Cause {
     std::string text;
-    std::int64_t pixels = 0;             // that were looked at
+    std::int64_t pixels = 0;              // that were looked at
     std::int64_t agree = 0, without = 0;  // of these: under the guess, and without it
-    std::vector<std::string> alike;      // other guesses under which as many agree
-    bool aside = false;                  // it leaves something aside: where to look, not what is wrong
+    std::vector<std::string> alike;       // other guesses under which as many agree
+    bool aside = false;                   // it leaves something aside: where to look, not what is wrong
 };
 
 // Wrong pixels that lie together, and the guess that explains the most of them.
@@ -26,13 +26,13 @@ struct ClusterCause {
     std::int64_t pixels = 0;
     glm::ivec2 low{0}, high{0};
     std::vector<Ratios> ratios;
-    std::string text;           // "" where none explains half of them
+    std::string text;  // "" where none explains half of them
     std::int64_t looked_at = 0, agree = 0;
 };
 
 struct Diagnosis {
     WrongPixels wrong;
-    std::vector<Cause> causes;           // at most three, the best first; each takes away at least half of what is wrong
+    std::vector<Cause> causes;  // at most three, the best first; each takes away at least half of what is wrong
     std::vector<ClusterCause> clusters;  // of the largest, where there are several
     int tried = 0;                       // guesses
     double ms = 0;

@@ -117,7 +117,8 @@ class InputHypotheses {
 
     // Bilinear between texels: half of each neighbour in a direction.
     void between(const Slot& slot, const Texels& t, std::ptrdiff_t dx, std::ptrdiff_t dy) {
-        const std::string text = fmt::format("{} filtered half a texel off ({:g}, {:g})", slot.name, 0.5 * double(dx), 0.5 * double(dy));
+        const std::string text =
+            fmt::format("{} filtered half a texel off ({:g}, {:g})", slot.name, 0.5 * double(dx), 0.5 * double(dy));
         add(text, computed_slack, [name = slot.name, t, dx, dy](StageData& data) {
             Array& array = *find_array(data, name);
             const std::vector<unsigned char> old(array.bytes.begin(), array.bytes.end());
@@ -150,7 +151,9 @@ class InputHypotheses {
         if (w > 1 && w == h) moved(slot, t, "transposed", [](I x, I y) { return P{y, x}; });
         for (const auto& [dx, dy] : {std::pair<I, I>(1, 0), {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {-1, -1}}) {
             const I x0 = dx, y0 = dy;
-            moved(slot, t, fmt::format("read at ({:+}, {:+}) texels", x0, y0), [x0, y0](I x, I y) { return P{x + x0, y + y0}; });
+            moved(slot, t, fmt::format("read at ({:+}, {:+}) texels", x0, y0), [x0, y0](I x, I y) {
+                return P{x + x0, y + y0};
+            });
             between(slot, t, x0, y0);
         }
         between(slot, t, 1, -1);
@@ -203,9 +206,14 @@ class InputHypotheses {
     void add_factors(const Slot& slot, const Texels& t) {
         constexpr double pi = std::numbers::pi;
         const std::size_t colours = std::min<std::size_t>(t.channels, 3);
-        for (const auto& [text, by] : {std::pair<const char*, double>("not read (0)", 0), {"times pi", pi}, {"divided by pi", 1 / pi},
-                                       {"times 2", 2}, {"divided by 2", 0.5}, {"times 1000 (a unit)", 1000},
-                                       {"divided by 1000 (a unit)", 1e-3}, {"times 100 (a unit)", 100},
+        for (const auto& [text, by] : {std::pair<const char*, double>("not read (0)", 0),
+                                       {"times pi", pi},
+                                       {"divided by pi", 1 / pi},
+                                       {"times 2", 2},
+                                       {"divided by 2", 0.5},
+                                       {"times 1000 (a unit)", 1000},
+                                       {"divided by 1000 (a unit)", 1e-3},
+                                       {"times 100 (a unit)", 100},
                                        {"divided by 100 (a unit)", 1e-2}}) {
             const double factor = by;
             each(slot, t, text, by == 0 || by == 2 || by == 0.5 ? 0 : computed_slack, [factor, colours](float* p) {
@@ -225,26 +233,30 @@ class InputHypotheses {
         const std::size_t element = slot.channels > 0 ? std::size_t(slot.channels) : 1;
         if (rows == 0 || words % rows != 0) return;
         const std::size_t columns = words / rows / element;
-        auto rearranged = [&](const std::string& what, std::function<std::size_t(std::size_t row, std::size_t column)> from) {
+        auto rearranged = [&](const std::string& what,
+                              std::function<std::size_t(std::size_t row, std::size_t column)> from) {
             add(slot.name + " " + what, 0, [=, name = slot.name](StageData& data) {
                 Array& a = *find_array(data, name);
                 const std::vector<unsigned char> old(a.bytes.begin(), a.bytes.end());
                 for (std::size_t r = 0; r < rows; ++r)
                     for (std::size_t c = 0; c < columns; ++c)
-                        std::memcpy(a.bytes.data() + 4 * element * (r * columns + c), old.data() + 4 * element * from(r, c),
-                                    4 * element);
+                        std::memcpy(a.bytes.data() + 4 * element * (r * columns + c),
+                                    old.data() + 4 * element * from(r, c), 4 * element);
                 return true;
             });
         };
         if (columns > 1) {
             rearranged("the same for all (one rotation)", [=](std::size_t r, std::size_t) { return r * columns; });
-            rearranged("of the next rotation", [=](std::size_t r, std::size_t c) { return r * columns + (c + 1) % columns; });
+            rearranged("of the next rotation",
+                       [=](std::size_t r, std::size_t c) { return r * columns + (c + 1) % columns; });
             rearranged("read as [column][row]", [=](std::size_t r, std::size_t c) { return c * rows + r; });
         }
         if (rows > 1) {
-            rearranged("one row on", [=](std::size_t r, std::size_t c) { return std::min(r + 1, rows - 1) * columns + c; });
+            rearranged("one row on",
+                       [=](std::size_t r, std::size_t c) { return std::min(r + 1, rows - 1) * columns + c; });
             rearranged("one row back", [=](std::size_t r, std::size_t c) { return (r > 0 ? r - 1 : 0) * columns + c; });
-            rearranged("in the reverse order", [=](std::size_t r, std::size_t c) { return (rows - 1 - r) * columns + c; });
+            rearranged("in the reverse order",
+                       [=](std::size_t r, std::size_t c) { return (rows - 1 - r) * columns + c; });
         }
     }
 
@@ -302,7 +314,9 @@ class InputHypotheses {
         each_offset("with x and y swapped", [](int x, int y) { return O{y, x}; });
         each_offset("divided by 2", [](int x, int y) { return O{x / 2, y / 2}; });
         for (const auto& [dx, dy] : {std::pair(1, 0), {-1, 0}, {0, 1}, {0, -1}})
-            each_offset(fmt::format("and ({:+}, {:+}) texels", dx, dy), [dx = dx, dy = dy](int x, int y) { return O{x + dx, y + dy}; });
+            each_offset(fmt::format("and ({:+}, {:+}) texels", dx, dy), [dx = dx, dy = dy](int x, int y) {
+                return O{x + dx, y + dy};
+            });
     }
 
     // One input in the place of another, or both exchanged.
@@ -313,16 +327,18 @@ class InputHypotheses {
                 if (&a == &b || !from || !to || a.kind == SlotKind::buffer || from->dtype != to->dtype ||
                     from->shape != to->shape || from->bytes.empty())
                     continue;
-                add(fmt::format("{} read in the place of {}", b.name, a.name), 0, [to = a.name, from = b.name](StageData& data) {
-                    Array* read = find_array(data, from);
-                    find_array(data, to)->bytes = Bytes::lent(read->bytes.data(), read->bytes.size());
-                    return true;
-                });
-                if (&a < &b)
-                    add(fmt::format("{} and {} exchanged", a.name, b.name), 0, [one = a.name, other = b.name](StageData& data) {
-                        std::swap(find_array(data, one)->bytes, find_array(data, other)->bytes);
+                add(fmt::format("{} read in the place of {}", b.name, a.name), 0,
+                    [to = a.name, from = b.name](StageData& data) {
+                        Array* read = find_array(data, from);
+                        find_array(data, to)->bytes = Bytes::lent(read->bytes.data(), read->bytes.size());
                         return true;
                     });
+                if (&a < &b)
+                    add(fmt::format("{} and {} exchanged", a.name, b.name), 0,
+                        [one = a.name, other = b.name](StageData& data) {
+                            std::swap(find_array(data, one)->bytes, find_array(data, other)->bytes);
+                            return true;
+                        });
             }
     }
 

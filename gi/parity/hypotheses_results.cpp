@@ -71,14 +71,19 @@ class ResultHypotheses {
     }
 
     void add_factors(const Output& o, const std::vector<double>& ratios) {
-        for (const NamedNumber& n : named_numbers(binding_, data_)) {
+        const std::vector<NamedNumber> named = named_numbers(binding_, data_);
+        for (const NamedNumber& n : named) {
             scaled(o, "times " + n.name, n.value);
-            if (!n.name.starts_with("1 / ")) scaled(o, "divided by " + n.name, 1 / n.value);
+            scaled(o, "divided by " + n.name, 1 / n.value);
         }
         scaled(o, "with its sign turned", -1);
         for (const double ratio : ratios) {
+            const auto is = [ratio](double x) { return std::abs(ratio - x) <= ratio_slack * std::abs(x); };
+            const bool has_name = is(-1) || std::any_of(named.begin(), named.end(), [&](const NamedNumber& n) {
+                                      return is(n.value) || is(1 / n.value);
+                                  });
             const std::string text = fmt::format("times {:.4g}", ratio);
-            scaled(o, text, ratio, ratio_slack);
+            if (!has_name) scaled(o, text, ratio, ratio_slack);
             for (int c = 0; c < o.slot->channels && o.slot->channels > 1; ++c)
                 scaled(o, fmt::format("times {:.4g} in {} alone", ratio, "xyzw"[c]), ratio, ratio_slack, c);
         }
@@ -92,7 +97,8 @@ class ResultHypotheses {
                 for (int c = 0; c < 3; ++c) v[c] = old[order.from[c]];
             });
         for (int c = 0; c < 3; ++c)
-            made(o, fmt::format("with {} negated", "xyz"[c]), 0, [c](glm::ivec2, BoundedValue* v) { v[c].shadow = -v[c].shadow; });
+            made(o, fmt::format("with {} negated", "xyz"[c]), 0,
+                 [c](glm::ivec2, BoundedValue* v) { v[c].shadow = -v[c].shadow; });
         for (int c = 0; c < 3; ++c)
             made(o, fmt::format("with {} in all channels", "xyz"[c]), 0, [c](glm::ivec2, BoundedValue* v) {
                 const BoundedValue one = v[c];
@@ -151,7 +157,8 @@ class ResultHypotheses {
                 for (Array& a : data.inputs.arrays) {
                     if (a.name != slot.name || a.shape.size() < 2) continue;
                     const std::size_t axis = slot.kind == SlotKind::image_array ? 1 : 0, h = std::size_t(a.shape[axis]);
-                    const std::size_t layers = axis == 1 ? std::size_t(a.shape[0]) : 1, row = a.bytes.size() / (layers * h);
+                    const std::size_t layers = axis == 1 ? std::size_t(a.shape[0]) : 1,
+                                      row = a.bytes.size() / (layers * h);
                     unsigned char* bytes = a.bytes.data();
                     for (std::size_t l = 0; l < layers; ++l)
                         for (std::size_t y = 0; y < h / 2; ++y)
@@ -174,8 +181,9 @@ class ResultHypotheses {
             const int channels = slot.channels, width = data_.size.x, colours = o.colours();
             auto factor = [&](const std::string& text, bool divided, auto component) {
                 made(o, text, computed_slack, [=](glm::ivec2 p, BoundedValue* v) {
-                    const float* texel = reinterpret_cast<const float*>(array->bytes.data()) +
-                                         (std::size_t(p.y) * std::size_t(width) + std::size_t(p.x)) * std::size_t(channels);
+                    const float* texel =
+                        reinterpret_cast<const float*>(array->bytes.data()) +
+                        (std::size_t(p.y) * std::size_t(width) + std::size_t(p.x)) * std::size_t(channels);
                     for (int c = 0; c < colours; ++c)
                         scale(v[c], divided ? 1.0 / double(texel[component(c)]) : double(texel[component(c)]));
                 });
@@ -220,9 +228,20 @@ class ResultHypotheses {
 
 std::vector<NamedNumber> named_numbers(const StageBinding& binding, const StageData& data) {
     constexpr double pi = std::numbers::pi;
-    std::vector<NamedNumber> all = {{"pi", pi}, {"2", 2}, {"2 pi", 2 * pi}, {"4", 4}, {"4 pi", 4 * pi}, {"pi^2", pi * pi},
-                                    {"pi / 2", pi / 2}, {"3", 3}, {"1000 (a unit)", 1000}, {"100 (a unit)", 100},
-                                    {"10", 10}, {"683 (lm/W)", 683}, {"255", 255}, {"65535", 65535}};
+    std::vector<NamedNumber> all = {{"pi", pi},
+                                    {"2", 2},
+                                    {"2 pi", 2 * pi},
+                                    {"4", 4},
+                                    {"4 pi", 4 * pi},
+                                    {"pi^2", pi * pi},
+                                    {"pi / 2", pi / 2},
+                                    {"3", 3},
+                                    {"1000 (a unit)", 1000},
+                                    {"100 (a unit)", 100},
+                                    {"10", 10},
+                                    {"683 (lm/W)", 683},
+                                    {"255", 255},
+                                    {"65535", 65535}};
     auto add = [&](const std::string& name, double value) {
         if (std::isfinite(value) && value != 0 && std::abs(value) != 1) all.push_back({name, value});
     };

@@ -20,9 +20,9 @@ double dot3(const Row& a, const Row& b) { return a[0] * b[0] + a[1] * b[1] + a[2
 
 // Rows that take a point to texels: x = (to_x . (p, 1)) / (to_w . (p, 1)), and y.
 struct Rows {
-    std::string name;          // "map", "view"
-    std::string x, y, w;       // members
-    double width, height;      // texels
+    std::string name;      // "map", "view"
+    std::string x, y, w;   // members
+    double width, height;  // texels
 };
 
 class UniformHypotheses {
@@ -64,12 +64,21 @@ class UniformHypotheses {
     void add_scalar(const UniformMember& m) {
         constexpr double pi = std::numbers::pi;
         const double v = value(m.name)[0];
-        auto one = [&](const std::string& text, double to) { add(m.name + " " + text, computed_slack, {{m.name, {to}}}); };
-        for (const auto& [text, by] : {std::pair<const char*, double>("negated", -1), {"times 2", 2}, {"divided by 2", 0.5},
-                                       {"times pi", pi}, {"divided by pi", 1 / pi}, {"times 2 pi", 2 * pi},
-                                       {"divided by 2 pi", 0.5 / pi}, {"times 1000 (a unit)", 1000},
-                                       {"divided by 1000 (a unit)", 1e-3}, {"times 100 (a unit)", 100},
-                                       {"divided by 100 (a unit)", 1e-2}, {"in degrees", 180 / pi},
+        auto one = [&](const std::string& text, double to) {
+            add(m.name + " " + text, computed_slack, {{m.name, {to}}});
+        };
+        for (const auto& [text, by] : {std::pair<const char*, double>("negated", -1),
+                                       {"times 2", 2},
+                                       {"divided by 2", 0.5},
+                                       {"times pi", pi},
+                                       {"divided by pi", 1 / pi},
+                                       {"times 2 pi", 2 * pi},
+                                       {"divided by 2 pi", 0.5 / pi},
+                                       {"times 1000 (a unit)", 1000},
+                                       {"divided by 1000 (a unit)", 1e-3},
+                                       {"times 100 (a unit)", 100},
+                                       {"divided by 100 (a unit)", 1e-2},
+                                       {"in degrees", 180 / pi},
                                        {"in radians", pi / 180}})
             one(text, by * v);
         one("squared", v * v);
@@ -106,16 +115,23 @@ class UniformHypotheses {
             for (const Order& order : orders())
                 made("with " + order.text, 0, [&](std::size_t c) { return v[std::size_t(order.from[c])]; });
         constexpr double pi = std::numbers::pi;
-        for (const auto& [text, by] : {std::pair<const char*, double>("times pi", pi), {"divided by pi", 1 / pi}, {"times 2", 2},
-                                       {"divided by 2", 0.5}, {"times 1000 (a unit)", 1000}, {"divided by 1000 (a unit)", 1e-3},
-                                       {"times 100 (a unit)", 100}, {"divided by 100 (a unit)", 1e-2}})
+        for (const auto& [text, by] : {std::pair<const char*, double>("times pi", pi),
+                                       {"divided by pi", 1 / pi},
+                                       {"times 2", 2},
+                                       {"divided by 2", 0.5},
+                                       {"times 1000 (a unit)", 1000},
+                                       {"divided by 1000 (a unit)", 1e-3},
+                                       {"times 100 (a unit)", 100},
+                                       {"divided by 100 (a unit)", 1e-2}})
             made(text, computed_slack, [&, by = by](std::size_t c) { return by * v[c]; });
         for (const Curve& curve : curves())
-            if (curve.text.find("sRGB") != std::string::npos) made(curve.text, computed_slack, [&](std::size_t c) { return curve.at(v[c]); });
+            if (curve.text.find("sRGB") != std::string::npos)
+                made(curve.text, computed_slack, [&](std::size_t c) { return curve.at(v[c]); });
     }
 
     bool has(const std::string& name) const {
-        return std::any_of(binding_.uniforms.begin(), binding_.uniforms.end(), [&](const UniformMember& m) { return m.name == name; });
+        return std::any_of(binding_.uniforms.begin(), binding_.uniforms.end(),
+                           [&](const UniformMember& m) { return m.name == name; });
     }
     Row row(const std::string& name) const {
         const std::vector<double> v = value(name);
@@ -128,14 +144,15 @@ class UniformHypotheses {
         for (const UniformMember& m : binding_.uniforms) {
             for (const auto& [x, y, w] : {std::array<const char*, 3>{"to_texel_x", "to_texel_y", "to_texel_w"},
                                           std::array<const char*, 3>{"to_x", "to_y", "forward"}}) {
-                if (!m.name.ends_with(x) || (m.name.size() > std::string(x).size() && m.name[m.name.size() - std::string(x).size() - 1] != '.'))
+                if (!m.name.ends_with(x) ||
+                    (m.name.size() > std::string(x).size() && m.name[m.name.size() - std::string(x).size() - 1] != '.'))
                     continue;
                 const std::string stem = m.name.substr(0, m.name.size() - std::string(x).size());
                 if (!has(stem + y) || !has(stem + w)) continue;
                 const std::string side = has(stem + "size") ? "size" : "";
                 if (side.empty() && !(has(stem + "width") && has(stem + "height"))) continue;
-                found.push_back({stem.empty() ? "the view" : stem.substr(0, stem.size() - 1), m.name, stem + y, stem + w,
-                                 value(stem + (side.empty() ? "width" : side))[0],
+                found.push_back({stem.empty() ? "the view" : stem.substr(0, stem.size() - 1), m.name, stem + y,
+                                 stem + w, value(stem + (side.empty() ? "width" : side))[0],
                                  value(stem + (side.empty() ? "height" : side))[0]});
             }
         }
@@ -146,7 +163,8 @@ class UniformHypotheses {
         const Row x = row(m.x), y = row(m.y), w = row(m.w);
         auto to_list = [](const Row& r) { return std::vector<double>(r.begin(), r.end()); };
         auto made = [&](const std::string& text, const Row& new_x, const Row& new_y, const Row& new_w) {
-            add(m.name + ": " + text, computed_slack, {{m.x, to_list(new_x)}, {m.y, to_list(new_y)}, {m.w, to_list(new_w)}});
+            add(m.name + ": " + text, computed_slack,
+                {{m.x, to_list(new_x)}, {m.y, to_list(new_y)}, {m.w, to_list(new_w)}});
         };
         made("y flipped", x, m.height * w + -1.0 * y, w);
         made("x flipped", m.width * w + -1.0 * x, y, w);
@@ -162,14 +180,16 @@ class UniformHypotheses {
         made("0.5 x + 0.5 done twice", 0.5 * x + (0.25 * m.width) * w, 0.5 * y + (0.25 * m.height) * w, w);
         auto negated = [](Row r, std::size_t axis) { return r[axis] = -r[axis], r; };
         for (std::size_t a = 0; a < 3; ++a)
-            made(fmt::format("another handedness: {} of the world negated", "xyz"[a]), negated(x, a), negated(y, a), negated(w, a));
+            made(fmt::format("another handedness: {} of the world negated", "xyz"[a]), negated(x, a), negated(y, a),
+                 negated(w, a));
         auto swapped = [](Row r) { return std::swap(r[1], r[2]), r; };
         made("y and z of the world swapped", swapped(x), swapped(y), swapped(w));
         made("turned without its translation", {x[0], x[1], x[2], 0}, {y[0], y[1], y[2], 0}, {w[0], w[1], w[2], 0});
         add_transposed(m, x, y, w, made);
     }
 
-    // The rotation of the view is found from its rows: forward is the divisor's, right and down what is left of x and y.
+    // The rotation of the view is found from its rows: forward is the divisor's, right and down what is left of x and
+    // y.
     template <class Made>
     void add_transposed(const Rows&, const Row& x, const Row& y, const Row& w, const Made& made) {
         const double length = std::sqrt(dot3(w, w));

@@ -56,7 +56,8 @@ std::vector<Cluster> clusters_of(glm::ivec2 size, std::vector<std::uint8_t> wron
                 open.pop_back();
                 c.members.push_back(p);
                 c.low = glm::min(c.low, p), c.high = glm::max(c.high, p);
-                const glm::ivec2 low = glm::max(p - cluster_reach, glm::ivec2(0)), high = glm::min(p + cluster_reach, size - 1);
+                const glm::ivec2 low = glm::max(p - cluster_reach, glm::ivec2(0)),
+                                 high = glm::min(p + cluster_reach, size - 1);
                 for (int v = low.y; v <= high.y; ++v)
                     for (int u = low.x; u <= high.x; ++u)
                         if (std::uint8_t& next = wrong[index({u, v}, size.x)]; next) next = 0, open.push_back({u, v});
@@ -64,9 +65,11 @@ std::vector<Cluster> clusters_of(glm::ivec2 size, std::vector<std::uint8_t> wron
             c.pixels = std::int64_t(c.members.size());
             clusters.push_back(std::move(c));
         }
-    std::stable_sort(clusters.begin(), clusters.end(), [](const Cluster& a, const Cluster& b) { return a.pixels > b.pixels; });
+    std::stable_sort(clusters.begin(), clusters.end(),
+                     [](const Cluster& a, const Cluster& b) { return a.pixels > b.pixels; });
     for (Cluster& c : clusters)
-        std::sort(c.members.begin(), c.members.end(), [](glm::ivec2 a, glm::ivec2 b) { return a.y != b.y ? a.y < b.y : a.x < b.x; });
+        std::sort(c.members.begin(), c.members.end(),
+                  [](glm::ivec2 a, glm::ivec2 b) { return a.y != b.y ? a.y < b.y : a.x < b.x; });
     return clusters;
 }
 
@@ -95,13 +98,15 @@ std::vector<Ratios> ratios_of(const std::vector<Pair>& pairs, int width, const s
             if (r.differing == 0) continue;
             std::sort(values.begin(), values.end());
             r.counted = std::int64_t(values.size());
-            for (std::size_t q = 0; q < 3 && !values.empty(); ++q) r.quartiles[q] = values[(values.size() - 1) * (q + 1) / 4];
+            for (std::size_t q = 0; q < 3 && !values.empty(); ++q)
+                r.quartiles[q] = values[(values.size() - 1) * (q + 1) / 4];
             all.push_back(r);
         }
     return all;
 }
 
-WrongPixels wrong_pixels(const std::vector<Pair>& pairs, glm::ivec2 size, const std::vector<std::uint8_t>& wrong, int rows) {
+WrongPixels wrong_pixels(const std::vector<Pair>& pairs, glm::ivec2 size, const std::vector<std::uint8_t>& wrong,
+                         int rows) {
     WrongPixels w;
     w.clusters = clusters_of(size, wrong);
     std::vector<glm::ivec2> all;
@@ -113,7 +118,8 @@ WrongPixels wrong_pixels(const std::vector<Pair>& pairs, glm::ivec2 size, const 
     for (const glm::ivec2 p : all) {
         w.low = glm::min(w.low, p), w.high = glm::max(w.high, p);
         w.largest.push_back(largest_of(pairs, p, size.x));
-        const bool nothing = std::all_of(pairs.begin(), pairs.end(), [&](const Pair& q) { return q.expects_nothing(index(p, size.x)); });
+        const bool nothing =
+            std::all_of(pairs.begin(), pairs.end(), [&](const Pair& q) { return q.expects_nothing(index(p, size.x)); });
         if (!nothing) continue;
         ++w.unexpected;
         w.unexpected_largest.push_back(w.largest.back());

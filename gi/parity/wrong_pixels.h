@@ -15,9 +15,9 @@ struct Pair;  // pair.h
 struct Ratios {
     std::string output;
     int channel = 0;
-    std::int64_t differing = 0;       // wrong pixels where it differs from ours, in any way
-    std::int64_t counted = 0;         // of these, where there is a ratio
-    std::int64_t got_zero = 0;        // where more than 0 is expected, and got is 0
+    std::int64_t differing = 0;         // wrong pixels where it differs from ours, in any way
+    std::int64_t counted = 0;           // of these, where there is a ratio
+    std::int64_t got_zero = 0;          // where more than 0 is expected, and got is 0
     std::array<double, 3> quartiles{};  // lower, median, upper
     // Whether it is one number but for rounding: half of all lie within a thousandth of the median.
     bool constant() const;
@@ -26,7 +26,7 @@ struct Ratios {
 // Wrong pixels that touch: no two more than `reach` pixels apart are joined.
 struct Cluster {
     std::int64_t pixels = 0;
-    glm::ivec2 low{0}, high{0};  // both inside
+    glm::ivec2 low{0}, high{0};       // both inside
     std::vector<glm::ivec2> members;  // in order of rows; all of them
 };
 
@@ -39,19 +39,20 @@ struct LargeError {
 };
 
 struct WrongPixels {
-    std::int64_t pixels = 0;            // that are wrong and were written
+    std::int64_t pixels = 0;  // that are wrong and were written
     glm::ivec2 low{0}, high{0};
-    std::vector<Ratios> ratios;         // of components that differ at any wrong pixel
-    std::vector<Cluster> clusters;      // the largest first
-    std::vector<LargeError> largest;    // by |got - expected|, the largest first; NaN before all
-    std::int64_t unexpected = 0;        // wrong pixels where no more than 0 is expected
+    std::vector<Ratios> ratios;       // of components that differ at any wrong pixel
+    std::vector<Cluster> clusters;    // the largest first
+    std::vector<LargeError> largest;  // by |got - expected|, the largest first; NaN before all
+    std::int64_t unexpected = 0;      // wrong pixels where no more than 0 is expected
     std::vector<LargeError> unexpected_largest;
 };
 
 inline constexpr int cluster_reach = 3;
 
 // `wrong`: [height][width], 1 where a pixel is wrong and was written. `rows`: how many of the largest errors are kept.
-WrongPixels wrong_pixels(const std::vector<Pair>& pairs, glm::ivec2 size, const std::vector<std::uint8_t>& wrong, int rows);
+WrongPixels wrong_pixels(const std::vector<Pair>& pairs, glm::ivec2 size, const std::vector<std::uint8_t>& wrong,
+                         int rows);
 // The ratios of a part of the pixels.
 std::vector<Ratios> ratios_of(const std::vector<Pair>& pairs, int width, const std::vector<glm::ivec2>& pixels);
 

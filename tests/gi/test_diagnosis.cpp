@@ -1,5 +1,5 @@
-// Diagnoses of planted bugs: the cause, which the test plants by arithmetic of its own, is among the first three. And what
-// the statistics of wrong pixels say of pictures whose faults are known.
+// Diagnoses of planted bugs: the cause, which the test plants by arithmetic of its own, is among the first three. And
+// what the statistics of wrong pixels say of pictures whose faults are known.
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -64,7 +64,8 @@ Judged judge(const StageData& d, const Bundle& got, Format stored = Format::rgba
     return j;
 }
 
-// Whether one of the first three guesses, or of those that do as well as the last of them, says so; and how many pixels agree.
+// Whether one of the first three guesses, or of those that do as well as the last of them, says so; and how many pixels
+// agree.
 std::int64_t agree_with(const Judged& j, const std::string& text) {
     CHECK(j.verdict.verdict == Verdict::wrong);
     CHECK(j.diagnosis.causes.size() <= 3);
@@ -255,7 +256,8 @@ TEST_CASE("diagnosis: direct light with a swapped axis and without shadows", "[d
     }
 }
 
-TEST_CASE("diagnosis: ambient occlusion of a view with another handedness, and of positions a texel beside", "[diagnosis]") {
+TEST_CASE("diagnosis: ambient occlusion of a view with another handedness, and of positions a texel beside",
+          "[diagnosis]") {
     const StageData& d = data_of("screen.ssao");
     const StageBinding& b = binding_of(d);
     StageData other = d;

@@ -70,8 +70,8 @@ TEST_CASE("diagnosis: named in text, JSON and the page, and for no stage that ag
 
     const std::string out = fresh_folder("diagnosis_pi_out");
     const Result text = run({"validate", folder + "/manifest.toml", "--html", out + "/report.html"});
-    CHECK_THAT(text.out, Contains("with irradiance times pi, 100 % of the pixels agree") && Contains("got / expected") &&
-                             Contains("largest errors"));
+    CHECK_THAT(text.out, Contains("with irradiance times pi, 100 % of the pixels agree") &&
+                             Contains("got / expected") && Contains("largest errors"));
     CHECK_THAT(read(out + "/report.html"), Contains("<h3>Diagnosis</h3>") && Contains("irradiance times pi"));
 
     // Not where it is not wanted.
@@ -89,7 +89,8 @@ TEST_CASE("diagnosis: a manifest that describes the dump otherwise", "[program]"
 }
 
 TEST_CASE("diagnosis: the input of another frame, where the manifest has it", "[program]") {
-    // The frame before had no sun, and its dumps stand in the manifest, too. This frame's tone mapping read that one's picture.
+    // The frame before had no sun, and its dumps stand in the manifest, too. This frame's tone mapping read that one's
+    // picture.
     const std::string folder = dumps("diagnosis_frames"), manifest = folder + "/manifest.toml";
     const std::string before = export_all("diagnosis_before", {"--set", "light.sun.on=false"});
     fs::copy(before + "/tonemap", folder + "/before", fs::copy_options::recursive);

@@ -19,7 +19,8 @@ bool read_instead(const Slot& slot, const io::DumpSpec& spec, StageData& data) {
         std::vector<std::string> notes;
         Array array = input_array(slot, io::read_dump(spec), data.size, spec.place, notes);
         for (Array& a : data.inputs.arrays) {
-            if (a.name != slot.name || a.dtype != array.dtype || a.shape != array.shape || a.bytes == array.bytes) continue;
+            if (a.name != slot.name || a.dtype != array.dtype || a.shape != array.shape || a.bytes == array.bytes)
+                continue;
             a.bytes = std::move(array.bytes);
             return true;
         }
@@ -41,7 +42,8 @@ std::vector<parity::Hypothesis> other_dumps(const io::Manifest& manifest, const 
             for (const auto* dumps : {&other.inputs, &other.outputs}) {
                 const auto at = dumps->find(slot.name);
                 if (at == dumps->end() || !known.insert(at->second.file.string()).second) continue;
-                parity::Hypothesis h{fmt::format("{} of {}: {}", slot.name, other.label.empty() ? other.stage : other.label,
+                parity::Hypothesis h{fmt::format("{} of {}: {}", slot.name,
+                                                 other.label.empty() ? other.stage : other.label,
                                                  io::shown(at->second.file.string()))};
                 h.change = [&slot, &spec = at->second](StageData& data) { return read_instead(slot, spec, data); };
                 all.push_back(std::move(h));

@@ -8,8 +8,8 @@
 
 namespace plumb::cli {
 
-// Of each input those images that other stages read or wrote under its name, in files of their own; a file is read when its
-// guess is tried. All arguments have to outlive what is returned.
+// Of each input those images that other stages read or wrote under its name, in files of their own; a file is read when
+// its guess is tried. All arguments have to outlive what is returned.
 std::vector<parity::Hypothesis> other_dumps(const io::Manifest& manifest, const io::ManifestStage& stage,
                                             const StageBinding& binding);
 

@@ -23,7 +23,8 @@ using mutants::Change;
 using mutants::Instruction;
 using mutants::Site;
 
-// A device rounds otherwise than the one that was dumped, and has no bound: what is this near, of a texel's largest, agrees.
+// A device rounds otherwise than the one that was dumped, and has no bound: what is this near, of a texel's largest,
+// agrees.
 constexpr double device_slack = 0x1p-13;
 // Turns of all loops of an invocation.
 constexpr std::uint32_t most_turns = 1 << 20;
@@ -31,37 +32,85 @@ constexpr std::uint32_t most_turns = 1 << 20;
 const char* operator_of(std::uint32_t op) {
     using namespace mutants;
     switch (op) {
-        case op_i_add: case op_f_add: return "+";
-        case op_i_sub: case op_f_sub: return "-";
-        case op_i_mul: case op_f_mul: case op_vector_times_scalar: return "*";
-        case op_u_div: case op_s_div: case op_f_div: return "/";
-        case op_u_greater: case op_s_greater: case op_f_greater: return ">";
-        case op_u_greater_equal: case op_s_greater_equal: case op_f_greater_equal: return ">=";
-        case op_u_less: case op_s_less: case op_f_less: return "<";
-        case op_u_less_equal: case op_s_less_equal: case op_f_less_equal: return "<=";
-        case op_i_equal: case op_f_equal: return "==";
-        case op_i_not_equal: case op_f_not_equal: return "!=";
-        case op_logical_and: return "&&";
-        case op_logical_or: return "||";
-        default: return nullptr;
+        case op_i_add:
+        case op_f_add:
+            return "+";
+        case op_i_sub:
+        case op_f_sub:
+            return "-";
+        case op_i_mul:
+        case op_f_mul:
+        case op_vector_times_scalar:
+            return "*";
+        case op_u_div:
+        case op_s_div:
+        case op_f_div:
+            return "/";
+        case op_u_greater:
+        case op_s_greater:
+        case op_f_greater:
+            return ">";
+        case op_u_greater_equal:
+        case op_s_greater_equal:
+        case op_f_greater_equal:
+            return ">=";
+        case op_u_less:
+        case op_s_less:
+        case op_f_less:
+            return "<";
+        case op_u_less_equal:
+        case op_s_less_equal:
+        case op_f_less_equal:
+            return "<=";
+        case op_i_equal:
+        case op_f_equal:
+            return "==";
+        case op_i_not_equal:
+        case op_f_not_equal:
+            return "!=";
+        case op_logical_and:
+            return "&&";
+        case op_logical_or:
+            return "||";
+        default:
+            return nullptr;
     }
 }
 
 const char* function_of(std::uint32_t number) {
     using namespace mutants;
     switch (number) {
-        case glsl_round_even: return "roundEven";
-        case glsl_f_abs: case glsl_s_abs: return "abs";
-        case glsl_floor: return "floor";
-        case glsl_ceil: return "ceil";
-        case glsl_fract: return "fract";
-        case glsl_sqrt: return "sqrt";
-        case glsl_inverse_sqrt: return "inversesqrt";
-        case glsl_f_min: case glsl_u_min: case glsl_s_min: return "min";
-        case glsl_f_max: case glsl_u_max: case glsl_s_max: return "max";
-        case glsl_f_clamp: case glsl_u_clamp: case glsl_s_clamp: return "clamp";
-        case glsl_normalize: return "normalize";
-        default: return "f";
+        case glsl_round_even:
+            return "roundEven";
+        case glsl_f_abs:
+        case glsl_s_abs:
+            return "abs";
+        case glsl_floor:
+            return "floor";
+        case glsl_ceil:
+            return "ceil";
+        case glsl_fract:
+            return "fract";
+        case glsl_sqrt:
+            return "sqrt";
+        case glsl_inverse_sqrt:
+            return "inversesqrt";
+        case glsl_f_min:
+        case glsl_u_min:
+        case glsl_s_min:
+            return "min";
+        case glsl_f_max:
+        case glsl_u_max:
+        case glsl_s_max:
+            return "max";
+        case glsl_f_clamp:
+        case glsl_u_clamp:
+        case glsl_s_clamp:
+            return "clamp";
+        case glsl_normalize:
+            return "normalize";
+        default:
+            return "f";
     }
 }
 
@@ -78,7 +127,8 @@ class Expressions {
         if (i->opcode == op_constant) return constant(*i);
         if (depth == 0) return "..";
         if (i->opcode == op_load || i->opcode == op_copy_object) return of(i->words[2], depth);
-        if (i->opcode == op_access_chain) return of(i->words[2], depth) + (i->words.size() > 3 ? component(i->words.back()) : "");
+        if (i->opcode == op_access_chain)
+            return of(i->words[2], depth) + (i->words.size() > 3 ? component(i->words.back()) : "");
         if (i->opcode == op_composite_extract) return of(i->words[2], depth) + "." + letter(i->words[3]);
         if (i->opcode == op_f_negate || i->opcode == op_s_negate) return "-" + of(i->words[2], depth - 1);
         if (i->opcode == op_logical_not) return "!" + of(i->words[2], depth - 1);
@@ -115,25 +165,43 @@ class Expressions {
 std::string words_of(const Site& site) {
     const char* which = site.part == 0 ? "first" : "second";
     switch (site.change) {
-        case Change::plus_minus: return "with + for -, or - for +";
-        case Change::times_divide: return "with * for /, or / for *";
-        case Change::min_max: return "with min and max exchanged";
-        case Change::comparison_turned: return "the other way round";
-        case Change::boundary_moved: return "with its boundary on the other side";
-        case Change::condition_dropped: return fmt::format("without the {} condition", which);
-        case Change::saturate_dropped: return "not clamped to 0..1";
-        case Change::limit_dropped: return "without its limit";
-        case Change::function_dropped: return "without that function";
-        case Change::normalize_dropped: return "not normalised";
-        case Change::term_dropped: return fmt::format("without the {} term", which);
-        case Change::factor_dropped: return fmt::format("without the {} factor", which);
-        case Change::constant_plus_one: return "with 1 more in its constant";
-        case Change::loop_bound: return site.part == 0 ? "one turn less" : "one turn more";
-        case Change::components_swapped: return "with components swapped";
-        case Change::neighbour_read: return site.part == 1 ? "read in the next row" : "read at the next place";
-        case Change::input_dropped: return "read as 0";
+        case Change::plus_minus:
+            return "with + for -, or - for +";
+        case Change::times_divide:
+            return "with * for /, or / for *";
+        case Change::min_max:
+            return "with min and max exchanged";
+        case Change::comparison_turned:
+            return "the other way round";
+        case Change::boundary_moved:
+            return "with its boundary on the other side";
+        case Change::condition_dropped:
+            return fmt::format("without the {} condition", which);
+        case Change::saturate_dropped:
+            return "not clamped to 0..1";
+        case Change::limit_dropped:
+            return "without its limit";
+        case Change::function_dropped:
+            return "without that function";
+        case Change::normalize_dropped:
+            return "not normalised";
+        case Change::term_dropped:
+            return fmt::format("without the {} term", which);
+        case Change::factor_dropped:
+            return fmt::format("without the {} factor", which);
+        case Change::constant_plus_one:
+            return "with 1 more in its constant";
+        case Change::loop_bound:
+            return site.part == 0 ? "one turn less" : "one turn more";
+        case Change::components_swapped:
+            return "with components swapped";
+        case Change::neighbour_read:
+            return site.part == 1 ? "read in the next row" : "read at the next place";
+        case Change::input_dropped:
+            return "read as 0";
         case Change::constant_scaled:
-        case Change::input_scaled: return "";
+        case Change::input_scaled:
+            return "";
     }
     return "";
 }
@@ -144,7 +212,8 @@ struct Held {
     mutants::SpirvIndex index;
     vulkan::PreparedTwin twin;
 
-    Held(const vulkan::Device& device, const StageBinding& binding, const StageData& data, std::span<const std::uint32_t> spirv)
+    Held(const vulkan::Device& device, const StageBinding& binding, const StageData& data,
+         std::span<const std::uint32_t> spirv)
         : module(mutants::parse_spirv(spirv)), index(module), twin(device, binding, data) {}
 
     bool run(const Site& site, Bundle& outputs) {

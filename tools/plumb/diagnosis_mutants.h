@@ -15,8 +15,8 @@ class TwinMutants {
     explicit TwinMutants(const std::string& device);
     ~TwinMutants();
 
-    // One a place of the twin's SPIR-V (of a raster stage of its fragment stage); none where the device cannot run it. Both
-    // arguments, and this object, have to outlive them.
+    // One a place of the twin's SPIR-V (of a raster stage of its fragment stage); none where the device cannot run it.
+    // Both arguments, and this object, have to outlive them.
     std::vector<parity::Hypothesis> of(const StageBinding& binding, const StageData& data) const;
 
   private:
