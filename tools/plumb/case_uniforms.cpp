@@ -181,8 +181,11 @@ namespace {
 std::optional<double> harmless(const StageBinding& binding, const StageData& data, const UniformMember& member) {
     const UniformWords* words = words_of(binding, member.name);
     if (!words || !words->value) return {};
-    if (!words->alone.empty() && uniform_value(binding, data, words->alone)[0] != 1) return {};
-    return words->value;
+    if (words->alone.empty()) return words->value;
+    // A member of the same struct.
+    const std::size_t dot = member.name.find('.');
+    const std::string alone = (dot == std::string::npos ? "" : member.name.substr(0, dot + 1)) + words->alone;
+    return uniform_value(binding, data, alone)[0] == 1 ? words->value : std::nullopt;
 }
 
 }  // namespace
