@@ -34,7 +34,8 @@ Image4 Exported::image(const std::string& name, const std::string& input) const 
     const std::vector<float> texels = numbers(name, input);
     const io::DumpSpec& spec = stage(name).inputs.at(input);
     Image4 out(spec.width, spec.height);
-    if (texels.size() != 4 * out.size()) throw std::runtime_error(name + ": " + input + " is no image of four components");
+    if (texels.size() != 4 * out.size())
+        throw std::runtime_error(name + ": " + input + " is no image of four components");
     std::memcpy(out.data(), texels.data(), texels.size() * sizeof(float));
     return out;
 }
@@ -51,8 +52,8 @@ glm::dvec3 Exported::vector(const std::string& name, const std::string& member) 
     return {v.at(0), v.at(1), v.at(2)};
 }
 
-Clip clip_of(const std::vector<double>& to_x, const std::vector<double>& to_y, const std::vector<double>& to_w, glm::ivec2 size,
-             glm::dvec2 planes) {
+Clip clip_of(const std::vector<double>& to_x, const std::vector<double>& to_y, const std::vector<double>& to_w,
+             glm::ivec2 size, glm::dvec2 planes) {
     Clip clip(0.0);
     const double scale = planes.y / (planes.y - planes.x);
     for (int c = 0; c < 4; ++c) {

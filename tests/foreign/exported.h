@@ -34,8 +34,8 @@ class Exported {
 using Clip = glm::dmat4;
 
 // Of a view that plumb describes by rows from (x, 1) to texels (x and y, before the division) and to w.
-Clip clip_of(const std::vector<double>& to_x, const std::vector<double>& to_y, const std::vector<double>& to_w, glm::ivec2 size,
-             glm::dvec2 planes);
+Clip clip_of(const std::vector<double>& to_x, const std::vector<double>& to_y, const std::vector<double>& to_w,
+             glm::ivec2 size, glm::dvec2 planes);
 // Back: what `prefix`.to_texel_x, _y, _w hold for that matrix, as floats have it.
 void set_rows(io::ManifestStage& stage, const std::string& prefix, const glm::mat4& clip, int size);
 void set(io::ManifestStage& stage, const std::string& name, const glm::vec3& value);

@@ -53,7 +53,8 @@ GLuint compile(GLenum kind, const std::string& text) {
 }
 
 GLuint link(const std::string& vertex, const std::string& fragment) {
-    const GLuint program = glCreateProgram(), v = compile(GL_VERTEX_SHADER, vertex), f = compile(GL_FRAGMENT_SHADER, fragment);
+    const GLuint program = glCreateProgram(), v = compile(GL_VERTEX_SHADER, vertex),
+                 f = compile(GL_FRAGMENT_SHADER, fragment);
     glAttachShader(program, v), glAttachShader(program, f);
     glLinkProgram(program);
     glDeleteShader(v), glDeleteShader(f);
@@ -69,8 +70,8 @@ GLuint make_texture(GLenum unit, const Sampled& sampled) {
     glGenTextures(1, &id);
     glActiveTexture(unit);
     glBindTexture(GL_TEXTURE_2D, id);
-    glTexImage2D(GL_TEXTURE_2D, 0, GLint(f.internal), sampled.texture.width, sampled.texture.height, 0, f.format, f.type,
-                 sampled.texture.bytes.data());
+    glTexImage2D(GL_TEXTURE_2D, 0, GLint(f.internal), sampled.texture.width, sampled.texture.height, 0, f.format,
+                 f.type, sampled.texture.bytes.data());
     const GLint filter = sampled.filter == Filter::linear ? GL_LINEAR : GL_NEAREST;
     const GLint wrap = sampled.border == Border::edge ? GL_CLAMP_TO_EDGE : GL_CLAMP_TO_BORDER;
     const float border = sampled.border == Border::white ? 1.0f : 0.0f;
@@ -114,8 +115,9 @@ struct Context::Handles {
         require(display != EGL_NO_DISPLAY, "EGL has no surfaceless display");
         require(eglInitialize(display, nullptr, nullptr), "EGL does not start");
         require(eglBindAPI(EGL_OPENGL_API), "EGL has no OpenGL");
-        const EGLint wanted[] = {EGL_CONTEXT_MAJOR_VERSION, 4, EGL_CONTEXT_MINOR_VERSION, 5, EGL_CONTEXT_OPENGL_PROFILE_MASK,
-                                 EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE};
+        const EGLint wanted[] = {
+            EGL_CONTEXT_MAJOR_VERSION,           4,       EGL_CONTEXT_MINOR_VERSION, 5, EGL_CONTEXT_OPENGL_PROFILE_MASK,
+            EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE};
         context = eglCreateContext(display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, wanted);
         require(context != EGL_NO_CONTEXT, "there is no context of OpenGL 4.5");
         require(eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context), "the context needs a surface");
@@ -171,7 +173,8 @@ std::vector<Texture> Context::draw(glm::ivec2 size, const std::string& vertex, c
     std::vector<Texture> out;
     for (std::size_t i = 0; i < formats.size(); ++i) {
         const GlFormat& f = format_of(formats[i]);
-        out.push_back({formats[i], size.x, size.y, std::vector<unsigned char>(std::size_t(size.x * size.y * f.bytes)), true});
+        out.push_back(
+            {formats[i], size.x, size.y, std::vector<unsigned char>(std::size_t(size.x * size.y * f.bytes)), true});
         glReadBuffer(attachments[i]);
         glReadPixels(0, 0, size.x, size.y, f.format, f.type, out.back().bytes.data());
     }

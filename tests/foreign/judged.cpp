@@ -59,8 +59,8 @@ Judged judge(const std::string& manifest) {
 std::string summary(const Judged& judged) {
     std::string text;
     for (const JudgedStage& s : judged.stages)
-        text += fmt::format("{}: {}, {} wrong and {} ambiguous of {} pixels{}\n", s.name, s.verdict, s.wrong, s.ambiguous,
-                            s.pixels, s.reason.empty() ? "" : ": " + s.reason);
+        text += fmt::format("{}: {}, {} wrong and {} ambiguous of {} pixels{}\n", s.name, s.verdict, s.wrong,
+                            s.ambiguous, s.pixels, s.reason.empty() ? "" : ": " + s.reason);
     return text;
 }
 

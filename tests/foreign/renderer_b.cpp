@@ -10,8 +10,8 @@ namespace plumb::foreign {
 
 namespace {
 
-constexpr glm::vec2 shadow_planes{0.05f, 6};  // m
-constexpr float shadow_bias = 0.02f;          // m
+constexpr glm::vec2 shadow_planes{0.05f, 6};    // m
+constexpr float shadow_bias = 0.02f;            // m
 constexpr glm::vec4 sky{0.2f, 0.35f, 0.6f, 0};  // W/(m2 sr)
 constexpr float exposure = 1.5f;
 
@@ -26,7 +26,8 @@ struct GBuffer {
         const Image4 normals = e.image("compose", "normal");
         Image4 reflectance = e.image("compose", "albedo");
         for (std::size_t i = 0; i < reflectance.size(); ++i) reflectance.texels[i].w = normals.texels[i].w;
-        position = pack(e.image("screen.ssao", "position"), variant.host == "half floats" ? Format::rgba16f : Format::rgba32f);
+        position =
+            pack(e.image("screen.ssao", "position"), variant.host == "half floats" ? Format::rgba16f : Format::rgba32f);
         normal = pack(normals, Format::octahedral16);
         flat = pack(normals, Format::rgba16f);
         albedo = pack(reflectance, Format::rgba8);
@@ -92,8 +93,8 @@ Camera camera_of(const Exported& e) {
     const glm::dvec3 anchor = e.vector("screen.ssao", "view.anchor");
     const std::vector<double> forward = e.uniform("screen.ssao", "view.forward");
     const glm::ivec2 size{e.width(), e.height()};
-    const Clip from_anchor = clip_of(e.uniform("screen.ssao", "view.to_x"), e.uniform("screen.ssao", "view.to_y"), forward, size,
-                                     {0.1, 20});
+    const Clip from_anchor =
+        clip_of(e.uniform("screen.ssao", "view.to_x"), e.uniform("screen.ssao", "view.to_y"), forward, size, {0.1, 20});
     glm::dmat4 to_anchor(1);
     to_anchor[3] = glm::dvec4(-anchor, 1);
     Camera c;
@@ -141,7 +142,8 @@ class Passes {
         if (variant_.host == "rgb for bgr") std::swap(spot.colour.x, spot.colour.z);
         const Texture position = variant_.host == "last frame" ? moved(g_.position, 2) : g_.position;
         const std::vector<Texture> made =
-            draw("lighting.frag", {block_bytes(spot), {position, g_.normal, f.shadow_map}}, {"R16G16B16A16_SFLOAT", "R32_SFLOAT"});
+            draw("lighting.frag", {block_bytes(spot), {position, g_.normal, f.shadow_map}},
+                 {"R16G16B16A16_SFLOAT", "R32_SFLOAT"});
         f.direct = made[0], f.lit = made[1];
     }
 
@@ -150,17 +152,19 @@ class Passes {
         f.turns = {"R32G32_SFLOAT", 4, 4, {}, false};
         const auto* bytes = reinterpret_cast<const unsigned char*>(turns.data());
         f.turns.bytes.assign(bytes, bytes + turns.size() * sizeof(float));
-        f.open = draw("ssao.frag", {block_bytes(camera_of(e_)), {g_.position, g_.flat, f.turns},
-                                    e_.numbers("screen.ssao", "samples")}, {"R16_SFLOAT"})[0];
+        f.open =
+            draw("ssao.frag",
+                 {block_bytes(camera_of(e_)), {g_.position, g_.flat, f.turns}, e_.numbers("screen.ssao", "samples")},
+                 {"R16_SFLOAT"})[0];
     }
 
     void compose(Frame& f) {
         const glm::dvec3 ambient = e_.vector("screen.occlude", "ambient");
         f.bounced = pack(e_.image("screen.occlude", "indirect"), Format::rgba16f);
-        const std::vector<Texture> made =
-            draw("compose.frag", {block_bytes(Look{glm::vec4(glm::dvec4(ambient, 0)), sky}),
-                                  {g_.albedo, g_.emission, f.direct, f.bounced, f.open}},
-                 {"R16G16B16A16_SFLOAT", "R32G32B32A32_SFLOAT"});
+        const std::vector<Texture> made = draw("compose.frag",
+                                               {block_bytes(Look{glm::vec4(glm::dvec4(ambient, 0)), sky}),
+                                                {g_.albedo, g_.emission, f.direct, f.bounced, f.open}},
+                                               {"R16G16B16A16_SFLOAT", "R32G32B32A32_SFLOAT"});
         f.radiance = made[0], f.soft = made[1];
     }
 
@@ -175,10 +179,19 @@ class Passes {
 class Dumps {
   public:
     Dumps(const Exported& e, const GBuffer& g, const Frame& f, const std::string& folder)
-        : e_(e), g_(g), f_(f), folder_(folder), position_(write("position", g.position)),
-          normal_(write("normal", g.normal, "xy", "octahedral")), albedo_(write("albedo", g.albedo)),
-          emission_(write("emission", g.emission)), lit_(write("lit", f.lit, "x")), direct_(write("direct", f.direct, "xyz")),
-          open_(write("open", f.open, "x")), soft_(write("soft", f.soft, "xyz")), radiance_(write("radiance", f.radiance, "xyz")) {
+        : e_(e),
+          g_(g),
+          f_(f),
+          folder_(folder),
+          position_(write("position", g.position)),
+          normal_(write("normal", g.normal, "xy", "octahedral")),
+          albedo_(write("albedo", g.albedo)),
+          emission_(write("emission", g.emission)),
+          lit_(write("lit", f.lit, "x")),
+          direct_(write("direct", f.direct, "xyz")),
+          open_(write("open", f.open, "x")),
+          soft_(write("soft", f.soft, "xyz")),
+          radiance_(write("radiance", f.radiance, "xyz")) {
         // Where the albedo's alpha is 0 nothing is seen.
         covered_.dump = albedo_;
         covered_.dump.channels = "w";
@@ -202,7 +215,8 @@ class Dumps {
         s.uniforms["slope_bias"] = {0};
         s.uniforms["kernel"] = {3};
         s.uniforms["samples"] = {9};
-        s.inputs = {{"position", position_}, {"normal", normal_},
+        s.inputs = {{"position", position_},
+                    {"normal", normal_},
                     {"map_position", write_image(folder_, "metres", metres_of(unpack(f_.shadow_map)))}};
         s.outputs = {{"visibility", lit_}};
         s.coverage = covered_;
@@ -224,7 +238,8 @@ class Dumps {
         s.inputs = {{"position", position_}, {"normal", write("flat", g_.flat)}, {"map_position", position_}};
         // No other view was summed before; a manifest wants that in full.
         s.inputs["before"] = write_image(folder_, "before", Image4(e_.width(), e_.height(), glm::vec4(0)));
-        for (const char* buffer : {"samples", "rotations"}) s.inputs[buffer] = e_.stage("screen.ssao").inputs.at(buffer);
+        for (const char* buffer : {"samples", "rotations"})
+            s.inputs[buffer] = e_.stage("screen.ssao").inputs.at(buffer);
         s.outputs = {{"summed", open_}};
         s.coverage = covered_;
         return s;
@@ -247,7 +262,11 @@ class Dumps {
         set(s, "environment", glm::vec3(sky));
         io::DumpSpec covered = albedo_;
         covered.channels = "000w";
-        s.inputs = {{"normal", covered}, {"albedo", albedo_}, {"emission", emission_}, {"direct", direct_}, {"indirect", soft_}};
+        s.inputs = {{"normal", covered},
+                    {"albedo", albedo_},
+                    {"emission", emission_},
+                    {"direct", direct_},
+                    {"indirect", soft_}};
         s.inputs["albedo"].channels = "xyz";
         s.outputs = {{"radiance", radiance_}};
         return s;
@@ -271,7 +290,8 @@ class Dumps {
 
 }  // namespace
 
-std::string render_deferred(const vulkan::Device& device, const Exported& e, const Variant& variant, const std::string& folder) {
+std::string render_deferred(const vulkan::Device& device, const Exported& e, const Variant& variant,
+                            const std::string& folder) {
     const GBuffer g(e, variant);
     const Frame f = Passes(device, e, g, variant).run();
     io::Manifest manifest;

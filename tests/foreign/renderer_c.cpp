@@ -1,4 +1,5 @@
-// Renderer C: gl/gather.frag and gl/direct.frag. Its textures and dumps have their lowest row first, its map's y points up.
+// Renderer C: gl/gather.frag and gl/direct.frag. Its textures and dumps have their lowest row first, its map's y points
+// up.
 #include <cmath>
 #include <fstream>
 #include <stdexcept>
@@ -73,23 +74,33 @@ Frame draw(const Exported& e, const Scene& s, const Variant& variant) {
     for (const glm::vec3& k : s.kernel) kernel.insert(kernel.end(), {k.x, k.y, k.z});
     Frame f;
     f.indirect = context().draw(size, vertex, shader_text("gl/gather.frag", variant),
-                                {position, normal, {"u_rsm_position", s.map_position, filter, black},
-                                 {"u_rsm_normal", s.map_normal, filter, black}, {"u_rsm_flux", s.map_flux, filter, black}},
-                                {light, {"u_map_size", 1, {float(s.map_size)}}, {"u_count", 0, {float(s.kernel.size())}},
+                                {position,
+                                 normal,
+                                 {"u_rsm_position", s.map_position, filter, black},
+                                 {"u_rsm_normal", s.map_normal, filter, black},
+                                 {"u_rsm_flux", s.map_flux, filter, black}},
+                                {light,
+                                 {"u_map_size", 1, {float(s.map_size)}},
+                                 {"u_count", 0, {float(s.kernel.size())}},
                                  {"u_kernel", 3, kernel}},
                                 {"R32G32B32A32_SFLOAT"})[0];
 
     // raster/light.glsl: position, cos_outer; direction, falloff_scale; intensity, ...
     const std::vector<float> l = e.numbers("direct", "lights");
     const float cos_inner = float(double(l[3]) + 1 / double(l[7]));
-    const std::vector<float> colour = variant.host == "rgb for bgr" ? std::vector<float>{l[10], l[9], l[8]}
-                                                                    : std::vector<float>{l[8], l[9], l[10]};
-    const std::vector<Texture> made = context().draw(
-        size, vertex, shader_text("gl/direct.frag", variant),
-        {position, normal, {"u_shadow", s.map_depth, filter, gl::Border::white, true}},
-        {light, {"u_light_position", 3, {l[0], l[1], l[2]}}, {"u_light_axis", 3, {l[4], l[5], l[6]}}, {"u_intensity", 3, colour},
-         {"u_cone", 2, {l[3], cos_inner}}, {"u_range", 1, {range}}, {"u_bias", 1, {bias}}},
-        {"R16G16B16A16_SFLOAT", "R32_SFLOAT"});
+    const std::vector<float> colour =
+        variant.host == "rgb for bgr" ? std::vector<float>{l[10], l[9], l[8]} : std::vector<float>{l[8], l[9], l[10]};
+    const std::vector<Texture> made =
+        context().draw(size, vertex, shader_text("gl/direct.frag", variant),
+                       {position, normal, {"u_shadow", s.map_depth, filter, gl::Border::white, true}},
+                       {light,
+                        {"u_light_position", 3, {l[0], l[1], l[2]}},
+                        {"u_light_axis", 3, {l[4], l[5], l[6]}},
+                        {"u_intensity", 3, colour},
+                        {"u_cone", 2, {l[3], cos_inner}},
+                        {"u_range", 1, {range}},
+                        {"u_bias", 1, {bias}}},
+                       {"R16G16B16A16_SFLOAT", "R32_SFLOAT"});
     f.direct = made[0], f.lit = made[1];
     return f;
 }
@@ -155,7 +166,8 @@ std::string render_in_opengl(const Exported& e, const Variant& variant, const st
     set_rows(shadow, "map", light_y_down, s.map_size);
     shadow.uniforms["bias"] = {double(bias)};
     shadow.uniforms["slope_bias"] = {0};
-    shadow.inputs = {{"position", position}, {"normal", normal},
+    shadow.inputs = {{"position", position},
+                     {"normal", normal},
                      {"map_position", write_bottom_first(folder, "metres", metres_of(s.map_depth))}};
     shadow.outputs = {{"visibility", lit}};
 
@@ -176,7 +188,9 @@ std::string render_in_opengl(const Exported& e, const Variant& variant, const st
 
 std::string no_opengl() { return "built without OpenGL and EGL (libegl-dev, libgl-dev)"; }
 
-std::string render_in_opengl(const Exported&, const Variant&, const std::string&) { throw std::runtime_error(no_opengl()); }
+std::string render_in_opengl(const Exported&, const Variant&, const std::string&) {
+    throw std::runtime_error(no_opengl());
+}
 
 #endif
 

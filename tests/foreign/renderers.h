@@ -29,7 +29,8 @@ std::string render_deferred(const vulkan::Device& device, const Exported& export
 std::string render_in_opengl(const Exported& exported, const Variant& variant, const std::string& folder);
 
 // The one that the variant is of.
-std::string render(const vulkan::Device& device, const Exported& exported, const Variant& variant, const std::string& folder);
+std::string render(const vulkan::Device& device, const Exported& exported, const Variant& variant,
+                   const std::string& folder);
 
 // Why they cannot run here; "" where they can.
 std::string no_vulkan();

@@ -1,7 +1,7 @@
 // Bugs that people write, planted in the three renderers: the judge finds each.
-#include <catch2/catch.hpp>
 #include <fmt/format.h>
 
+#include <catch2/catch.hpp>
 #include <fstream>
 #include <iostream>
 
@@ -41,8 +41,9 @@ TEST_CASE("foreign: 30 bugs planted in three renderers are found, each in the st
     const bool opengl = no_opengl().empty();
     if (!opengl) std::cout << "renderer C is left out: " << no_opengl() << "\n";
 
-    std::string table = "| bug | cause | wrong pixels of the first stage that fails | found | first three causes named |\n"
-                        "|---|---|---|---|---|\n";
+    std::string table =
+        "| bug | cause | wrong pixels of the first stage that fails | found | first three causes named |\n"
+        "|---|---|---|---|---|\n";
     for (const Variant& bug : bugs) {
         if (bug.renderer == "C" && !opengl) continue;
         const Judged judged = judge(render(device, exported, bug, program::fresh_folder("foreign_bugs/" + bug.name)));

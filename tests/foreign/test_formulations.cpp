@@ -1,7 +1,7 @@
 // Shaders that are right, written otherwise: none is called wrong.
-#include <catch2/catch.hpp>
 #include <fmt/format.h>
 
+#include <catch2/catch.hpp>
 #include <iostream>
 
 #include "tests/foreign/judged.h"

@@ -17,7 +17,8 @@ TEST_CASE("foreign: a renderer of OpenGL that is right is judged so", "[foreign]
         return;
     }
     const std::string folder = program::fresh_folder("foreign_opengl");
-    const Judged judged = judge(render_in_opengl(Exported(folder + "/exported"), {}, program::fresh_folder("foreign_opengl/C")));
+    const Judged judged =
+        judge(render_in_opengl(Exported(folder + "/exported"), {}, program::fresh_folder("foreign_opengl/C")));
     INFO(summary(judged));
     CHECK(judged.passed);
     CHECK(judged.wrong() == 0);

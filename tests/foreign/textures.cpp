@@ -31,8 +31,10 @@ void write_bytes(const std::string& path, const void* data, std::size_t bytes) {
 
 Texture pack(const Image4& image, Format format) {
     const FormatInfo& f = info(format);
-    Texture out{f.vulkan_name, image.width, image.height, std::vector<unsigned char>(image.size() * std::size_t(f.bytes)), false};
-    for (std::size_t i = 0; i < image.size(); ++i) encode(format, image.texels[i], out.bytes.data() + i * std::size_t(f.bytes));
+    Texture out{f.vulkan_name, image.width, image.height,
+                std::vector<unsigned char>(image.size() * std::size_t(f.bytes)), false};
+    for (std::size_t i = 0; i < image.size(); ++i)
+        encode(format, image.texels[i], out.bytes.data() + i * std::size_t(f.bytes));
     return out;
 }
 
@@ -89,7 +91,8 @@ io::DumpSpec write_image(const std::string& folder, const std::string& name, con
 
 Pattern spiral(int samples, float radius, bool whole) {
     Pattern out;
-    const double golden_angle = host::pi * (3 - std::sqrt(5.0)), area = host::pi * double(radius) * double(radius) / samples;
+    const double golden_angle = host::pi * (3 - std::sqrt(5.0)),
+                 area = host::pi * double(radius) * double(radius) / samples;
     for (int i = 0; i < samples; ++i) {
         const double r = radius * std::sqrt((i + 0.5) / samples);
         glm::dvec2 d{r * host::cos(golden_angle * i), r * host::sin(golden_angle * i)};

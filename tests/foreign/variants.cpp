@@ -12,8 +12,8 @@ namespace {
 
 const std::string folder = PLUMB_SOURCE_DIR "/tests/foreign/";
 constexpr std::size_t most_bytes = 1 << 20;
-const std::vector<std::string> host_words = {"", "last frame", "linear", "row-major", "rgb for bgr", "no border", "full floats",
-                                             "half floats"};
+const std::vector<std::string> host_words = {"",          "last frame",  "linear",     "row-major", "rgb for bgr",
+                                             "no border", "full floats", "half floats"};
 
 Edit read_edit(io::DocumentReader& reader) {
     Edit e{reader.filled("find", ""), reader.word("replace", ""), reader.flag("all", false)};
@@ -41,7 +41,8 @@ Variant read_variant(const io::DocumentValue& table, const std::string& path, co
     reader.finish();
     if (v.name.empty()) reader.fail("name", "is missing");
     if (v.renderer != "A" && v.renderer != "B" && v.renderer != "C") reader.fail("renderer", "expected A, B or C");
-    if (std::find(host_words.begin(), host_words.end(), v.host) == host_words.end()) reader.fail("host", "see renderers.h");
+    if (std::find(host_words.begin(), host_words.end(), v.host) == host_words.end())
+        reader.fail("host", "see renderers.h");
     if (v.file.empty() != v.edits.empty()) reader.fail("file", "stands with its edits, and not without");
     if (v.edits.empty() && v.host.empty()) reader.fail("edit", "expected an edit, or host");
     return v;

@@ -10,7 +10,7 @@
 //     find = ..., replace = ...
 //     host = "last frame"              # what the program does otherwise: renderers.h
 //     cause = "1/pi"                   # in words: bugs alone
-//     wrong = "A: bounce"              # the stages that have the bug, by their labels: the others are right. Bugs alone
+//     wrong = "A: bounce"              # the stages that have it, by their labels; the others are right
 #pragma once
 
 #include <string>
@@ -30,8 +30,8 @@ struct Variant {
 
 std::vector<Variant> read_variants(const std::string& file, const std::string& kind);
 
-// The text of a file of this folder, with the edits where they are of that file. Throws InputError for one that does not
-// apply.
+// The text of a file of this folder, with the edits where they are of that file. Throws InputError for one that does
+// not apply.
 std::string shader_text(const std::string& file, const Variant& variant);
 std::vector<unsigned> compile(const std::string& file, const Variant& variant);  // to SPIR-V
 

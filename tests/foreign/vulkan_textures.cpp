@@ -33,11 +33,12 @@ std::size_t texel_bytes(const std::string& format) {
 }  // namespace
 
 vulkan::Image upload(const vulkan::Device& device, const Texture& t) {
-    return vulkan::make_texture(device, vk_format(t.format), {std::uint32_t(t.width), std::uint32_t(t.height)}, t.bytes.data(),
-                                t.bytes.size());
+    return vulkan::make_texture(device, vk_format(t.format), {std::uint32_t(t.width), std::uint32_t(t.height)},
+                                t.bytes.data(), t.bytes.size());
 }
 
-Texture download(const vulkan::Device& device, const vulkan::Image& image, const std::string& format, VkImageLayout layout) {
+Texture download(const vulkan::Device& device, const vulkan::Image& image, const std::string& format,
+                 VkImageLayout layout) {
     Texture out{format, int(image.size.width), int(image.size.height), {}, false};
     out.bytes.resize(texel_bytes(format) * image.size.width * image.size.height);
     vulkan::read_image(device, image, out.bytes.data(), out.bytes.size(), layout);
@@ -45,7 +46,8 @@ Texture download(const vulkan::Device& device, const vulkan::Image& image, const
 }
 
 BoundInputs::BoundInputs(const vulkan::Device& device, const PassInputs& inputs, VkShaderStageFlags stages)
-    : block(vulkan::device_buffer(device, inputs.block.data(), inputs.block.size(), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT)),
+    : block(
+          vulkan::device_buffer(device, inputs.block.data(), inputs.block.size(), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT)),
       buffer(vulkan::device_buffer(device, inputs.buffer.data(), inputs.buffer.size() * sizeof(float),
                                    VK_BUFFER_USAGE_STORAGE_BUFFER_BIT)),
       sampler(vulkan::make_sampler(device, inputs.filter, inputs.address, inputs.address)) {
@@ -53,15 +55,18 @@ BoundInputs::BoundInputs(const vulkan::Device& device, const PassInputs& inputs,
     std::uint32_t binding = 0;
     resources.push_back({binding++, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, stages, &block});
     for (const vulkan::Image& image : images)
-        resources.push_back({binding++, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, stages, nullptr, &image, sampler.get()});
+        resources.push_back(
+            {binding++, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, stages, nullptr, &image, sampler.get()});
     if (!inputs.buffer.empty()) resources.push_back({binding++, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, stages, &buffer});
 }
 
 std::vector<Texture> draw_fullscreen(const vulkan::Device& device, glm::ivec2 size, const std::string& fragment_file,
-                                     const Variant& variant, const PassInputs& inputs, const std::vector<std::string>& formats) {
+                                     const Variant& variant, const PassInputs& inputs,
+                                     const std::vector<std::string>& formats) {
     std::vector<VkFormat> targets_of;
     for (const std::string& f : formats) targets_of.push_back(vk_format(f));
-    const vulkan::Targets targets = vulkan::make_targets(device, {std::uint32_t(size.x), std::uint32_t(size.y)}, targets_of);
+    const vulkan::Targets targets =
+        vulkan::make_targets(device, {std::uint32_t(size.x), std::uint32_t(size.y)}, targets_of);
     const BoundInputs bound(device, inputs, VK_SHADER_STAGE_FRAGMENT_BIT);
     const vulkan::DescriptorSet set = vulkan::make_descriptor_set(device, bound.resources);
     vulkan::GraphicsOptions options;
@@ -73,7 +78,8 @@ std::vector<Texture> draw_fullscreen(const vulkan::Device& device, glm::ivec2 si
     device.run([&](VkCommandBuffer commands) {
         targets.begin(commands);
         pipeline.bind(commands);
-        vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline.layout.get(), 0, 1, &set.set, 0, nullptr);
+        vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline.layout.get(), 0, 1, &set.set, 0,
+                                nullptr);
         vkCmdDraw(commands, 3, 1, 0, 0);
         targets.end(commands);
     });

@@ -45,6 +45,7 @@ struct BoundInputs {
 
 // A triangle over all of `size`, into targets of these formats.
 std::vector<Texture> draw_fullscreen(const vulkan::Device& device, glm::ivec2 size, const std::string& fragment_file,
-                                     const Variant& variant, const PassInputs& inputs, const std::vector<std::string>& formats);
+                                     const Variant& variant, const PassInputs& inputs,
+                                     const std::vector<std::string>& formats);
 
 }  // namespace plumb::foreign
