@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "gi/frame/isr.h"
+
 namespace plumb::frame {
 
 namespace {
@@ -29,8 +31,11 @@ const std::vector<Idle>& idles() {
         {"ao", {"samples", "variant", "views", "weight_bias"}, "", [](const Settings& s) { return is(s, AoMethod::horizon); }, "ao.method is horizon"},
         {"ao", {"slices", "steps"}, "", [](const Settings& s) { return is(s, AoMethod::ssao); }, "ao.method is ssao"},
         {"ao", {"weight_bias"}, "", [](const Settings& s) { return s.ao.views == AoViews::camera; }, "ao.views is camera"},
+        {"ao", {"views"}, "", [](const Settings& s) { return !casts_shadows(s); }, "no light has a map: nothing casts shadows"},
         {"reflect", {}, "", [](const Settings& s) { return s.method == Method::reference; }, "paths are traced instead"},
         {"reflect", {}, "march", [](const Settings& s) { return s.reflect.march == March::off; }, "reflect.march is off"},
+        {"reflect", {"views"}, "", [](const Settings& s) { return !casts_shadows(s); }, "no light has a map: nothing casts shadows"},
+        {"reflect", {"bias"}, "", [](const Settings& s) { return s.reflect.variant == screen::ReflectVariant::published; }, "reflect.variant is published"},
         {"reflect", {"rays"}, "", [](const Settings& s) { return s.reflect.lobe == Lobe::off; }, "reflect.lobe is off"},
         {"reflect", {"bisections"}, "", [](const Settings& s) { return s.reflect.march == March::hierarchical; }, "reflect.march is hierarchical"},
         {"reflect", {"cells"}, "", [](const Settings& s) { return s.reflect.march == March::steps; }, "reflect.march is steps"},

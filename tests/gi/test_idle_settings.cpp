@@ -55,6 +55,8 @@ TEST_CASE("settings: what is idle changes no bit of the picture", "[frame][setti
     add([](frame::Settings& s) { s.ao.method = screen::AoMethod::horizon, s.reflect.march = screen::March::hierarchical, s.reflect.lobe = screen::Lobe::phong; });
     add([](frame::Settings& s) { s.ao.method = screen::AoMethod::ssao, s.ao.views = screen::AoViews::lights, s.reuse.frames = 4; });
     int idle = 0, changed = 0;
+    all.push_back(base(frame::Method::zbuffer)), all.back().ao.method = screen::AoMethod::ssao, all.back().reflect.march = screen::March::steps;
+    add([](frame::Settings& s) { s.reflect.march = screen::March::steps, s.reflect.variant = screen::ReflectVariant::published; });
     for (const frame::Settings& before : all) {
         const Image4 picture = render(scene, before).radiance;
         for (const std::string table : {"ao", "reflect", "reuse", "rsm", "indirect", "isr", "reference"}) {
@@ -98,6 +100,11 @@ TEST_CASE("settings: why one is idle", "[frame][settings]") {
     s.reflect.march = screen::March::steps;
     CHECK(frame::idle(s, "reflect", "rays") == "reflect.lobe is off");
     CHECK(frame::idle(s, "reflect", "layers").empty());
+    CHECK(frame::idle(s, "reflect", "cells") == "reflect.march is steps");
+    CHECK(frame::idle(s, "reflect", "views").empty());
+    s.method = frame::Method::zbuffer;
+    CHECK(frame::idle(s, "reflect", "views") == "no light has a map: nothing casts shadows");
+    s.method = frame::Method::rsm;
     CHECK(frame::idle(s, "reference", "samples") == "no path is traced: neither method reference nor --truth");
     s.truth = true;
     CHECK(frame::idle(s, "reference", "samples").empty());

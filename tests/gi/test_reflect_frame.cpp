@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "core/camera.h"
 #include "core/error.h"
 #include "gi/frame/reflect_classes.h"
 #include "tests/gi/keys_of.h"
@@ -181,7 +182,8 @@ TEST_CASE("reflect: what is met rises above the mirror, faces the ray and is nev
         frame::Settings settings = mirroring();
         settings.reflect.march = march, settings.reflect.step = 0.1f;
         const frame::Frame f = render(scene, settings);
-        int met = 0, itself = 0, backs = 0, low = 0;
+        const glm::dvec3 forward = axes(scene.camera).forward;
+        int met = 0, itself = 0, backs = 0, low = 0, far_behind = 0;
         for (int y = 0; y < scene.frame_size.y; ++y)
             for (int x = 0; x < scene.frame_size.x; ++x) {
                 const glm::vec4 hit = f.reflect.hits.back()(x, y);
@@ -192,11 +194,15 @@ TEST_CASE("reflect: what is met rises above the mirror, faces the ray and is nev
                 ++met;
                 itself += at == glm::ivec2(x, y);
                 backs += n_q.x * r.x + n_q.y * r.y + n_q.z * r.z >= 0;
+                // Halved steps, too, end no farther behind what is seen than the thickness.
+                const glm::dvec3 at_end = glm::dvec3(p) + glm::dvec3(r) / length(r) * double(hit.z) - scene.camera.position;
+                far_behind += at_end.x * forward.x + at_end.y * forward.y + at_end.z * forward.z - double(f.gbuffer.position(at.x, at.y).w) > 0.1 * 1.2 + 1e-4;
                 low += n.x * d.x + n.y * d.y + n.z * d.z < (march == March::steps ? -1e-5f : 0.999f * settings.reflect.bias);
             }
         CHECK(met > 1000);
         CHECK(itself == 0);
         CHECK(backs == 0);
+        CHECK(far_behind == 0);
         CHECK(low == 0);
     }
 }

@@ -1,4 +1,4 @@
-// plumb experiment screen: runs the curves. Times are those of a curve's own stages, not of the frame.
+// plumb experiment screen: runs the curves. Times are those of a curve's own stages, and of what they alone need, not of the frame.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -59,16 +59,20 @@ class Subject {
 
         void take(const std::vector<double>& times) { ms = quantile(times, 0.5), low = quantile(times, 0.25), high = quantile(times, 0.75); }
     };
-    // Draws, and then runs the stages whose name starts so again.
-    Drawn draw(const frame::Settings& settings, const std::string& stages) const {
+    // Draws, and then runs the stages of gi/screen again, with what a frame without them has not: of reflections the layers, the lights'
+    // maps drawn once more and the light on what was met.
+    Drawn draw(const frame::Settings& settings) const {
+        const auto is_own = [](const graph::NodePlan& plan) {
+            return plan.name.starts_with("screen.") || plan.label.find("mirrored") != std::string::npos || (plan.name == "gbuffer" && plan.label.ends_with("map)"));
+        };
         std::uint64_t run = 0;
-        frame::KeptStages kept([&](const graph::Node& node, graph::Key key) { return node.plan.name.starts_with(stages) ? graph::Key(++run) : key; });
+        frame::KeptStages kept([&](const graph::Node& node, graph::Key key) { return is_own(node.plan) ? graph::Key(++run) : key; });
         const frame::Plan plan = frame::plan(scene_, settings);
         std::vector<double> times;
         Drawn drawn;
         for (int i = 0; i <= request_.repeats; ++i) {
             const frame::Frame& f = frame::execute(scene_, settings, plan, options_, kept);
-            if (i > 0) times.push_back(ms_of(plan, f, stages));
+            if (i > 0) times.push_back(ms_of(plan, f, is_own));
             if (i == request_.repeats) drawn.frame = f;
         }
         drawn.take(times);
@@ -78,14 +82,14 @@ class Subject {
     // with samples of its own; the time is that of a gather and of what joins it with the last.
     Drawn draw_frames(const frame::Settings& settings, double moves) const {
         std::uint64_t run = 0;
-        frame::KeptStages kept([&](const graph::Node& node, graph::Key key) { return is_gathering(node.plan.name) ? graph::Key(++run) : key; });
+        frame::KeptStages kept([&](const graph::Node& node, graph::Key key) { return is_gathering(node.plan) ? graph::Key(++run) : key; });
         std::vector<double> times;
         Drawn drawn;
         for (int i = 0; i < request_.frames; ++i) {
             const Scene scene = moved(moves * (i + 1 - request_.frames));
             const frame::Plan plan = frame::plan(scene, settings);
             const frame::Frame& f = frame::execute(scene, settings, plan, options_, kept);
-            if (i > 0) times.push_back(ms_of(plan, f, "rsm.") + ms_of(plan, f, "screen.reuse"));
+            if (i > 0) times.push_back(ms_of(plan, f, is_gathering));
             if (i + 1 == request_.frames) drawn.frame = f;
         }
         drawn.take(times);
@@ -115,11 +119,12 @@ class Subject {
         scene.camera.position += offset, scene.camera.look_at += offset;
         return scene;
     }
-    static bool is_gathering(const std::string& stage) { return stage.starts_with("rsm.") || stage == "screen.reuse"; }
-    static double ms_of(const frame::Plan& plan, const frame::Frame& f, const std::string& stages) {
+    static bool is_gathering(const graph::NodePlan& plan) { return plan.name.starts_with("rsm.") || plan.name == "screen.reuse"; }
+    template <class Counts>
+    static double ms_of(const frame::Plan& plan, const frame::Frame& f, Counts counts) {
         double ms = 0;
         for (std::size_t i = 0; i < plan.stages.size(); ++i)
-            if (plan.stages[i].name.starts_with(stages) && f.stages[i].needed && !f.stages[i].kept) ms += f.stages[i].ms;
+            if (counts(plan.stages[i]) && f.stages[i].needed && !f.stages[i].kept) ms += f.stages[i].ms;
         return ms;
     }
 
@@ -202,7 +207,7 @@ IprSheet occlusion(const Subject& subject, const ScreenTell& tell) {
                                  {{"mean error", 4}, {"bias", 4}, {"rms", 4}, {"truth's noise", 4}}, "mean error of the open share");
     std::map<float, frame::Traced> truths;
     each_point(subject, occlusion_curves(), "direct", tell, sheet, [&](const ScreenCurve&, const frame::Settings& settings) {
-        Subject::Drawn drawn = subject.draw(settings, "screen.");
+        Subject::Drawn drawn = subject.draw(settings);
         auto truth = truths.find(settings.ao.radius);
         if (truth == truths.end()) truth = truths.emplace(settings.ao.radius, subject.trace(settings, "truth.ao", drawn.frame)).first;
         const frame::Traced& of = truth->second;
@@ -227,7 +232,7 @@ IprSheet reflections(const Subject& subject, const ScreenTell& tell) {
     std::optional<frame::Traced> truth;
     const screen::ReflectParams own = subject.settings("", {}, {}).reflect;
     each_point(subject, reflection_curves(double(own.step) * own.steps), "rsm", tell, sheet, [&](const ScreenCurve&, const frame::Settings& settings) {
-        Subject::Drawn drawn = subject.draw(settings, "screen.");
+        Subject::Drawn drawn = subject.draw(settings);
         const frame::Frame& f = drawn.frame;
         if (!truth) truth = subject.trace(settings, "truth.reflection", f);
         const frame::MirrorClasses classes = frame::classify_mirrors(subject.scene(), settings, f, subject.options());
@@ -251,7 +256,7 @@ IprSheet rough_reflections(Subject subject, const ScreenTell& tell) {
                                  {{"mean error", 2}, {"bias", 2}, {"rms", 2}, {"truth's noise", 2}}, "rms, % of the mean");
     std::optional<frame::Traced> truth;
     each_point(subject, lobe_curves(), "rsm", tell, sheet, [&](const ScreenCurve&, const frame::Settings& settings) {
-        Subject::Drawn drawn = subject.draw(settings, "screen.");
+        Subject::Drawn drawn = subject.draw(settings);
         const frame::Frame& f = drawn.frame;
         if (!truth) truth = subject.trace(settings, "truth.reflection", f);
         const ScreenErrors e = errors_over(f.reflect.reflection, truth->estimate.mean, &truth->estimate.error, [&](std::size_t i) { return glm::vec3(f.reflect.lobe.texels[i]) != glm::vec3(0); });

@@ -290,7 +290,7 @@ void add_render(CLI::App& program, Action& action) {
         "depth: linear, in metres; zbuffer: the depth buffer, z/w; id, shadow.<light>), <scene>.rsm.<light>.exr\n"
         "(rsm.<light>.position, normal, flux, depth: its size is its own; of a point light rsm.<light>.px.position and\n"
         "so on: px, nx, py, ny, pz, nz, but for faces that can see nothing), <scene>.png (tone mapped), run.json (time\n"
-        "and memory by stage). On a surface, color = (albedo (direct + indirect) + emission) / pi; of the method probes\n"
+        "and memory by stage). On a surface, color = (albedo (direct + indirect) + emission) / pi, with [reflect] plus the layer reflection; of the method probes\n"
         "highlights are added, the layer glossy, and with probes.layers the layers diffuse, normals and specular are\n"
         "written (of a reflectance of 1), each as <scene>.<layer>.png, too. Equal pictures are equal files.\n"
         "Times in run.json are wall time: read_ms of reading the scene, render_ms of planning and all stages, write_ms of\n"
