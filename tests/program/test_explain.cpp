@@ -277,7 +277,7 @@ TEST_CASE("stages: text and JSON name every stage, its ports and its twin", "[pr
         CHECK(std::count_if(stages.begin(), stages.end(), [&](const Json& s) { return s["name"] == name; }) == 1);
     }
     for (const Json& s : stages) {
-        CHECK(keys(s) == Words{"name", "source", "inputs", "outputs", "params", "twin", "budget"});
+        CHECK(keys(s) == Words{"name", "source", "inputs", "outputs", "params", "uniforms", "twin", "budget"});
         for (const Json& p : s["params"]) {
             CHECK(keys(p) == Words{"name", "type", "default", "range", "unit", "meaning"});
             CHECK_THAT(text.out, Contains(p["meaning"].get<std::string>()));
