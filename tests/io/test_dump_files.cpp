@@ -311,7 +311,7 @@ TEST_CASE("dump files: raw files that are not as they are described", "[io][dump
         {with([](DumpSpec& s) { s.height = -1; }), {"m.toml: line 7", "height"}},
         {with([](DumpSpec& s) { s.vk_format = "R32G32B32A33_SFLOAT"; }),
          {"m.toml: line 7", "vk_format", "R32G32B32A32_SFLOAT"}},
-        {with([](DumpSpec& s) { s.vk_format = "VK_FORMAT_"; }), {"vk_format", "nearest"}},
+        {with([](DumpSpec& s) { s.vk_format = "VK_FORMAT_"; }), {"vk_format", "unknown format; known: R8_UNORM"}},
         {with([&](DumpSpec& s) { s.file = folder / "none.raw"; }),
          {"none.raw: cannot be read: No such file", "m.toml: line 7"}},
         {with([&](DumpSpec& s) { s.file = folder / "sub.raw"; }),
