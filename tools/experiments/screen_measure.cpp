@@ -63,7 +63,7 @@ class Subject {
     // maps drawn once more and the light on what was met.
     Drawn draw(const frame::Settings& settings) const {
         const auto is_own = [](const graph::NodePlan& plan) {
-            return plan.name.starts_with("screen.") || plan.label.find("mirrored") != std::string::npos || (plan.name == "gbuffer" && plan.label.ends_with("map)"));
+            return plan.name.starts_with("screen.") || plan.form == "map" || plan.label.find("mirrored") != std::string::npos;
         };
         std::uint64_t run = 0;
         frame::KeptStages kept([&](const graph::Node& node, graph::Key key) { return is_own(node.plan) ? graph::Key(++run) : key; });
