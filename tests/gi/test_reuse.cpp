@@ -202,6 +202,28 @@ TEST_CASE("reuse: light that changes leaves a ghost, which the box takes away", 
     }
 }
 
+TEST_CASE("reuse: the box is of surfaces alone, and of all nine pixels", "[screen][reuse][analytic]") {
+    // Around one pixel of light 3 lie holes of light 0, or surfaces; the last frame had 1, or 9 there.
+    for (const float before : {1.0f, 9.0f})
+        for (int beside = 0; beside < 9; ++beside) {
+            Shot shot(0, false);
+            shot.light(glm::vec3(before));
+            const LastFrame last = left_by(shot, reuse_of(mean_of(4, ReuseClamp::box), shot, {}));
+            for (int y = 29; y <= 31; ++y)
+                for (int x = 19; x <= 21; ++x) {
+                    const bool lit = x == 20 && y == 30, surface = lit || (y - 29) * 3 + x - 19 == beside;
+                    if (!surface) shot.normal(x, y) = glm::vec4(0);
+                    shot.irradiance(x, y) = glm::vec4(glm::vec3(lit ? 3 : surface ? (before < 3 ? 2.0f : 5.0f) : before < 3 ? 0.0f : 100.0f), 0);
+                }
+            const Made made = reuse_of(mean_of(4, ReuseClamp::box), shot, last);
+            CAPTURE(before, beside);
+            // The middle itself has nobody beside it: then history is moved to what it has now.
+            const float held = beside == 4 ? 3.0f : before < 3 ? 2.0f : 5.0f;
+            CHECK(made.light(20, 30).x == Approx((held + 3) / 2).epsilon(1e-6));
+            CHECK(made.age(20, 30).z == Approx(3 * std::abs(held - before)).epsilon(1e-5));
+        }
+}
+
 TEST_CASE("reuse: what lies behind the last camera, or was empty, was not seen", "[screen][reuse]") {
     Shot first(0, false), turned(0, false, 1);
     first.light(glm::vec3(9));

@@ -248,6 +248,8 @@ int render(const RenderOptions& given) {
     const double read_ms = ms_since(start);
     frame::Settings settings = settings_of(scene, given.scene);
     note_idle(given.scene, settings, scene);
+    if (frame::reuses_light(settings) && given.frames <= 1)
+        scene.notes.push_back("reuse.frames: changes nothing of the first frame, which has none before it: give --frames N");
     // All that can be wrong is found before anything is measured or rendered.
     check_frames(given, scene, settings);
     check_mesh(given, settings);

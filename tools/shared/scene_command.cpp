@@ -54,7 +54,7 @@ Scene load(const SceneOptions& options) {
 void note_idle(const SceneOptions& options, const frame::Settings& settings, Scene& scene) {
     for (const std::string& set : options.sets) {
         const Assignment a = parse_assignment(set);
-        const std::string reason = frame::idle(settings, a.table, a.key);
+        const std::string reason = frame::idle(settings, scene, a.table, a.key);
         if (!reason.empty()) scene.notes.push_back(fmt::format("{}: changes nothing: {}", a.place, reason));
     }
 }
