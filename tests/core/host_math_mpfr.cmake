@@ -1,4 +1,4 @@
-# host_math against MPFR, 2^24 inputs a function. Slow, so on its own; PLUMB_FULL=1 in the environment takes 2^26.
+# host_math against MPFR, 2^22 inputs a function. Slow, so on its own; PLUMB_FULL=1 in the environment takes 2^26.
 find_library(MPFR_LIBRARY mpfr)
 find_library(GMP_LIBRARY gmp)
 if(MPFR_LIBRARY AND GMP_LIBRARY)

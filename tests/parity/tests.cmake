@@ -47,10 +47,11 @@ else()
 endif()
 set_tests_properties(${tests_parity} PROPERTIES LABELS vulkan SKIP_REGULAR_EXPRESSION "SKIPPED: " TIMEOUT 3000)
 
-# Errors planted in twins, all of which the judge must find, and legal changes, none of which it may call wrong.
+# Errors planted in twins, all of which the judge must find, and legal changes, none of which it may call wrong: of each stage
+# a third that changes with the commit; PLUMB_FULL=1 runs all.
 if(TARGET plumb_mutants)
   add_test(NAME mutants COMMAND plumb_mutants --lists ${PROJECT_SOURCE_DIR}/tests/parity/mutants
-    --least-wrong 425 --least-a-stage 7 --least-legal 230)
+    --share 3 --seed commit --least-wrong 425 --least-a-stage 7 --least-legal 230)
   set_tests_properties(mutants PROPERTIES LABELS vulkan SKIP_REGULAR_EXPRESSION "SKIPPED: " TIMEOUT 3000)
   # Errors made from the twins' SPIR-V: a sample of each stage that changes with the commit; PLUMB_FULL=1 runs all.
   add_test(NAME generic_mutants COMMAND plumb_mutants --generic --sample 8 --seed commit)

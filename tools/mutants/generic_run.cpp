@@ -52,24 +52,6 @@ struct Tally {
     int surprises() const { return sites - found - listed[0] - listed[1] - listed[2]; }
 };
 
-std::uint64_t seed_of(const GenericOptions& options) {
-    std::string word = options.seed;
-    if (word == "commit") {
-        word = "0";
-        const std::string command = "git -C '" + options.source + "' rev-parse HEAD 2>/dev/null";
-        if (FILE* git = popen(command.c_str(), "r")) {
-            char line[64] = {};
-            if (std::fgets(line, sizeof line, git)) word = std::string("0x") + std::string(line).substr(0, 12);
-            pclose(git);
-        }
-    }
-    try {
-        return std::stoull(word, nullptr, 0);
-    } catch (const std::exception&) {
-        throw InputError("--seed: " + options.seed + ": expected a number, or commit");
-    }
-}
-
 std::vector<const StageBinding*> wanted_stages(const GenericOptions& options) {
     std::vector<const StageBinding*> out;
     for (const std::string& name : options.stages) out.push_back(&parity::find_binding(name, "--stage"));
@@ -244,12 +226,30 @@ int list_sites(const GenericMutants& all, const std::vector<GenericMutant>& chos
 
 }  // namespace
 
+std::uint64_t seed_of(const std::string& seed, const std::string& source) {
+    std::string word = seed;
+    if (word == "commit") {
+        word = "0";
+        const std::string command = "git -C '" + source + "' rev-parse HEAD 2>/dev/null";
+        if (FILE* git = popen(command.c_str(), "r")) {
+            char line[64] = {};
+            if (std::fgets(line, sizeof line, git)) word = std::string("0x") + std::string(line).substr(0, 12);
+            pclose(git);
+        }
+    }
+    try {
+        return std::stoull(word, nullptr, 0);
+    } catch (const std::exception&) {
+        throw InputError("--seed: " + seed + ": expected a number, or commit");
+    }
+}
+
 int run_generic(const GenericOptions& options) {
     const auto start = std::chrono::steady_clock::now();
     const TwinCompiler compiler(options.glslang, options.source);
     const GenericMutants all = generic_mutants(wanted_stages(options), compiler, options.source);
     std::vector<GenericMutant> chosen =
-        options.sample > 0 ? sample(all, std::size_t(options.sample), seed_of(options)) : all.mutants;
+        options.sample > 0 ? sample(all, std::size_t(options.sample), seed_of(options.seed, options.source)) : all.mutants;
     if (options.list) return list_sites(all, chosen);
 
     std::vector<std::unique_ptr<vulkan::Device>> devices;
