@@ -5,14 +5,14 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstring>
 #include <ctime>
 #include <map>
+#include <utility>
 
-#include "core/error.h"
 #include "core/hash.h"
-#include "core/parallel.h"
+#include "core/host_math.h"
 #include "gi/parity/pair.h"
+#include "gi/parity/trial.h"
 
 namespace plumb::parity {
 
@@ -24,8 +24,9 @@ constexpr std::size_t glance_wrong = 16, first_wrong = 64, first_right = 32, sec
                       last_pixels = 65536;
 // Guesses that come through the first look; and wrong pixels below which one alike is found for anything: a ratio, an
 // output to leave aside, the cause of a place.
-constexpr std::size_t second_guesses = 12, last_guesses = 6, cluster_pixels = 16, clusters_told = 4;
+constexpr std::size_t second_guesses = 12, last_guesses = 8, cluster_pixels = 16, clusters_told = 4;
 constexpr double last_look_ms = 2000;  // of a processor, a guess
+constexpr double explains = 0.99;      // of what is wrong: all of it
 
 // Of all threads: what else the machine does is not in it.
 double processor_ms() { return 1e3 * double(std::clock()) / CLOCKS_PER_SEC; }
@@ -42,23 +43,6 @@ std::vector<glm::ivec2> some_of(const std::vector<glm::ivec2>& all, std::size_t 
     return some;
 }
 
-// The data with arrays that lie where they lay: what changes one copies that one.
-StageData lent_data(const StageData& data) {
-    StageData lent = data;
-    for (std::size_t i = 0; i < data.inputs.arrays.size(); ++i) {
-        const Bytes& bytes = data.inputs.arrays[i].bytes;
-        lent.inputs.arrays[i].bytes = Bytes::lent(bytes.data(), bytes.size());
-    }
-    return lent;
-}
-
-// Pixels that guesses are tried on, with what the kernel as it is may make of them, which all guesses about results
-// share.
-struct Look {
-    std::vector<glm::ivec2> pixels;
-    std::vector<std::vector<Outcome>> outcomes = {};
-};
-
 struct Guess {
     Hypothesis hypothesis;
     std::size_t wrong = 0, right = 0;  // that agree, of the look
@@ -70,12 +54,10 @@ class Diagnoser {
               const JudgeOptions& options, const StageVerdict& verdict)
         : binding_(binding),
           data_(data),
-          options_(options),
           verdict_(verdict),
-          stage_(binding.bind(data)),
           compared_(binding, data, dumped, options),
-          pairs_(compared_.all()) {
-        for (const Slot& slot : binding.outputs) components_ += slot.channels;
+          pairs_(compared_.all()),
+          trial_(binding, data, options, verdict, pairs_) {
         std::vector<std::uint8_t> wrong(verdict.map.size());
         for (std::size_t i = 0; i < wrong.size(); ++i) {
             const std::uint8_t v = verdict.map.texels[i];
@@ -102,143 +84,13 @@ class Diagnoser {
     glm::ivec2 place(std::size_t i) const {
         return {int(i % std::size_t(data_.size.x)), int(i / std::size_t(data_.size.x))};
     }
-    bool inside(glm::ivec2 p) const { return p.x >= 0 && p.y >= 0 && p.x < data_.size.x && p.y < data_.size.y; }
     bool written(std::size_t i) const {
         return std::all_of(pairs_.begin(), pairs_.end(), [i](const Pair& p) { return p.unwritten(i) == 0; });
     }
 
-    // ---- One pixel under one guess
-
-    // Whether the dump may hold what was made.
-    bool holds(std::size_t at, const std::vector<BoundedValue>& values, double slack) const {
-        for (const Pair& p : pairs_) {
-            double largest = 0;
-            for (int c = 0; c < p.channels; ++c)
-                largest = std::max(largest, std::abs(values[std::size_t(p.first + c)].shadow));
-            for (int c = 0; c < p.channels; ++c) {
-                if (!p.compared(c)) continue;
-                const BoundedValue& v = values[std::size_t(p.first + c)];
-                const double bound = v.bound + slack * largest;
-                if (!std::isfinite(bound) || !std::isfinite(v.shadow)) return false;
-                const StoredRange range =
-                    p.stored(at, c, v.shadow - bound, v.shadow + bound, largest, options_.profile);
-                const double got = p.got(at, c);
-                if (!(got >= range.low && got <= range.high)) return false;
-            }
-        }
-        return true;
-    }
-
-    // What outputs hold at a pixel, as the one outcome.
-    std::vector<Outcome> own_outcome(const Bundle& outputs, std::size_t at) const {
-        std::vector<Outcome> one(1);
-        std::vector<BoundedValue>& values = one[0].values;
-        values.reserve(std::size_t(components_));
-        for (const Slot& slot : binding_.outputs) {
-            const Array& array = plumb::at(outputs, slot.name);
-            for (int c = 0; c < slot.channels; ++c) {
-                const std::size_t word = at * std::size_t(slot.channels) + std::size_t(c);
-                float f;
-                std::int32_t n;
-                std::memcpy(&f, array.bytes.data() + 4 * word, 4), std::memcpy(&n, array.bytes.data() + 4 * word, 4);
-                values.push_back({slot.dtype == DType::f32 ? double(f) : double(n), 0});
-            }
-        }
-        return one;
-    }
-
-    std::vector<Outcome> outcomes(const BoundStage& stage, glm::ivec2 ours, std::size_t at) const {
-        std::vector<float> got(std::size_t(components_), std::nanf(""));
-        for (const Pair& p : pairs_)
-            for (int c = 0; c < p.channels; ++c)
-                if (p.compared(c)) got[std::size_t(p.first + c)] = float(p.got(at, c));
-        const std::size_t n = std::size_t(options_.choices_a_pixel);
-        std::span<const std::int32_t> choices;
-        if (n > 0) choices = {options_.choices.data() + at * n, n};
-        std::vector<Outcome> all;
-        stage.outcomes(ours, options_.profile, got, choices, all);
-        return all;
-    }
-
-    bool agrees(const Hypothesis& h, const std::vector<Outcome>& outcomes, glm::ivec2 pixel, double slack) const {
-        std::vector<BoundedValue> values;
-        for (const Outcome& outcome : outcomes) {
-            if (outcome.ambiguous) continue;
-            values = outcome.values;
-            if (h.result) h.result(pixel, values);
-            if (holds(index(pixel), values, slack)) return true;
-        }
-        return false;
-    }
-    // `outputs`: what the stage's float kernel made, or null.
-    bool agrees(const BoundStage& stage, const Hypothesis& h, const Bundle* outputs, glm::ivec2 pixel,
-                double slack) const {
-        const glm::ivec2 ours = h.place ? h.place(pixel) : pixel;
-        if (!inside(ours) || !stage.writes(ours)) return false;
-        const std::size_t at = index(pixel);
-        if (outputs && agrees(h, own_outcome(*outputs, index(ours)), pixel, slack)) return true;
-        return agrees(h, outcomes(stage, ours, at), pixel, slack);
-    }
-
-    template <class Each>
-    void each_of(std::size_t count, const Each& each) const {
-        RunOptions quiet = options_.run;
-        quiet.progress = {};
-        parallel_bands(int(count), 8, quiet, [&](int first, int last) {
-            for (int i = first; i < last; ++i) each(std::size_t(i));
-        });
-    }
-
-    Look look(std::vector<glm::ivec2> pixels) const {
-        Look l{std::move(pixels)};
-        l.outcomes.resize(l.pixels.size());
-        each_of(l.pixels.size(),
-                [&](std::size_t i) { l.outcomes[i] = outcomes(*stage_, l.pixels[i], index(l.pixels[i])); });
-        return l;
-    }
-
-    std::vector<std::uint8_t> agreement(const Hypothesis& h, const Look& look, double slack) const {
-        if (h.change || h.place || h.outputs) return agreement(h, look.pixels, false, slack);
-        std::vector<std::uint8_t> agree(look.pixels.size());
-        each_of(agree.size(), [&](std::size_t i) { agree[i] = agrees(h, look.outcomes[i], look.pixels[i], slack); });
-        return agree;
-    }
-    // A byte a pixel; empty where the kernel cannot serve such data. `whole`: with the float kernel's own result, which
-    // spares most bounds where many pixels are asked.
-    std::vector<std::uint8_t> agreement(const Hypothesis& h, const std::vector<glm::ivec2>& pixels, bool whole,
-                                        double slack) const {
-        if (h.outputs) return agreement_of_outputs(h, pixels, slack);
-        StageData data = lent_data(data_);
-        std::unique_ptr<BoundStage> own;
-        try {
-            if (h.change) {
-                if (!h.change(data)) return {};
-                own = binding_.bind(data);
-            }
-        } catch (const InputError&) {
-            return {};
-        }
-        const BoundStage& stage = own ? *own : *stage_;
-        Bundle outputs;
-        if (whole) stage.run(options_.run, options_.profile, outputs);
-        std::vector<std::uint8_t> agree(pixels.size());
-        each_of(agree.size(),
-                [&](std::size_t i) { agree[i] = agrees(stage, h, whole ? &outputs : nullptr, pixels[i], slack); });
-        return agree;
-    }
-
-    std::vector<std::uint8_t> agreement_of_outputs(const Hypothesis& h, const std::vector<glm::ivec2>& pixels,
-                                                   double slack) const {
-        Bundle outputs;
-        if (!h.outputs(outputs)) return {};
-        std::vector<std::uint8_t> agree(pixels.size());
-        each_of(agree.size(),
-                [&](std::size_t i) { agree[i] = agrees(h, own_outcome(outputs, index(pixels[i])), pixels[i], slack); });
-        return agree;
-    }
-
     // ---- All guesses, then some, then few
 
+    // got / expected of components, where it is one number of all wrong pixels, or of a place.
     std::vector<double> constant_ratios() const {
         std::vector<double> all;
         auto note = [&](const std::vector<Ratios>& ratios) {
@@ -255,6 +107,16 @@ class Diagnoser {
             note(ratios_of(pairs_, data_.size.x, found_.wrong.clusters[i].members));
         return all;
     }
+    // The same of x, y and z, each of its own.
+    std::vector<SeenRatio> vector_ratios() const {
+        std::vector<SeenRatio> all;
+        for (const Ratios& r : found_.wrong.ratios) {
+            if (!r.constant() || r.counted < std::int64_t(cluster_pixels) || r.channel > 2) continue;
+            if (all.empty() || all.back().output != r.output) all.push_back({r.output, {}});
+            if (std::size_t(r.channel) == all.back().ratio.size()) all.back().ratio.push_back(r.quartiles[1]);
+        }
+        return all;
+    }
 
     // Wrong pixels, with some of each large cluster among them.
     std::vector<glm::ivec2> wrong_sample(std::size_t count) const {
@@ -267,28 +129,27 @@ class Diagnoser {
 
     // Keeps those that explain something: of all wrong pixels, less what they break, or of one cluster.
     std::vector<Guess> first_look(const std::vector<Hypothesis>& more) {
-        std::vector<Hypothesis> all = result_hypotheses(binding_, data_, constant_ratios());
-        for (std::vector<Hypothesis> list :
-             {input_hypotheses(binding_, data_), uniform_hypotheses(binding_, data_), more})
-            for (Hypothesis& h : list) all.push_back(std::move(h));
-        std::stable_partition(all.begin(), all.end(), [](const Hypothesis& h) { return !h.aside; });
-        if (wrong_.size() < cluster_pixels) std::erase_if(all, [](const Hypothesis& h) { return h.aside; });
+        std::vector<Hypothesis> near = result_hypotheses(binding_, data_, constant_ratios()), far;
+        for (std::vector<Hypothesis> list : {vector_hypotheses(binding_, data_, vector_ratios()),
+                                             input_hypotheses(binding_, data_), uniform_hypotheses(binding_, data_)})
+            for (Hypothesis& h : list) near.push_back(std::move(h));
+        for (const Hypothesis& h : more) (h.outputs ? far : near).push_back(h);
+        std::stable_partition(near.begin(), near.end(), [](const Hypothesis& h) { return !h.aside && !h.fitted; });
+        if (wrong_.size() < cluster_pixels) std::erase_if(near, [](const Hypothesis& h) { return h.aside; });
 
         const std::vector<glm::ivec2> right = some_of(right_, first_right);
         std::vector<glm::ivec2> pixels = wrong_sample(first_wrong);
         const std::size_t wrong = pixels.size();
         pixels.insert(pixels.end(), right.begin(), right.end());
-        const Look glance = look(wrong_sample(glance_wrong)), seen = look(std::move(pixels));
+        const Look glance = trial_.look(wrong_sample(glance_wrong)), seen = trial_.look(std::move(pixels));
+        trial_.find_local(seen);
         std::vector<Guess> kept;
-        for (Hypothesis& h : all) {
-            const std::vector<std::uint8_t> any = agreement(h, glance, h.slack);
-            if (any.empty()) continue;
-            ++found_.tried;
-            if (std::count(any.begin(), any.end(), 1) == 0) continue;
-            const std::vector<std::uint8_t> agree = agreement(h, seen, h.slack);
-            Guess g{std::move(h)};
-            for (std::size_t i = 0; i < agree.size(); ++i) (i < wrong ? g.wrong : g.right) += agree[i];
-            if (8 * g.wrong >= wrong) kept.push_back(std::move(g));
+        try_all(near, glance, seen, wrong, kept);
+        if (!explained(kept, wrong, right.size())) {
+            std::vector<Hypothesis> slow = std::exchange(far, far_hypotheses(binding_, data_));
+            for (Hypothesis& h : fitted(glance, seen)) far.push_back(std::move(h));
+            try_all(far, glance, seen, wrong, kept);
+            try_all(slow, glance, seen, wrong, kept);
         }
         // By what they explain of what is wrong, and as many again by that less what they break.
         const double broken_weight = double(wrong) / double(std::max<std::size_t>(right.size(), 1));
@@ -307,23 +168,83 @@ class Diagnoser {
         return kept;
     }
 
+    // Whether a mistake by name explains what is wrong, and breaks nothing.
+    static bool explained(const std::vector<Guess>& guesses, std::size_t wrong, std::size_t right) {
+        return std::any_of(guesses.begin(), guesses.end(), [&](const Guess& g) {
+            return !g.hypothesis.aside && !g.hypothesis.fitted && double(g.wrong) >= explains * double(wrong) &&
+                   g.right + 1 >= right;
+        });
+    }
+
+    // The first `wrong` pixels that were seen are wrong, the others right.
+    void try_all(std::vector<Hypothesis>& all, const Look& glance, const Look& seen, std::size_t wrong,
+                 std::vector<Guess>& kept) {
+        for (Hypothesis& h : all) {
+            // What runs elsewhere takes its time a run, not a pixel, and none is left that explains it.
+            if (h.outputs && explained(kept, wrong, seen.pixels.size() - wrong)) continue;
+            if (!h.outputs) {
+                const std::vector<std::uint8_t> any = trial_.agreement(h, glance);
+                if (any.empty()) continue;
+                ++found_.tried;
+                if (std::count(any.begin(), any.end(), 1) == 0) continue;
+            }
+            const std::vector<std::uint8_t> agree = trial_.agreement(h, seen);
+            if (agree.empty()) continue;
+            if (h.outputs) ++found_.tried;
+            Guess g{std::move(h)};
+            for (std::size_t i = 0; i < agree.size(); ++i) (i < wrong ? g.wrong : g.right) += agree[i];
+            if (8 * g.wrong >= wrong) kept.push_back(std::move(g));
+        }
+    }
+
+    // ---- Numbers that are looked for
+
+    std::vector<Hypothesis> fitted(const Look& glance, const Look& seen) {
+        const double as_it_is = trial_.distance({"as it is"}, glance);
+        std::vector<Hypothesis> all;
+        for (const Family& family : families(binding_, data_)) {
+            double best = 1, least = as_it_is;
+            for (int k = -24; k <= 24; ++k) {
+                const double by = host::exp2(k / 6.0), off = trial_.distance(family.at(by), glance);
+                if (off < least) least = off, best = by;
+            }
+            if (least < 0.7 * as_it_is) all.push_back(family.at(refined(family, best, seen)));
+        }
+        return all;
+    }
+    // Between steps of a sixth of an octave, then of a fourth of these, and so on; in the middle of what is equally near.
+    double refined(const Family& family, double best, const Look& look) {
+        double step = 1 / 6.0;
+        for (int round = 0; round < 7; ++round, step /= 4) {
+            double least = HUGE_VAL, first = 0, last = 0;
+            for (int j = -4; j <= 4; ++j) {
+                const double at = 0.25 * step * j, off = trial_.distance(family.at(best * host::exp2(at)), look);
+                if (off < least) least = off, first = at;
+                if (off == least) last = at;
+            }
+            best *= host::exp2(0.5 * (first + last));
+        }
+        return best;
+    }
+
     void second_look(std::vector<Guess>& guesses) {
         std::vector<glm::ivec2> pixels = wrong_sample(second_wrong);
         const std::size_t clusters_first = some_of(wrong_, second_wrong).size();
         const std::size_t wrong = pixels.size();
         const std::vector<glm::ivec2> right = some_of(right_, second_right);
         pixels.insert(pixels.end(), right.begin(), right.end());
-        std::vector<std::vector<std::uint8_t>> agree;
         const double start = processor_ms();
+        const Look seen = trial_.look(pixels);
+        ms_a_pixel_ = (processor_ms() - start) / double(pixels.size());
+        std::vector<std::vector<std::uint8_t>> agree;
         for (Guess& g : guesses) {
-            agree.push_back(agreement(g.hypothesis, pixels, false, g.hypothesis.slack));
+            agree.push_back(trial_.agreement(g.hypothesis, seen));
             g.wrong = g.right = 0;
             for (std::size_t i = 0; i < agree.back().size(); ++i) {
                 if (i < clusters_first) g.wrong += agree.back()[i];
                 if (i >= wrong) g.right += agree.back()[i];
             }
         }
-        ms_a_pixel_ = guesses.empty() ? 0 : (processor_ms() - start) / double(guesses.size() * pixels.size());
         clusters(guesses, agree, clusters_first, pixels);
 
         // The share of all pixels that would agree.
@@ -369,19 +290,22 @@ class Diagnoser {
         while (most > 1024 && double(most) * ms_a_pixel_ > last_look_ms) most /= 2;
         pixels = some_of(pixels, most);
 
+        // Where few of all pixels are asked, the float kernel would run for nothing.
+        const bool many = 8 * pixels.size() >= verdict_.map.size();
         std::map<double, std::int64_t> without;
         std::vector<Cause> causes;
         for (const Guess& g : guesses) {
             const Hypothesis& h = g.hypothesis;
             if (!without.count(h.slack)) without[h.slack] = agree_without(pixels, h.slack);
-            const std::vector<std::uint8_t> agree = agreement(h, pixels, true, h.slack);
-            Cause c{
-                h.text, std::int64_t(pixels.size()), std::count(agree.begin(), agree.end(), 1), without[h.slack], {},
-                h.aside};
+            const std::vector<std::uint8_t> agree =
+                many ? trial_.agreement_of_many(h, pixels) : trial_.agreement(h, {pixels});
+            Cause c{h.text,  std::int64_t(pixels.size()), std::count(agree.begin(), agree.end(), 1), without[h.slack], {},
+                    h.aside, h.fitted};
             const std::int64_t left = c.pixels - c.without;
             if (left > 0 && 2 * (c.agree - c.without) >= left) causes.push_back(std::move(c));
         }
         std::stable_sort(causes.begin(), causes.end(), [](const Cause& a, const Cause& b) {
+            if (rank(a) != rank(b)) return rank(a) < rank(b);
             return a.aside != b.aside && a.agree == b.agree ? b.aside : a.agree > b.agree;
         });
         for (std::size_t i = 3; i < causes.size(); ++i)
@@ -390,25 +314,32 @@ class Diagnoser {
         found_.causes = std::move(causes);
     }
 
+    // Mistakes that explain all that is wrong come first, numbers that were fitted and what leaves something aside then,
+    // and then what explains a part.
+    static int rank(const Cause& c) {
+        const bool all = double(c.agree - c.without) >= explains * double(c.pixels - c.without);
+        return !all ? 3 : c.fitted ? 1 : c.aside ? 2 : 0;
+    }
+
     // Of the kernel as it is.
-    std::int64_t agree_without(const std::vector<glm::ivec2>& pixels, double slack) const {
+    std::int64_t agree_without(const std::vector<glm::ivec2>& pixels, double slack) {
         std::vector<glm::ivec2> wrong;
         for (const glm::ivec2 p : pixels)
             if (verdict_.map.texels[index(p)] == std::uint8_t(Verdict::wrong)) wrong.push_back(p);
         std::int64_t agree = std::int64_t(pixels.size() - wrong.size());
+        Hypothesis as_it_is{"as it is"};
+        as_it_is.slack = slack;
         if (slack > 0)
-            for (const std::uint8_t a : agreement({"as it is"}, wrong, false, slack)) agree += a;
+            for (const std::uint8_t a : trial_.agreement(as_it_is, {wrong})) agree += a;
         return agree;
     }
 
     const StageBinding& binding_;
     const StageData& data_;
-    const JudgeOptions& options_;
     const StageVerdict& verdict_;
-    std::unique_ptr<BoundStage> stage_;
     const ComparedPairs compared_;
     const std::vector<Pair>& pairs_;
-    int components_ = 0;
+    Trial trial_;
     std::vector<glm::ivec2> wrong_, right_;
     double ms_a_pixel_ = 0;
     Diagnosis found_;

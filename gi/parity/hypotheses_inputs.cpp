@@ -6,9 +6,13 @@
 #include <cstring>
 #include <numbers>
 #include <optional>
+#include <tuple>
+#include <utility>
 
+#include "core/parallel.h"
 #include "gi/parity/hypothesis.h"
 #include "gi/parity/texel_changes.h"
+#include "gi/parity/uniform_rows.h"
 
 namespace plumb::parity {
 
@@ -58,16 +62,31 @@ class InputHypotheses {
                 const Texels texels = texels_of(slot, *array);
                 if (slot.kind != SlotKind::buffer) add_places(slot, texels);
                 add_channels(slot, texels);
-                add_curves(slot, texels);
                 add_factors(slot, texels);
+                add_curves(slot, texels);
                 if (slot.kind == SlotKind::buffer) add_rows(slot, *array);
                 if (slot.kind == SlotKind::buffer && slot.channels == 1) add_lists(slot, texels);
+                if (slot.kind == SlotKind::buffer && slot.channels == 2 && slot.unit == "texels")
+                    add_sub_texels(slot, texels);
             } else if (slot.kind == SlotKind::buffer && slot.name == "offsets") {
                 add_offsets(slot);
                 add_rows(slot, *array);
             }
         }
         add_exchanges();
+        return std::move(all_);
+    }
+
+    // Images of the frame some pixels away, and maps with something beyond their border.
+    std::vector<Hypothesis> far() {
+        for (const Slot& slot : binding_.inputs) {
+            const Array* array = find(data_.inputs, slot.name);
+            if (!array || array->bytes.empty() || slot.dtype != DType::f32) continue;
+            const Texels texels = texels_of(slot, *array);
+            if (is_of_frame(slot, texels)) add_far_places(slot, texels);
+        }
+        for (const Rows& rows : find_rows(binding_, data_))
+            if (!rows.size.empty()) add_borders(rows);
         return std::move(all_);
     }
 
@@ -82,15 +101,34 @@ class InputHypotheses {
     // Changes each texel; what is 0 in all of x, y and z is nothing, and stays.
     void each(const Slot& slot, const Texels& t, const std::string& what, double slack,
               std::function<void(float*)> change) {
-        add(slot.name + " " + what, slack, [name = slot.name, t, change](StageData& data) {
+        auto one = [n = t.channels, change](float* p) {
+            if (std::any_of(p, p + std::min<std::size_t>(n, 3), [](float x) { return x != 0; })) change(p);
+        };
+        add(slot.name + " " + what, slack, [name = slot.name, t, one](StageData& data) {
             float* p = numbers_of(*find_array(data, name));
-            for (std::size_t i = 0; i < t.count(); ++i, p += t.channels) {
-                bool nothing = true;
-                for (std::size_t c = 0; c < std::min<std::size_t>(t.channels, 3); ++c) nothing = nothing && p[c] == 0;
-                if (!nothing) change(p);
-            }
+            parallel_bands(int(t.count()), 4096, 0, [&](int first, int last) {
+                for (std::size_t i = std::size_t(first); i < std::size_t(last); ++i) one(p + i * t.channels);
+            });
             return true;
         });
+        if (is_of_frame(slot, t))
+            all_.back().texels = {slot.name, t.channels, [one](const float*, glm::ivec2, float* p) { one(p); }};
+    }
+    // What a shader makes of a vector whose cosine it does not keep at 0 and above. What is linear in max(0, c) of it
+    // is, for |c|, the sum of both signs, and for c their difference.
+    void add_sides(const Slot& slot, const Texels& t) {
+        for (const int sign : {1, -1}) {
+            each(slot, t, sign > 0 ? "from both sides (abs for max(0, .))" : "from behind less than 0 (no max(0, .))",
+                 computed_slack, [](float* p) {
+                     for (int c = 0; c < 3; ++c) p[c] = -p[c];
+                 });
+            all_.back().added = sign;
+        }
+    }
+
+    bool is_of_frame(const Slot& slot, const Texels& t) const {
+        return slot.frame && slot.kind == SlotKind::image && t.width == std::size_t(data_.size.x) &&
+               t.height == std::size_t(data_.size.y);
     }
 
     // ---- Places: each texel takes the mean of some others, within the layer; beyond the edge lies the edge.
@@ -113,6 +151,15 @@ class InputHypotheses {
                     }
             return true;
         });
+        if (is_of_frame(slot, t))
+            all_.back().texels = {slot.name, t.channels, [t, place](const float* image, glm::ivec2 at, float* p) {
+                                      const auto [x, y] = place(at.x, at.y);
+                                      const std::ptrdiff_t w = std::ptrdiff_t(t.width), h = std::ptrdiff_t(t.height);
+                                      std::memcpy(p,
+                                                  image + t.at(0, std::size_t(std::clamp<std::ptrdiff_t>(y, 0, h - 1)),
+                                                               std::size_t(std::clamp<std::ptrdiff_t>(x, 0, w - 1))),
+                                                  4 * t.channels);
+                                  }};
     }
 
     // Bilinear between texels: half of each neighbour in a direction.
@@ -160,6 +207,68 @@ class InputHypotheses {
         between(slot, t, -1, 1);
     }
 
+    // As the frame before had it where the camera moved by whole pixels: this image alone.
+    void add_far_places(const Slot& slot, const Texels& t) {
+        using P = std::array<std::ptrdiff_t, 2>;
+        for (std::ptrdiff_t dy = -far_reach; dy <= far_reach; ++dy)
+            for (std::ptrdiff_t dx = -far_reach; dx <= far_reach; ++dx) {
+                if (std::abs(dx) <= 1 && std::abs(dy) <= 1) continue;
+                moved(slot, t, fmt::format("read at ({:+}, {:+}) texels, as of another frame", dx, dy),
+                      [dx, dy](std::ptrdiff_t x, std::ptrdiff_t y) { return P{x + dx, y + dy}; });
+            }
+    }
+
+    // All images of the map become larger on each side, and what projects to them moves along.
+    void add_borders(const Rows& rows) {
+        const std::ptrdiff_t side = std::ptrdiff_t(rows.width), more = side > 256 ? side / 2 : side;
+        std::vector<std::string> maps;
+        for (const Slot& slot : binding_.inputs) {
+            const Array* array = find(data_.inputs, slot.name);
+            if (array && !array->bytes.empty() && !slot.frame && slot.kind == SlotKind::image &&
+                slot.dtype == DType::f32 && array->shape.size() >= 2 && array->shape[0] == side &&
+                array->shape[1] == side)
+                maps.push_back(slot.name);
+        }
+        if (maps.empty()) return;
+        using From = std::ptrdiff_t (*)(std::ptrdiff_t at, std::ptrdiff_t side);
+        for (const auto& [text, from] :
+             {std::pair<const char*, From>("its edge is repeated",
+                                           [](std::ptrdiff_t at, std::ptrdiff_t n) {
+                                               return std::clamp<std::ptrdiff_t>(at, 0, n - 1);
+                                           }),
+              {"it begins anew (wrap)", [](std::ptrdiff_t at, std::ptrdiff_t n) { return (at % n + n) % n; }},
+              {"it is mirrored", [](std::ptrdiff_t at, std::ptrdiff_t n) {
+                   const std::ptrdiff_t m = (at % (2 * n) + 2 * n) % (2 * n);
+                   return m < n ? m : 2 * n - 1 - m;
+               }}}) {
+            const From source = from;
+            add(fmt::format("beyond the border of {} {}", rows.name, text), computed_slack, [=, binding = &binding_](StageData& data) {
+                for (const std::string& name : maps) enlarge(*find_array(data, name), side, more, source);
+                const std::vector<double> w = uniform_value(*binding, data, rows.w);
+                for (const std::string& member : {rows.x, rows.y}) {
+                    std::vector<double> v = uniform_value(*binding, data, member);
+                    for (std::size_t c = 0; c < v.size(); ++c) v[c] += double(more) * w[c];
+                    set_uniform(*binding, data, member, v, "hypothesis");
+                }
+                set_uniform(*binding, data, rows.size, std::vector<double>{double(side + 2 * more)}, "hypothesis");
+                return true;
+            });
+        }
+    }
+    static void enlarge(Array& array, std::ptrdiff_t side, std::ptrdiff_t more,
+                        std::ptrdiff_t (*from)(std::ptrdiff_t, std::ptrdiff_t)) {
+        const std::ptrdiff_t n = side + 2 * more;
+        const std::size_t texel = array.bytes.size() / std::size_t(side * side);
+        const unsigned char* old = std::as_const(array.bytes).data();
+        Bytes larger(texel * std::size_t(n * n));
+        for (std::ptrdiff_t y = 0; y < n; ++y)
+            for (std::ptrdiff_t x = 0; x < n; ++x)
+                std::memcpy(larger.data() + texel * std::size_t(y * n + x),
+                            old + texel * std::size_t(from(y - more, side) * side + from(x - more, side)), texel);
+        array.bytes = std::move(larger);
+        array.shape[0] = array.shape[1] = n;
+    }
+
     // ---- Channels
 
     void add_channels(const Slot& slot, const Texels& t) {
@@ -176,10 +285,30 @@ class InputHypotheses {
                 const float old[3] = {p[0], p[1], p[2]};
                 for (int c = 0; c < 3; ++c) p[c] = old[order.from[c]];
             });
-        each(slot, t, "normalised", computed_slack, [](float* p) {
+        auto normalised = [](float* p) {
             const double length = std::sqrt(double(p[0]) * p[0] + double(p[1]) * p[1] + double(p[2]) * p[2]);
-            for (int c = 0; c < 3; ++c) p[c] = float(p[c] / length);
+            for (int c = 0; c < 3 && length > 0; ++c) p[c] = float(p[c] / length);
+        };
+        each(slot, t, "normalised", computed_slack, normalised);
+        // Codes of 0..1 taken for -1..1, or the reverse, by a shader that makes them unit vectors.
+        for (const auto& [text, by, plus] : {std::tuple<const char*, double, double>(
+                                                 "packed once more (0.5 x + 0.5), then normalised", 0.5, 0.5),
+                                             {"unpacked once more (2 x - 1), then normalised", 2, -1}})
+            each(slot, t, text, computed_slack, [normalised, by = by, plus = plus](float* p) {
+                for (int c = 0; c < 3; ++c) p[c] = float(by * double(p[c]) + plus);
+                normalised(p);
+            });
+        // As octahedral codes, on a plane: Cigolle et al. 2014.
+        each(slot, t, "as its octahedral code (x, y, 0)", computed_slack, [](float* p) {
+            const double sum = std::abs(double(p[0])) + std::abs(double(p[1])) + std::abs(double(p[2]));
+            double x = p[0] / sum, y = p[1] / sum;
+            if (p[2] < 0) {
+                const double folded = (1 - std::abs(y)) * (x >= 0 ? 1 : -1);
+                y = (1 - std::abs(x)) * (y >= 0 ? 1 : -1), x = folded;
+            }
+            p[0] = float(x), p[1] = float(y), p[2] = 0;
         });
+        add_sides(slot, t);
         if (t.channels < 4) return;
         for (const float w : {0.0f, 1.0f})
             each(slot, t, fmt::format("with {:g} in w", w), 0, [w](float* p) { p[3] = w; });
@@ -258,6 +387,19 @@ class InputHypotheses {
             rearranged("in the reverse order",
                        [=](std::size_t r, std::size_t c) { return (rows - 1 - r) * columns + c; });
         }
+    }
+
+    // Places of samples: rounded, or half a texel and whole ones off.
+    void add_sub_texels(const Slot& slot, const Texels& t) {
+        auto placed = [&](const std::string& what, auto change) {
+            add(slot.name + " " + what, 0, [name = slot.name, t, change](StageData& data) {
+                float* p = numbers_of(*find_array(data, name));
+                for (std::size_t i = 0; i < t.count(); ++i, p += t.channels) change(p);
+                return true;
+            });
+        };
+        placed("rounded to whole numbers", [](float* p) { p[0] = std::rint(p[0]), p[1] = std::rint(p[1]); });
+        placed("rounded down to whole numbers", [](float* p) { p[0] = std::floor(p[0]), p[1] = std::floor(p[1]); });
     }
 
     // Numbers of samples: weights, kernels.
@@ -342,6 +484,8 @@ class InputHypotheses {
             }
     }
 
+    static constexpr std::ptrdiff_t far_reach = 3;  // pixels
+
     const StageBinding& binding_;
     const StageData& data_;
     std::vector<Hypothesis> all_;
@@ -351,6 +495,12 @@ class InputHypotheses {
 
 std::vector<Hypothesis> input_hypotheses(const StageBinding& binding, const StageData& data) {
     return InputHypotheses(binding, data).all();
+}
+
+std::vector<Hypothesis> far_hypotheses(const StageBinding& binding, const StageData& data) {
+    std::vector<Hypothesis> all = InputHypotheses(binding, data).far();
+    for (Hypothesis& h : row_major_hypotheses(binding, data)) all.push_back(std::move(h));
+    return all;
 }
 
 }  // namespace plumb::parity

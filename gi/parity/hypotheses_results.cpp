@@ -20,16 +20,6 @@ struct Output {
     int colours() const { return std::min(slot->channels, 3); }
 };
 
-// [low, high] becomes [f(low), f(high)], and what a float rounds.
-void put(BoundedValue& v, double low, double high) {
-    if (low > high) std::swap(low, high);
-    v.shadow = 0.5 * (low + high);
-    v.bound = 0.5 * (high - low) + 0x1p-22 * std::max(std::abs(low), std::abs(high));
-}
-void scale(BoundedValue& v, double by) {
-    if (std::isfinite(v.bound)) put(v, by * (v.shadow - v.bound), by * (v.shadow + v.bound));
-}
-
 class ResultHypotheses {
   public:
     ResultHypotheses(const StageBinding& binding, const StageData& data) : binding_(binding), data_(data) {
@@ -83,9 +73,11 @@ class ResultHypotheses {
                                       return is(n.value) || is(1 / n.value);
                                   });
             const std::string text = fmt::format("times {:.4g}", ratio);
-            if (!has_name) scaled(o, text, ratio, ratio_slack);
-            for (int c = 0; c < o.slot->channels && o.slot->channels > 1; ++c)
+            if (!has_name) scaled(o, text, ratio, ratio_slack), all_.back().fitted = true;
+            for (int c = 0; c < o.slot->channels && o.slot->channels > 1; ++c) {
                 scaled(o, fmt::format("times {:.4g} in {} alone", ratio, "xyzw"[c]), ratio, ratio_slack, c);
+                all_.back().fitted = true;
+            }
         }
     }
 
@@ -243,7 +235,8 @@ std::vector<NamedNumber> named_numbers(const StageBinding& binding, const StageD
                                     {"255", 255},
                                     {"65535", 65535}};
     auto add = [&](const std::string& name, double value) {
-        if (std::isfinite(value) && value != 0 && std::abs(value) != 1) all.push_back({name, value});
+        // What is beyond is a limit that nothing reaches, and a result times it black or nothing.
+        if (std::abs(value) >= 1e-9 && std::abs(value) <= 1e9 && std::abs(value) != 1) all.push_back({name, value});
     };
     for (const UniformMember& m : binding.uniforms) {
         if (m.name.find("pad") != std::string::npos) continue;

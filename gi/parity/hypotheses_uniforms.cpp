@@ -7,23 +7,11 @@
 
 #include "gi/parity/hypothesis.h"
 #include "gi/parity/texel_changes.h"
+#include "gi/parity/uniform_rows.h"
 
 namespace plumb::parity {
 
 namespace {
-
-using Row = std::array<double, 4>;
-
-Row operator+(const Row& a, const Row& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]}; }
-Row operator*(double s, const Row& a) { return {s * a[0], s * a[1], s * a[2], s * a[3]}; }
-double dot3(const Row& a, const Row& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
-// Rows that take a point to texels: x = (to_x . (p, 1)) / (to_w . (p, 1)), and y.
-struct Rows {
-    std::string name;      // "map", "view"
-    std::string x, y, w;   // members
-    double width, height;  // texels
-};
 
 class UniformHypotheses {
   public:
@@ -40,7 +28,7 @@ class UniformHypotheses {
             else
                 add_vector(m, n);
         }
-        for (const Rows& rows : find_rows()) add_rows(rows);
+        for (const Rows& rows : find_rows(binding_, data_)) add_rows(rows);
         return std::move(all_);
     }
 
@@ -78,6 +66,8 @@ class UniformHypotheses {
                                        {"divided by 1000 (a unit)", 1e-3},
                                        {"times 100 (a unit)", 100},
                                        {"divided by 100 (a unit)", 1e-2},
+                                       {"times 10", 10},
+                                       {"divided by 10", 0.1},
                                        {"in degrees", 180 / pi},
                                        {"in radians", pi / 180}})
             one(text, by * v);
@@ -86,6 +76,18 @@ class UniformHypotheses {
         if (v != 0) one("as its reciprocal", 1 / v);
         one("not set (0)", 0);
         one("not set (1)", 1);
+        // What is compared with it always, or never, passes.
+        one("left out, as a lower limit (-1e30)", -1e30);
+        one("left out, as an upper limit (1e30)", 1e30);
+        // Units that go by the frame.
+        const double width = double(data_.size.x), height = double(data_.size.y);
+        for (const auto& [text, side] : {std::pair<const char*, double>("width", width), {"height", height}}) {
+            one(fmt::format("times the frame's {}", text), side * v);
+            one(fmt::format("divided by the frame's {}", text), v / side);
+            one(fmt::format("in percent of the frame's {}", text), 100 * v / side);
+        }
+        one("times width / height", v * width / height);
+        one("times height / width", v * height / width);
     }
 
     void add_whole(const UniformMember& m) {
@@ -129,38 +131,8 @@ class UniformHypotheses {
                 made(curve.text, computed_slack, [&](std::size_t c) { return curve.at(v[c]); });
     }
 
-    bool has(const std::string& name) const {
-        return std::any_of(binding_.uniforms.begin(), binding_.uniforms.end(),
-                           [&](const UniformMember& m) { return m.name == name; });
-    }
-    Row row(const std::string& name) const {
-        const std::vector<double> v = value(name);
-        return {v[0], v[1], v[2], v.size() > 3 ? v[3] : 0};
-    }
-
-    // Projection (raster/project.glsl) and SeenFrom (gi/screen/seen_from.glsl), under whatever name they are members.
-    std::vector<Rows> find_rows() const {
-        std::vector<Rows> found;
-        for (const UniformMember& m : binding_.uniforms) {
-            for (const auto& [x, y, w] : {std::array<const char*, 3>{"to_texel_x", "to_texel_y", "to_texel_w"},
-                                          std::array<const char*, 3>{"to_x", "to_y", "forward"}}) {
-                if (!m.name.ends_with(x) ||
-                    (m.name.size() > std::string(x).size() && m.name[m.name.size() - std::string(x).size() - 1] != '.'))
-                    continue;
-                const std::string stem = m.name.substr(0, m.name.size() - std::string(x).size());
-                if (!has(stem + y) || !has(stem + w)) continue;
-                const std::string side = has(stem + "size") ? "size" : "";
-                if (side.empty() && !(has(stem + "width") && has(stem + "height"))) continue;
-                found.push_back({stem.empty() ? "the view" : stem.substr(0, stem.size() - 1), m.name, stem + y,
-                                 stem + w, value(stem + (side.empty() ? "width" : side))[0],
-                                 value(stem + (side.empty() ? "height" : side))[0]});
-            }
-        }
-        return found;
-    }
-
     void add_rows(const Rows& m) {
-        const Row x = row(m.x), y = row(m.y), w = row(m.w);
+        const Row x = row_of(binding_, data_, m.x), y = row_of(binding_, data_, m.y), w = row_of(binding_, data_, m.w);
         auto to_list = [](const Row& r) { return std::vector<double>(r.begin(), r.end()); };
         auto made = [&](const std::string& text, const Row& new_x, const Row& new_y, const Row& new_w) {
             add(m.name + ": " + text, computed_slack,
@@ -169,9 +141,14 @@ class UniformHypotheses {
         made("y flipped", x, m.height * w + -1.0 * y, w);
         made("x flipped", m.width * w + -1.0 * x, y, w);
         made("x and y swapped", y, x, w);
-        made("no perspective divide", x, y, {0, 0, 0, 1});
+        // Of texels, and of clip space, before 0.5 x + 0.5.
+        const Row one = {0, 0, 0, 1};
+        made("no perspective divide", x, y, one);
+        made("no perspective divide before 0.5 x + 0.5", x + 0.5 * m.width * (one + -1.0 * w),
+             y + 0.5 * m.height * (one + -1.0 * w), one);
         for (const double d : {-1.0, -0.5, 0.5, 1.0}) {
             made(fmt::format("{:+g} texels in x and y", d), x + d * w, y + d * w, w);
+            made(fmt::format("{:+g} texels in x, {:+g} in y", d, -d), x + d * w, y + -d * w, w);
             made(fmt::format("{:+g} texels in x", d), x + d * w, y, w);
             made(fmt::format("{:+g} texels in y", d), x, y + d * w, w);
         }
@@ -218,6 +195,50 @@ class UniformHypotheses {
 };
 
 }  // namespace
+
+std::vector<Family> families(const StageBinding& binding, const StageData& data) {
+    std::vector<Family> all;
+    auto add = [&](const std::string& text, std::vector<std::pair<std::string, std::vector<double>>> members) {
+        all.push_back({text, [&binding, text, members = std::move(members)](double by) {
+                           Hypothesis h{fmt::format("{} times {:.4g}", text, by)};
+                           h.slack = ratio_slack, h.fitted = true;
+                           h.change = [&binding, members, by](StageData& d) {
+                               for (auto [name, v] : members) {
+                                   for (double& x : v) x *= by;
+                                   set_uniform(binding, d, name, v, "hypothesis");
+                               }
+                               return true;
+                           };
+                           return h;
+                       }});
+    };
+    for (const UniformMember& m : binding.uniforms) {
+        const std::vector<double> v = uniform_value(binding, data, m.name);
+        if (m.type == "float" && v[0] != 0 && std::abs(v[0]) < 1e6) add(m.name, {{m.name, v}});
+    }
+    for (const Rows& rows : find_rows(binding, data))
+        add(rows.name + ": x and y in texels", {{rows.x, uniform_value(binding, data, rows.x)},
+                                                {rows.y, uniform_value(binding, data, rows.y)}});
+    // Lists of places and directions.
+    for (const Slot& slot : binding.inputs) {
+        const Array* array = find(data.inputs, slot.name);
+        if (!array || slot.kind != SlotKind::buffer || slot.dtype != DType::f32 || slot.channels < 2) continue;
+        all.push_back({slot.name, [name = slot.name](double by) {
+                           Hypothesis h{fmt::format("{} times {:.4g}", name, by)};
+                           h.slack = ratio_slack, h.fitted = true;
+                           h.change = [name, by](StageData& d) {
+                               for (Array& a : d.inputs.arrays) {
+                                   if (a.name != name) continue;
+                                   float* p = reinterpret_cast<float*>(a.bytes.data());
+                                   for (std::size_t i = 0; i < a.bytes.size() / 4; ++i) p[i] = float(by * double(p[i]));
+                               }
+                               return true;
+                           };
+                           return h;
+                       }});
+    }
+    return all;
+}
 
 std::vector<Hypothesis> uniform_hypotheses(const StageBinding& binding, const StageData& data) {
     return UniformHypotheses(binding, data).all();

@@ -15,6 +15,15 @@ double signed_stepped(double x, double codes) { return std::rint(std::clamp(x, -
 
 }  // namespace
 
+void put(BoundedValue& v, double low, double high) {
+    if (low > high) std::swap(low, high);
+    v.shadow = 0.5 * (low + high);
+    v.bound = 0.5 * (high - low) + 0x1p-22 * std::max(std::abs(low), std::abs(high));
+}
+void scale(BoundedValue& v, double by) {
+    if (std::isfinite(v.bound)) put(v, by * (v.shadow - v.bound), by * (v.shadow + v.bound));
+}
+
 double srgb_to_linear(double c) { return c <= 0.04045 ? c / 12.92 : host::pow((c + 0.055) / 1.055, 2.4); }
 double linear_to_srgb(double c) { return c <= 0.0031308 ? 12.92 * c : 1.055 * host::pow(c, 1 / 2.4) - 0.055; }
 

@@ -44,8 +44,10 @@ std::string Judged::wrong_stages() const {
     return text;
 }
 
-Judged judge(const std::string& manifest) {
-    const program::Result r = program::run({"validate", manifest, "--json"});
+Judged judge(const std::string& manifest, const std::vector<std::string>& more) {
+    std::vector<std::string> words = {"validate", manifest, "--json"};
+    words.insert(words.end(), more.begin(), more.end());
+    const program::Result r = program::run(words);
     if (r.exit != 0 && r.exit != 1) throw std::runtime_error(r.err);
     const Json report = Json::parse(r.out);
     Judged out;

@@ -22,7 +22,8 @@ struct Judged {
     std::string wrong_stages() const;        // "A: bounce, A: shadow"
 };
 
-Judged judge(const std::string& manifest);
+// `more`: further words of the command.
+Judged judge(const std::string& manifest, const std::vector<std::string>& more = {});
 
 // Lines of "name: verdict, wrong of pixels", for messages.
 std::string summary(const Judged& judged);

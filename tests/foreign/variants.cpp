@@ -31,6 +31,7 @@ Variant read_variant(const io::DocumentValue& table, const std::string& path, co
     v.host = reader.word("host", "");
     v.cause = reader.word("cause", "");
     v.wrong = reader.word("wrong", "");
+    v.named = reader.word("named", "");
     v.place = reader.place();
     if (reader.has("find")) v.edits.push_back(read_edit(reader));
     for (const io::DocumentValue* one : reader.tables("edit")) {

@@ -11,6 +11,7 @@
 //     host = "last frame"              # what the program does otherwise: renderers.h
 //     cause = "1/pi"                   # in words: bugs alone
 //     wrong = "A: bounce"              # the stages that have it, by their labels; the others are right
+//     named = "times pi"               # stands in one of the first three causes that the judge names; none: in none
 #pragma once
 
 #include <string>
@@ -24,7 +25,7 @@ struct Edit {
 };
 
 struct Variant {
-    std::string name, renderer, file, host, cause, wrong, place;
+    std::string name, renderer, file, host, cause, wrong, named, place;
     std::vector<Edit> edits;
 };
 

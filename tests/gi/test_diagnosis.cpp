@@ -279,6 +279,149 @@ TEST_CASE("diagnosis: ambient occlusion of a view with another handedness, and o
     }
 }
 
+TEST_CASE("diagnosis: cosines that are not kept at 0 and above", "[diagnosis]") {
+    const StageData& d = data_of("direct");
+    const std::size_t n = texels(d);
+    StageData turned = d;
+    float* normal = floats_of(turned.inputs, "normal");
+    for (std::size_t i = 0; i < n; ++i)
+        for (std::size_t c = 0; c < 3; ++c) normal[4 * i + c] = -normal[4 * i + c];
+    // |c| = max(0, c) + max(0, -c), and c is their difference.
+    Bundle got = outputs_of(d), behind = outputs_of(turned);
+    float *p = floats_of(got, "irradiance"), *q = floats_of(behind, "irradiance");
+    SECTION("abs for max(0, .)") {
+        for (std::size_t i = 0; i < 4 * n; ++i)
+            if (i % 4 != 3) p[i] += q[i];
+        check_cause(judge(d, got), "normal from both sides (abs for max(0, .))");
+    }
+    SECTION("no max(0, .)") {
+        for (std::size_t i = 0; i < 4 * n; ++i)
+            if (i % 4 != 3) p[i] -= q[i];
+        check_cause(judge(d, got), "normal from behind less than 0 (no max(0, .))");
+    }
+}
+
+TEST_CASE("diagnosis: direct light by d for d^2, and with the light's colour twice", "[diagnosis]") {
+    // The first lamp alone: one distance, one colour.
+    const StageData& d = data_of("direct");
+    const StageBinding& b = binding_of(d);
+    StageData one = d;
+    set_uniform(b, one, "lights", std::vector<double>{1}, "test");
+    const float* light = floats_of(one.inputs, "lights");
+    REQUIRE(light[11] == 0);  // LightArgs::directional
+    const float* position = floats_of(one.inputs, "position");
+    Bundle got = outputs_of(one);
+    float* p = floats_of(got, "irradiance");
+    const std::size_t n = texels(d);
+    SECTION("d for d^2") {
+        for (std::size_t i = 0; i < n; ++i) {
+            double d2 = 0;
+            for (std::size_t c = 0; c < 3; ++c) {
+                const double v = double(position[4 * i + c]) - double(light[c]);
+                d2 += v * v;
+            }
+            for (std::size_t c = 0; c < 3; ++c) p[4 * i + c] = float(double(p[4 * i + c]) * std::sqrt(d2));
+        }
+        const Judged j = judge(one, got);
+        REQUIRE(!j.diagnosis.causes.empty());
+        CHECK_THAT(j.diagnosis.causes[0].text,
+                   Catch::Matchers::StartsWith("irradiance times the distance from position to what lights holds"));
+        CHECK(j.diagnosis.causes[0].agree == j.verdict.pixels);
+    }
+    SECTION("the colour twice") {
+        REQUIRE((light[8] != light[9] || light[9] != light[10]));
+        for (std::size_t i = 0; i < n; ++i)
+            for (std::size_t c = 0; c < 3; ++c) p[4 * i + c] *= light[8 + c];
+        const Judged j = judge(one, got);
+        REQUIRE(!j.diagnosis.causes.empty());
+        CHECK_THAT(j.diagnosis.causes[0].text, Catch::Matchers::StartsWith("irradiance times what lights holds"));
+        CHECK(j.diagnosis.causes[0].agree == j.verdict.pixels);
+    }
+}
+
+TEST_CASE("diagnosis: a gather with a matrix by rows, another border, packed normals, positions of another frame",
+          "[diagnosis]") {
+    const StageData& d = data_of("rsm.disc.key_light");
+    const StageBinding& b = binding_of(d);
+    StageData other = d;
+    SECTION("rows for columns, planes of 0.1 and 50 m") {
+        // clip = M (p, 1); the shader has the transpose of M.
+        const std::vector<double> x = uniform_value(b, d, "map.to_texel_x"), y = uniform_value(b, d, "map.to_texel_y"),
+                                  w = uniform_value(b, d, "map.to_texel_w");
+        const double side = uniform_value(b, d, "map.size")[0];
+        glm::dmat4 m;  // m[column][row]
+        for (int c = 0; c < 4; ++c) {
+            const std::size_t k = std::size_t(c);
+            m[c] = {2 * x[k] / side - w[k], 2 * y[k] / side - w[k], 50 / 49.9 * w[k] - (c == 3 ? 50 * 0.1 / 49.9 : 0), w[k]};
+        }
+        const glm::dmat4 t = glm::transpose(m);
+        std::vector<double> tx, ty, tw;
+        for (int c = 0; c < 4; ++c) {
+            tx.push_back(0.5 * side * (t[c][0] + t[c][3])), ty.push_back(0.5 * side * (t[c][1] + t[c][3]));
+            tw.push_back(t[c][3]);
+        }
+        set_uniform(b, other, "map.to_texel_x", tx, "test");
+        set_uniform(b, other, "map.to_texel_y", ty, "test");
+        set_uniform(b, other, "map.to_texel_w", tw, "test");
+        check_cause(judge(d, outputs_of(other)), "map: its matrix transposed (row-major), planes 0.1 and 50 m");
+    }
+    SECTION("normals that stay packed, and are normalised") {
+        float* normal = floats_of(other.inputs, "normal");
+        for (std::size_t i = 0; i < texels(d); ++i) {
+            if (normal[4 * i] == 0 && normal[4 * i + 1] == 0 && normal[4 * i + 2] == 0) continue;
+            double length = 0, v[3];
+            for (std::size_t c = 0; c < 3; ++c) v[c] = 0.5 + 0.5 * double(normal[4 * i + c]), length += v[c] * v[c];
+            for (std::size_t c = 0; c < 3; ++c) normal[4 * i + c] = float(v[c] / std::sqrt(length));
+        }
+        check_cause(judge(d, outputs_of(other)), "normal packed once more (0.5 x + 0.5), then normalised");
+    }
+    SECTION("positions of two pixels to the right and one below") {
+        const float* from = reinterpret_cast<const float*>(at(d.inputs, "position").bytes.data());
+        float* to = floats_of(other.inputs, "position");
+        for (int y = 0; y < d.size.y; ++y)
+            for (int x = 0; x < d.size.x; ++x)
+                std::memcpy(to + 4 * (y * d.size.x + x),
+                            from + 4 * (std::min(y + 1, d.size.y - 1) * d.size.x + std::min(x + 2, d.size.x - 1)), 16);
+        check_cause(judge(d, outputs_of(other)), "position read at (+2, +1) texels, as of another frame");
+    }
+    SECTION("its edge goes on beyond the map") {
+        // The same map with its edge around it, as wide as itself.
+        const int side = int(uniform_value(b, d, "map.size")[0]);
+        for (const char* name : {"rsm_position", "rsm_normal", "rsm_flux"})
+            for (Array& a : other.inputs.arrays) {
+                if (a.name != name) continue;
+                const std::vector<unsigned char> old(a.bytes.begin(), a.bytes.end());
+                a.shape[0] = a.shape[1] = 3 * side;
+                a.bytes.resize(9 * old.size());
+                for (int y = 0; y < 3 * side; ++y)
+                    for (int x = 0; x < 3 * side; ++x) {
+                        const int u = std::max(0, std::min(x - side, side - 1)), v = std::max(0, std::min(y - side, side - 1));
+                        std::memcpy(a.bytes.data() + 16 * (y * 3 * side + x), old.data() + 16 * (v * side + u), 16);
+                    }
+            }
+        for (const char* row : {"map.to_texel_x", "map.to_texel_y"}) {
+            std::vector<double> v = uniform_value(b, d, row);
+            const std::vector<double> w = uniform_value(b, d, "map.to_texel_w");
+            for (std::size_t i = 0; i < 4; ++i) v[i] += side * w[i];
+            set_uniform(b, other, row, v, "test");
+        }
+        set_uniform(b, other, "map.size", std::vector<double>{3.0 * side}, "test");
+        check_cause(judge(d, outputs_of(other)), "beyond the border of map its edge is repeated");
+    }
+}
+
+TEST_CASE("diagnosis: numbers that have no name are fitted", "[diagnosis]") {
+    const StageData& d = data_of("screen.ssao");
+    const StageBinding& b = binding_of(d);
+    StageData other = d;
+    set_uniform(b, other, "radius", std::vector<double>{1.37 * uniform_value(b, d, "radius")[0]}, "test");
+    const Judged j = judge(d, outputs_of(other));
+    REQUIRE(!j.diagnosis.causes.empty());
+    CHECK(j.diagnosis.causes[0].text.starts_with("radius times 1.3"));
+    CHECK(j.diagnosis.causes[0].fitted);
+    CHECK(double(j.diagnosis.causes[0].agree) >= 0.99 * double(j.verdict.pixels));
+}
+
 TEST_CASE("diagnosis: a G-buffer whose normals stay packed", "[diagnosis]") {
     const StageData& d = data_of("gbuffer");
     Bundle got = outputs_of(d);

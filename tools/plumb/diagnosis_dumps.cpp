@@ -29,6 +29,31 @@ bool read_instead(const Slot& slot, const io::DumpSpec& spec, StageData& data) {
     return false;
 }
 
+// What the manifest says is done with a dump before it is an input; "" for nothing.
+std::string forms_of(const io::DumpSpec& spec) {
+    std::string text;
+    auto add = [&](bool there, const std::string& word) { text += there ? (text.empty() ? "" : ", ") + word : ""; };
+    add(spec.encoding != "plain", spec.encoding);
+    add(spec.from_depth.has_value(), "from depth");
+    add(spec.matrix.has_value(), "its matrix");
+    add(!spec.scale.empty() || !spec.factors.empty(), "its factors");
+    add(spec.normalized, "normalized");
+    return text;
+}
+
+// As it lies in its file: a shader that decodes nothing.
+void add_undecoded(const Slot& slot, const io::DumpSpec& spec, std::vector<parity::Hypothesis>& all) {
+    const std::string forms = forms_of(spec);
+    if (forms.empty()) return;
+    parity::Hypothesis h{fmt::format("{} as it is stored, without: {}", slot.name, forms)};
+    h.change = [&slot, plain = spec](StageData& data) mutable {
+        plain.encoding = "plain", plain.near_far.clear();
+        return read_instead(slot, plain, data);
+    };
+    h.slack = parity::computed_slack;
+    all.push_back(std::move(h));
+}
+
 }  // namespace
 
 std::vector<parity::Hypothesis> other_dumps(const io::Manifest& manifest, const io::ManifestStage& stage,
@@ -37,6 +62,7 @@ std::vector<parity::Hypothesis> other_dumps(const io::Manifest& manifest, const 
     for (const Slot& slot : binding.inputs) {
         const auto own = stage.inputs.find(slot.name);
         if (own == stage.inputs.end() || slot.kind != SlotKind::image || slot.dtype != DType::f32) continue;
+        add_undecoded(slot, own->second, all);
         std::set<std::string> known{own->second.file.string()};
         for (const io::ManifestStage& other : manifest.stages)
             for (const auto* dumps : {&other.inputs, &other.outputs}) {

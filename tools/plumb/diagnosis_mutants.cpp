@@ -2,13 +2,17 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstring>
+#include <optional>
+#include <utility>
 
 #include "core/error.h"
 #include "tools/plumb/devices.h"
 
 #ifdef PLUMB_WITH_VULKAN
 #include "tools/mutants/edit.h"
+#include "tools/mutants/selectable.h"
 #include "tools/vulkan/runner.h"
 #include "tools/vulkan/twins.h"
 #endif
@@ -26,6 +30,8 @@ using mutants::Site;
 // A device rounds otherwise than the one that was dumped, and has no bound: what is this near, of a texel's largest,
 // agrees.
 constexpr double device_slack = 0x1p-13;
+// Pixels whose groups alone are run.
+constexpr std::size_t most_pixels = 4096;
 // Turns of all loops of an invocation.
 constexpr std::uint32_t most_turns = 1 << 20;
 
@@ -197,8 +203,7 @@ std::string words_of(const Site& site) {
             return "with components swapped";
         case Change::neighbour_read:
             return site.part == 1 ? "read in the next row" : "read at the next place";
-        case Change::input_dropped:
-            return "read as 0";
+        case Change::input_dropped:  // as inputs and uniforms that are not read
         case Change::constant_scaled:
         case Change::input_scaled:
             return "";
@@ -206,20 +211,102 @@ std::string words_of(const Site& site) {
     return "";
 }
 
+// What people do beside the changes of generic mutants.
+enum class Slip : int {
+    abs_for_max,    // abs(x) for max(0, x)
+    first_twice,    // a a b for a b
+    second_twice,   // a b b for a b, a / b / b for a / b
+};
+
+// Puts it in the place of the instruction.
+void make_slip(mutants::Editor& e, std::size_t at, Slip slip) {
+    using namespace mutants;
+    Instruction& i = e[at];
+    if (slip == Slip::abs_for_max) {
+        const std::uint32_t kept = e.index().is_float_constant(i.words[4], 0) ? i.words[5] : i.words[4];
+        i = {op_ext_inst, {i.words[0], i.words[1], i.words[2], glsl_f_abs, kept}};
+    } else {
+        const std::uint32_t once = e.new_id(), again = i.words[slip == Slip::first_twice ? 2 : 3];
+        e.before(at, {i.opcode, {i.words[0], once, i.words[2], i.words[3]}});
+        i = {i.opcode, {i.words[0], i.words[1], once, again}};
+    }
+}
+
+struct PlacedSlip {
+    Slip slip;
+    std::size_t at;
+    std::string words;
+};
+std::vector<PlacedSlip> slips_of(const mutants::SpirvModule& module, const mutants::SpirvIndex& index) {
+    using namespace mutants;
+    std::vector<PlacedSlip> all;
+    for (std::size_t at = index.first_function(); at < module.code.size(); ++at) {
+        const Instruction& i = module.code[at];
+        if (i.opcode == op_ext_inst && i.words[3] == glsl_f_max &&
+            (index.is_float_constant(i.words[4], 0) || index.is_float_constant(i.words[5], 0)))
+            all.push_back({Slip::abs_for_max, at, "as abs()"});
+        const bool product = i.opcode == op_f_mul, quotient = i.opcode == op_f_div;
+        if (product && !index.is_constant(i.words[2]))
+            all.push_back({Slip::first_twice, at, "with the first factor twice"});
+        if ((product || quotient) && !index.is_constant(i.words[3]))
+            all.push_back({Slip::second_twice, at, product ? "with the second factor twice" : "with its divisor twice"});
+    }
+    return all;
+}
+
+// A module that runs, and what it changes: one thing, or one of many, by the z of its invocations.
+struct Wave {
+    std::vector<mutants::PlacedChange> changes;
+    bool selects = true;
+};
+
 // The twin with its data on the device; other shaders run there one by one.
 struct Held {
     mutants::SpirvModule module;
     mutants::SpirvIndex index;
     vulkan::PreparedTwin twin;
+    std::vector<Wave> waves;
+    std::optional<std::size_t> running;  // of the waves
 
     Held(const vulkan::Device& device, const StageBinding& binding, const StageData& data,
          std::span<const std::uint32_t> spirv)
-        : module(mutants::parse_spirv(spirv)), index(module), twin(device, binding, data) {}
+        : module(mutants::parse_spirv(spirv)), index(module), twin(device, binding, data, selecting()) {}
+    static vulkan::RunTwin selecting() {
+        vulkan::RunTwin options;
+        options.selects = true;
+        return options;
+    }
 
-    bool run(const Site& site, Bundle& outputs) {
+    // Which wave has the change from now on, and its number there, from 1; 0: it is alone.
+    std::pair<std::size_t, std::uint32_t> placed(mutants::PlacedChange change, bool selects) {
+        std::size_t w = 0;
+        const auto taken = [&](const Wave& wave) {
+            return !selects || !wave.selects ||
+                   std::any_of(wave.changes.begin(), wave.changes.end(),
+                               [&](const mutants::PlacedChange& c) { return c.at == change.at; });
+        };
+        while (w < waves.size() && taken(waves[w])) ++w;
+        if (w == waves.size()) waves.push_back({{}, selects});
+        waves[w].changes.push_back(std::move(change));
+        return {w, selects ? std::uint32_t(waves[w].changes.size()) : 0};
+    }
+
+    mutants::SpirvModule of(const Wave& wave) const {
+        if (wave.selects) return mutants::selectable(module, index, wave.changes);
+        mutants::Editor e(module, index);
+        wave.changes[0].edit(e);
+        return e.apply();
+    }
+
+    bool run(std::size_t wave, std::uint32_t number, std::span<const glm::ivec2> pixels, Bundle& outputs) {
         try {
-            const mutants::SpirvModule mutant = mutants::changed(module, index, site);
-            twin.use(mutants::words_of(mutants::guarded(mutant, most_turns)));
+            if (running != wave) {
+                running = {};
+                twin.use(mutants::words_of(mutants::guarded(of(waves[wave]), most_turns)));
+                running = wave;
+            }
+            // Most groups have some of many pixels.
+            twin.select(number, pixels.size() > most_pixels ? std::span<const glm::ivec2>{} : pixels);
             twin.submit();
             outputs = twin.read().outputs;
         } catch (const vulkan::Error&) {
@@ -254,16 +341,30 @@ std::vector<parity::Hypothesis> TwinMutants::of(const StageBinding& binding, con
         return all;
     }
     const Expressions expressions(held->index);
-    for (const Site& site : mutants::find_sites(held->module, held->index)) {
-        const std::string words = words_of(site);
-        if (words.empty()) continue;
-        const Instruction& i = held->module.code[site.at];
+    const bool compute = !binding.raster;
+    std::vector<std::pair<std::size_t, parity::Hypothesis>> placed;  // by their waves
+    auto add = [&](std::size_t at, const std::string& words, std::function<void(mutants::Editor&)> edit) {
+        const Instruction& i = held->module.code[at];
         const std::string what = mutants::has_result(i.opcode) ? expressions.of(i.words[1]) : "..";
-        parity::Hypothesis h{fmt::format("{} {} in {}()", what, words, site.place.function)};
-        h.outputs = [held, site](Bundle& outputs) { return held->run(site, outputs); };
+        const bool selects = compute && mutants::is_selectable(held->module, held->index, at);
+        // A module for each of them alone takes its time; of addresses there are many.
+        if (!selects && i.opcode == mutants::op_access_chain) return;
+        const auto [wave, number] = held->placed({at, std::move(edit)}, selects);
+        parity::Hypothesis h{fmt::format("{} {} in {}()", what, words, held->index.places()[at].function)};
+        h.outputs = [held, wave = wave, number = number](std::span<const glm::ivec2> pixels, Bundle& outputs) {
+            return held->run(wave, number, pixels, outputs);
+        };
         h.slack = device_slack;
-        all.push_back(std::move(h));
-    }
+        placed.push_back({wave, std::move(h)});
+    };
+    for (const Site& site : mutants::find_sites(held->module, held->index))
+        if (const std::string words = words_of(site); !words.empty())
+            add(site.at, words, [site, held = held.get()](mutants::Editor& e) { mutants::edit(e, held->module, site); });
+    for (const PlacedSlip& slip : slips_of(held->module, held->index))
+        add(slip.at, slip.words, [slip](mutants::Editor& e) { make_slip(e, slip.at, slip.slip); });
+    // A wave is compiled once for all that it has.
+    std::stable_sort(placed.begin(), placed.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    for (auto& [wave, h] : placed) all.push_back(std::move(h));
     return all;
 }
 

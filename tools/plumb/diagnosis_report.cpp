@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "tools/page/markup.h"
+#include "tools/plumb/verdict_picture.h"
 #include "tools/plumb/verdict_report.h"
 #include "tools/shared/table.h"
 
@@ -81,17 +82,24 @@ std::string median_text(const std::vector<Ratios>& all) {
     return most ? number_text(most->quartiles[1]) : "none";
 }
 
-Rows clusters(const Diagnosis& d) {
-    Rows rows{{{"wrong pixels together"},
+// `in_colour`: with the colours that the places have in the picture.
+Rows clusters(const Diagnosis& d, bool in_colour) {
+    Rows rows{{{"place"},
+               {"wrong pixels together"},
                {"pixels", Align::right},
                {"got / expected", Align::right},
                {"agree", Align::right},
                {"with"}},
               {}};
-    for (const ClusterCause& c : d.clusters)
-        rows.rows.push_back({box_text(c.low, c.high), fmt::format("{}", c.pixels), median_text(c.ratios),
+    if (!in_colour) rows.columns.erase(rows.columns.begin());
+    for (std::size_t i = 0; i < d.clusters.size(); ++i) {
+        const ClusterCause& c = d.clusters[i];
+        rows.rows.push_back({place_colour(i), box_text(c.low, c.high), fmt::format("{}", c.pixels), median_text(c.ratios),
                              c.text.empty() ? "" : share_text(c.agree, c.looked_at),
                              c.text.empty() ? "no guess" : c.text});
+    }
+    if (!in_colour)
+        for (std::vector<std::string>& row : rows.rows) row.erase(row.begin());
     return rows;
 }
 
@@ -166,7 +174,7 @@ std::string cause_text(const Diagnosis& d) {
 std::string diagnosis_text(const Diagnosis& d) {
     if (d.wrong.pixels == 0) return "";
     std::string text = "\n" + tried_text(d) + "\n" + causes(d).text();
-    text += "\n" + where_text(d) + "\n" + clusters(d).text() + ratios(d.wrong).text();
+    text += "\n" + where_text(d) + "\n" + clusters(d, false).text() + ratios(d.wrong).text();
     text += errors(d.wrong.largest, "largest errors").text();
     if (d.wrong.unexpected > 0)
         text += unexpected_text(d) + "\n" + errors(d.wrong.unexpected_largest, "where 0 is expected").text();
@@ -182,6 +190,7 @@ Json diagnosis_json(const Diagnosis& d) {
                           {"agree", c.agree},
                           {"without", c.without},
                           {"aside", c.aside},
+                          {"fitted", c.fitted},
                           {"alike", c.alike}});
     for (const ClusterCause& c : d.clusters)
         clusters.push_back({{"pixels", c.pixels},
@@ -211,7 +220,7 @@ void diagnosis_part(page::Page& page, const Diagnosis& d) {
     page.paragraph(tried_text(d));
     table(page, causes(d));
     page.paragraph(where_text(d));
-    table(page, clusters(d));
+    table(page, clusters(d, true));
     table(page, ratios(d.wrong));
     table(page, errors(d.wrong.largest, "largest errors"));
     if (d.wrong.unexpected == 0) return;

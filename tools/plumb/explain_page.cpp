@@ -124,8 +124,7 @@ std::string caption_of(const SlotPicture& picture, int by) {
                        by > 1 ? fmt::format(", shown at 1/{}", by) : "", picture.mapping);
 }
 
-void figure_of_map(Page& page, const Shown& shown, const Marks& marks) {
-    const SlotPicture picture = slot_picture(shown.slot, shown.array, shown.layer);
+DrawnPicture drawn_map(const SlotPicture& picture, const Shown& shown, const Marks& marks) {
     const glm::dvec2 size = layer_size(shown.slot, shown.array);
     // What lies outside is seen as far as a tenth of the map, which itself is always as large.
     glm::dvec2 low(0), high = size;
@@ -141,8 +140,14 @@ void figure_of_map(Page& page, const Shown& shown, const Marks& marks) {
     if (!shown.of_frame && marks.projection) overlay.marks += point_mark(*marks.projection, scale);
     if (shown.of_frame) overlay.marks += marks.triangle + pixel_mark(marks.pixel, glm::ivec2(size), scale);
     const int by = reduction(picture.texels, kept_texels);
-    figure(page, reduced(picture.texels, by), caption_of(picture, by), overlay);
-    if (shown.read_at && !many) figure_of_region(page, picture, shown, marks);
+    return {reduced(picture.texels, by), caption_of(picture, by), overlay};
+}
+
+void figure_of_map(Page& page, const Shown& shown, const Marks& marks) {
+    const SlotPicture picture = slot_picture(shown.slot, shown.array, shown.layer);
+    const DrawnPicture drawn = drawn_map(picture, shown, marks);
+    figure(page, drawn.texels, drawn.caption, drawn.overlay);
+    if (shown.read_at && marks.samples.all.size() <= most_marks) figure_of_region(page, picture, shown, marks);
 }
 
 void figure_of_frame(Page& page, const Shown& shown, const Marks& marks) {
@@ -332,6 +337,18 @@ SampleShape sample_shape(const StageBinding* binding, const StageData* data, glm
             array && !slot.frame && layers_of(slot, *array) == 1 && shape.map_width == 0)
             shape.map_width = layer_size(slot, *array).x;
     return shape;
+}
+
+std::vector<DrawnPicture> sample_plot(const StageBinding& binding, const StageData& data, glm::ivec2 pixel,
+                                      const std::vector<TapValue>& values) {
+    const Samples samples = samples_of(values, sample_shape(&binding, &data, pixel));
+    if (samples.all.empty() || samples.all.size() > most_marks) return {};
+    ExplainedStage stage;
+    stage.pixel = pixel, stage.binding = &binding, stage.data = &data;
+    const std::vector<Shown> all = shown_of(stage, samples);
+    if (all.empty() || !all.front().read_at) return {};
+    return {drawn_map(slot_picture(all.front().slot, all.front().array, all.front().layer), all.front(),
+                      {samples, "", pixel, projection_of(values)})};
 }
 
 ExplainPage::ExplainPage(const std::string& title) : page_(title) {}

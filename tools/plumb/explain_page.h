@@ -43,6 +43,17 @@ class ExplainPage {
     int stages_ = 0;
 };
 
+// A picture for a page, with what is drawn over it.
+struct DrawnPicture {
+    Image<std::uint32_t> texels;
+    std::string caption;
+    page::Overlay overlay;
+};
+// The samples of an invocation on what they read: the light of its map first of all. None of a stage without samples that
+// have a place, or with so many that marks would hide each other.
+std::vector<DrawnPicture> sample_plot(const StageBinding& binding, const StageData& data, glm::ivec2 pixel,
+                                      const std::vector<TapValue>& values);
+
 // Paths, windows and maps as the stage's uniform block and inputs have them.
 SampleShape sample_shape(const StageBinding* binding, const StageData* data, glm::ivec2 pixel);
 

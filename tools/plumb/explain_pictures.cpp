@@ -218,8 +218,12 @@ glm::ivec2 layer_size(const Slot& slot, const Array& array) {
 }
 
 SlotPicture slot_picture(const Slot& slot, const Array& array, int layer) {
+    return slot_picture_like(slot, array, array, layer);
+}
+
+SlotPicture slot_picture_like(const Slot& slot, const Array& array, const Array& like, int layer) {
     const Layer l = layer_of(slot, array, layer);
-    const Mapping mapping(l);
+    const Mapping mapping(layer_of(slot, like, layer));
     Image<std::uint32_t> whole(l.width, l.height);
     for (std::size_t i = 0; i < whole.size(); ++i) whole.texels[i] = mapping.colour(l, i);
     return {std::move(whole), name_text(slot, layer), mapping.text()};

@@ -22,6 +22,8 @@ glm::ivec2 layer_size(const Slot& slot, const Array& array);
 
 // What is no number is magenta, and counted in words.
 SlotPicture slot_picture(const Slot& slot, const Array& array, int layer);
+// With the colours of another array of the same slot, so that both can be held against each other.
+SlotPicture slot_picture_like(const Slot& slot, const Array& array, const Array& like, int layer);
 
 // By how much a picture has to be kept smaller so that no side is above `most` texels; and it, as means of by x by texels.
 int reduction(const Image<std::uint32_t>& image, int most);

@@ -47,16 +47,20 @@ StageReport report_on(const StageCase& stage, const ValidateOptions& given, cons
     const parity::StageVerdict& verdict = report.verdict;
     const bool written = verdict.unwritten < verdict.pixels;
     const bool differs = verdict.verdict != parity::Verdict::equal && !verdict.worst.empty() && written;
-    if (given.pictures()) report.map = verdict_picture(verdict);
+    if (given.pictures()) report.map = verdict_picture(verdict, {});
     if (!differs) return report;
     const std::unique_ptr<BoundStage> bound = stage.binding->bind(stage.data);
     report.explanation = bound->explain(verdict.worst.front().pixel, options.profile);
     if (!given.without_diagnosis && verdict.verdict == parity::Verdict::wrong)
         report.diagnosis = parity::diagnose(*stage.binding, stage.data, stage.dumped, options, verdict, guesses());
     if (!given.pictures()) return report;
+    report.map = verdict_picture(verdict, report.diagnosis);
     Bundle expected;
     bound->run(options.run, options.profile, expected);
     report.error = error_picture(verdict, stage.dumped, expected);
+    if (given.html.empty()) return report;
+    report.outputs = output_pictures(*stage.binding, stage.dumped, expected);
+    report.samples = sample_plot(*stage.binding, stage.data, verdict.worst.front().pixel, report.explanation);
     return report;
 }
 

@@ -132,14 +132,19 @@ void section(Page& page, const StageReport& stage, std::size_t index) {
     for (const std::string& note : stage.notes) page.raw(fmt::format("<p class=\"note\">{}</p>\n", escaped(note)));
     table_of_worst(page, v);
     diagnosis_part(page, stage.diagnosis);
-    figure(
-        page, stage.map,
-        "The verdict of each pixel: grey equal, blue within bound, yellow ambiguous, orange wrong, black not judged. "
-        "White frames: the worst pixels.");
+    for (const DrawnPicture& p : stage.outputs) figure(page, p.texels, p.caption);
+    figure(page, stage.map,
+           fmt::format("The verdict of each pixel: grey equal, blue within bound, yellow ambiguous, orange wrong{}, black not "
+                       "judged. White frames: the worst pixels.",
+                       stage.diagnosis.clusters.empty() ? "" : " (other places purple, sky blue and green)"));
     figure(
         page, stage.error,
         "The largest |got - expected| of a pixel's components, of the largest value expected: black 0, then from 1e-8 "
         "of it to white, all of it, by the logarithm; NaN red.");
+    for (const DrawnPicture& p : stage.samples)
+        page.figure(page.picture(p.texels, fmt::format("The samples of the worst pixel, {}, {}. {}", v.worst.front().pixel.x,
+                                                       v.worst.front().pixel.y, p.caption)),
+                    p.overlay);
     table_of_taps(page, stage);
 }
 

@@ -1,10 +1,13 @@
 #include "tools/plumb/verdict_picture.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 
 #include "core/host_math.h"
+#include "tools/plumb/explain_pictures.h"
 
 namespace plumb::cli {
 
@@ -17,6 +20,15 @@ constexpr std::uint32_t rgb(std::uint32_t r, std::uint32_t g, std::uint32_t b) {
 // Told apart by who sees no red or green, too (Okabe and Ito 2008).
 constexpr std::uint32_t colours[parity::verdicts] = {rgb(77, 86, 92), rgb(0, 114, 178), rgb(240, 228, 66),
                                                      rgb(213, 94, 0)};
+// Of places that are wrong, the largest first.
+struct PlaceColour {
+    const char* name;
+    std::uint32_t colour;
+};
+constexpr PlaceColour places[] = {{"orange", colours[int(parity::Verdict::wrong)]},
+                                  {"purple", rgb(204, 121, 167)},
+                                  {"sky blue", rgb(86, 180, 233)},
+                                  {"green", rgb(0, 158, 115)}};
 constexpr std::uint32_t black = rgb(0, 0, 0), white = rgb(255, 255, 255), red = rgb(213, 0, 0);
 
 // A square around the pixel, drawn where it is inside.
@@ -75,10 +87,13 @@ std::uint32_t grey(double share) {
 
 }  // namespace
 
-Image<std::uint32_t> verdict_picture(const parity::StageVerdict& verdict) {
+Image<std::uint32_t> verdict_picture(const parity::StageVerdict& verdict, const parity::Diagnosis& diagnosis) {
     Image<std::uint32_t> image(verdict.map.width, verdict.map.height, black);
     for (std::size_t i = 0; i < image.size(); ++i)
         if (verdict.map.texels[i] < parity::verdicts) image.texels[i] = colours[verdict.map.texels[i]];
+    const std::vector<parity::Cluster>& wrong = diagnosis.wrong.clusters;
+    for (std::size_t i = 0; i < std::min(std::size(places), wrong.size()); ++i)
+        for (const glm::ivec2 p : wrong[i].members) image(p.x, p.y) = places[i].colour;
     for (const parity::WorstPixel& worst : verdict.worst)
         if (worst.verdict != parity::Verdict::equal)
             for (int radius : {5, 6}) frame(image, worst.pixel, radius);
@@ -106,6 +121,31 @@ Image<std::uint32_t> error_picture(const parity::StageVerdict& verdict, const st
         image.texels[i] = grey(largest);
     }
     return image;
+}
+
+std::string place_colour(std::size_t place) { return places[place < std::size(places) ? place : 0].name; }
+
+std::vector<DrawnPicture> output_pictures(const StageBinding& binding, const std::vector<parity::Dumped>& dumped,
+                                          const Bundle& expected) {
+    constexpr int kept_texels = 512;
+    std::vector<DrawnPicture> all;
+    for (const Slot& slot : binding.outputs) {
+        const auto d = std::find_if(dumped.begin(), dumped.end(),
+                                    [&](const parity::Dumped& one) { return one.output == slot.name; });
+        if (d == dumped.end()) continue;
+        const Array& ours = at(expected, slot.name);
+        // Of what was not dumped nothing can be shown, and an output of other components has other colours.
+        if (d->array.shape != ours.shape || layers_of(slot, ours) != 1) continue;
+        for (const bool is_ours : {true, false}) {
+            const SlotPicture picture = slot_picture_like(slot, is_ours ? ours : d->array, ours, 0);
+            const int by = reduction(picture.texels, kept_texels);
+            all.push_back({reduced(picture.texels, by),
+                           fmt::format("{}: {}{}; {}", is_ours ? "Expected" : "Got, in the same colours", picture.name,
+                                       by > 1 ? fmt::format(", shown at 1/{}", by) : "", picture.mapping),
+                           {}});
+        }
+    }
+    return all;
 }
 
 }  // namespace plumb::cli

@@ -9,6 +9,7 @@
 #include "gi/parity/diagnosis.h"
 #include "gi/parity/verdict.h"
 #include "io/manifest.h"
+#include "tools/plumb/explain_page.h"
 #include "tools/shared/reports.h"
 
 namespace plumb::cli {
@@ -21,6 +22,9 @@ struct StageReport {
     // Pictures, where they were asked for: of the verdicts; and of |got - expected|, where not all is equal.
     Image<std::uint32_t> map, error;
     parity::Diagnosis diagnosis = {};   // of what is wrong
+    // For the page, where not all is equal: outputs as they are expected and as they were got, and the samples of the worst
+    // pixel.
+    std::vector<DrawnPicture> outputs = {}, samples = {};
 
     bool passed() const { return decided() && verdict.passed && stale.empty(); }
     bool failed() const { return !verdict.passed || !stale.empty(); }

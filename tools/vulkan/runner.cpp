@@ -128,6 +128,8 @@ struct PreparedTwin::Parts {
     Targets targets;
     std::shared_ptr<const GraphicsPipeline> graphics;
     bool clears = false;  // outputs, before each run
+    std::vector<glm::ivec2> some;  // pixels whose groups run; empty: all
+    std::uint32_t z = 0;           // of all invocations
     VkCommandBuffer commands = VK_NULL_HANDLE;
 
     Parts(const Device& d, const StageBinding& b, const StageData& data, const RunTwin& o);
@@ -332,7 +334,7 @@ void PreparedTwin::Parts::bind_all() {
 void PreparedTwin::Parts::make_pipelines() {
     if (!binding.raster) {
         compute = std::make_shared<ComputePipeline>(
-            make_compute_pipeline(device, make_shader(device, spirv, binding.twin), sets[0].layout.get()));
+            make_compute_pipeline(device, make_shader(device, spirv, binding.twin), sets[0].layout.get(), options.selects));
         return;
     }
     GraphicsOptions how;
@@ -370,6 +372,7 @@ void PreparedTwin::Parts::record() {
     commands = VK_NULL_HANDLE;
     commands = device.record([&](VkCommandBuffer to) {
         if (clears) clear_stored(to);
+        if (!binding.raster && options.selects) return compute->dispatch_some(to, sets[0].set, size, some, z);
         if (!binding.raster) return compute->dispatch(to, sets[0].set, size);
         targets.begin(to);
         graphics->bind(to);
@@ -416,6 +419,12 @@ void PreparedTwin::use(std::span<const std::uint32_t> spirv, std::span<const std
 
 void PreparedTwin::use(const PreparedTwin& other) {
     parts_->compute = other.parts_->compute, parts_->graphics = other.parts_->graphics;
+    parts_->clears = true;
+    parts_->record();
+}
+
+void PreparedTwin::select(std::uint32_t z, std::span<const glm::ivec2> pixels) {
+    parts_->some.assign(pixels.begin(), pixels.end()), parts_->z = z;
     parts_->clears = true;
     parts_->record();
 }

@@ -19,6 +19,7 @@ struct RunTwin {
     // Of input images of four floats that are not of the frame's size, a light's maps: or rgba16f, for values that halves
     // hold exactly.
     Format maps = Format::rgba32f;
+    bool selects = false;  // select() will be called
     // Vertices beyond so many bytes are drawn in batches; 0: as many as a buffer of the device may have.
     std::size_t largest_buffer = 0;
 };
@@ -50,6 +51,9 @@ class PreparedTwin {
     void use(std::span<const std::uint32_t> spirv, std::span<const std::uint32_t> vertex_spirv = {});
     // The same with the pipeline of another twin of this stage on the same device, which is not compiled again.
     void use(const PreparedTwin& other);
+    // From now on, of a twin with RunTwin::selects: invocations have that z, and run in the groups of these pixels alone;
+    // none: everywhere. Of a raster stage nothing changes.
+    void select(std::uint32_t z, std::span<const glm::ivec2> pixels);
 
   private:
     struct Parts;
