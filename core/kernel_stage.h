@@ -16,11 +16,13 @@
 
 #include "core/binding.h"
 #include "core/bounded.h"
+#include "core/bounded_packet.h"
 #include "core/error.h"
 #include "core/fp_environment.h"
 #include "core/inexact_inputs.h"
 #include "core/kernel_rows.h"
 #include "core/outcomes.h"
+#include "core/packet_outcomes.h"
 #include "core/parallel.h"
 #include "core/stage_description.h"
 #include "core/twin_layout.h"
@@ -89,8 +91,13 @@ void each_component(const Value& v, Each each) {
     v.components(each);
 }
 
+// Whether Kernel::item() is written for lanes that go different ways. Of a stage whose loop over packets is its own it may
+// be for one lane alone; its stages.cpp says so.
 template <class Kernel>
-class KernelStage final : public BoundStage {
+inline constexpr bool by_packets = true;
+
+template <class Kernel>
+class KernelStage final : public BoundStage, public PacketOutcomes {
     using View = typename Kernel::View;
 
   public:
@@ -140,12 +147,20 @@ class KernelStage final : public BoundStage {
                   std::span<const std::int32_t> choices, std::vector<Outcome>& out) const override {
         const PrecisionScope precision(profile.precision);
         const InexactScope inexact(inexact_);
-        auto one = [&](std::vector<Bounded>& values) { append<Bounded>(pixel, values); };
-        enumerate_outcomes(one, most_outcomes, out, choices);
-        // What a device left there that does not write the pixel could be anything.
-        if constexpr (masked)
-            if (!surely_writes(pixel))
-                out.push_back({std::vector<BoundedValue>(out.at(0).values.size(), {0, __builtin_inf()}), true});
+        enumerate(pixel, choices, out);
+    }
+
+    void outcomes(std::span<const glm::ivec2> pixels, const DeviceProfile& profile, Isa isa,
+                  std::vector<Outcome>* out) const override {
+        const PrecisionScope precision(profile.precision);
+        const InexactScope inexact(inexact_);
+        const std::uint32_t left = packet(pixels, isa, out);
+        for (std::size_t i = 0; i < pixels.size(); ++i) {
+            if (left >> i & 1)
+                enumerate(pixels[i], {}, out[i]);
+            else
+                add_unwritten(pixels[i], out[i]);
+        }
     }
 
     void follow(glm::ivec2 pixel, DecisionTape& tape, std::vector<Followed>& out) const override {
@@ -283,6 +298,41 @@ class KernelStage final : public BoundStage {
             for (int c = 0; c < slot.channels; ++c, ++at)
                 if (slot.dtype == DType::f32) values[kept++] = values[at];
         values.resize(kept);
+    }
+
+    void enumerate(glm::ivec2 pixel, std::span<const std::int32_t> choices, std::vector<Outcome>& out) const {
+        auto one = [&](std::vector<Bounded>& values) { append<Bounded>(pixel, values); };
+        enumerate_outcomes(one, most_outcomes, out, choices);
+        add_unwritten(pixel, out);
+    }
+
+    // The one outcome of each pixel; of those that it returns, a bit each, it says nothing.
+    std::uint32_t packet(std::span<const glm::ivec2> pixels, Isa isa, std::vector<Outcome>* out) const {
+        if constexpr (by_packets<Kernel>) {
+            const PacketScope scope(isa);
+            PacketIndex x, y;
+            for (std::size_t i = 0; i < most; ++i) {
+                const glm::ivec2 pixel = pixels[std::min(i, pixels.size() - 1)];
+                x.v[i] = pixel.x, y.v[i] = pixel.y;
+            }
+            for (std::size_t i = 0; i < pixels.size(); ++i) out[i].assign(1, Outcome{});
+            NoTap tap;
+            each_component(Kernel::template item<BoundedPacket>(view_, x, y, tap), [&](const auto& component) {
+                const BoundedPacket values(component);
+                for (std::size_t i = 0; i < pixels.size(); ++i)
+                    out[i][0].values.push_back({values->shadow[i], values->exact ? 0 : values->bound[i]});
+            });
+            return scope.left();
+        } else {
+            return PacketData::all;
+        }
+    }
+
+    // What a device left there that does not write the pixel could be anything.
+    void add_unwritten(glm::ivec2 pixel, std::vector<Outcome>& out) const {
+        if constexpr (masked)
+            if (!surely_writes(pixel))
+                out.push_back({std::vector<BoundedValue>(out.at(0).values.size(), {0, __builtin_inf()}), true});
     }
 
     // Of an item that is written: whether every device writes it.

@@ -10,6 +10,7 @@
 
 #include "core/error.h"
 #include "core/nearest_known.h"
+#include "core/packet_outcomes.h"
 #include "core/parallel.h"
 #include "gi/parity/pair.h"
 #include "gi/parity/stored.h"
@@ -28,7 +29,8 @@ class Judge {
   public:
     Judge(const StageBinding& binding, const StageData& data, const std::vector<Dumped>& dumped,
           const JudgeOptions& options)
-        : binding_(binding), data_(data), options_(options), stage_(binding.bind(data)) {
+        : binding_(binding), data_(data), options_(options), stage_(binding.bind(data)),
+          packets_(dynamic_cast<const PacketOutcomes*>(stage_.get())) {
         stage_->run(options.run, options.profile, expected_);
         for (const Slot& slot : binding.outputs) components_ += slot.channels;
         for (const Dumped& d : dumped) pairs_.push_back(pair(d));
@@ -69,29 +71,58 @@ class Judge {
         return zero ? "0" : nan ? "NaN" : "";
     }
 
-    Judged operator()(glm::ivec2 pixel) const {
+    // What needs no bound; false where it does.
+    bool at_sight(glm::ivec2 pixel, Judged& j) const {
         const std::size_t at = index(pixel);
-        if (const Pair* p = unwritten(at)) return never_written(*p, at, pixel);
-        if (same_bits(at)) return {};
-        Judged j;
+        if (const Pair* p = unwritten(at)) return j = never_written(*p, at, pixel), true;
+        if (same_bits(at)) return true;
         j.worst.pixel = pixel;
-        if (not_a_number(at, j.worst)) return {Verdict::wrong, j.worst};
+        if (not_a_number(at, j.worst)) return j.verdict = Verdict::wrong, true;
         if (const WorstPixel w = rounded_alike(at); w.excess <= 1) {
             j.verdict = Verdict::within_bound, j.worst = w;
             j.worst.pixel = pixel, j.worst.verdict = j.verdict;
-            return j;
+            return true;
         }
+        return false;
+    }
 
-        // Look for a legal outcome that is near enough.
+    // Of pixels that at_sight() left, at most PacketOutcomes::most: few of them are quicker one by one.
+    void operator()(std::span<const glm::ivec2> pixels, Judged* j) const {
+        constexpr std::size_t few = 3;
+        std::vector<Outcome> outcomes[PacketOutcomes::most];
+        if (packets_ && pixels.size() > few && options_.choices_a_pixel == 0)
+            packets_->outcomes(pixels, options_.profile, options_.run.isa, outcomes);
+        else
+            for (std::size_t i = 0; i < pixels.size(); ++i) find_outcomes(pixels[i], outcomes[i]);
+        for (std::size_t i = 0; i < pixels.size(); ++i) j[i] = nearest_of(pixels[i], outcomes[i]);
+    }
+
+  private:
+    std::size_t index(glm::ivec2 pixel) const {
+        return std::size_t(pixel.y) * std::size_t(data_.size.x) + std::size_t(pixel.x);
+    }
+    std::size_t pixels() const { return std::size_t(data_.size.x) * std::size_t(data_.size.y); }
+    glm::ivec2 place(std::size_t i) const {
+        return {int(i % std::size_t(data_.size.x)), int(i / std::size_t(data_.size.x))};
+    }
+
+    void find_outcomes(glm::ivec2 pixel, std::vector<Outcome>& outcomes) const {
+        const std::size_t at = index(pixel);
         std::vector<float> got(std::size_t(components_), std::numeric_limits<float>::quiet_NaN());
         for (const Pair& p : pairs_)
             for (int c = 0; c < p.channels; ++c)
                 if (p.compared(c)) got[std::size_t(p.first + c)] = float(p.got(at, c));
-        std::vector<Outcome> outcomes;
         const int n = options_.choices_a_pixel;
         std::span<const std::int32_t> choices;
         if (n > 0) choices = {options_.choices.data() + at * std::size_t(n), std::size_t(n)};
         stage_->outcomes(pixel, options_.profile, got, choices, outcomes);
+    }
+
+    // Looks for a legal outcome that is near enough.
+    Judged nearest_of(glm::ivec2 pixel, const std::vector<Outcome>& outcomes) const {
+        const std::size_t at = index(pixel);
+        Judged j;
+        j.worst.pixel = pixel;
         j.verdict = Verdict::wrong;
         j.worst.excess = std::numeric_limits<double>::infinity();
         for (const Outcome& outcome : outcomes) {
@@ -108,15 +139,6 @@ class Judge {
         if (outcomes.empty()) not_legal(at, j.worst);
         j.worst.verdict = j.verdict;
         return j;
-    }
-
-  private:
-    std::size_t index(glm::ivec2 pixel) const {
-        return std::size_t(pixel.y) * std::size_t(data_.size.x) + std::size_t(pixel.x);
-    }
-    std::size_t pixels() const { return std::size_t(data_.size.x) * std::size_t(data_.size.y); }
-    glm::ivec2 place(std::size_t i) const {
-        return {int(i % std::size_t(data_.size.x)), int(i / std::size_t(data_.size.x))};
     }
 
     // The output of which nothing was written at the pixel; a filling that is what was expected counts as written.
@@ -295,6 +317,7 @@ class Judge {
     const StageData& data_;
     const JudgeOptions& options_;
     std::unique_ptr<BoundStage> stage_;
+    const PacketOutcomes* packets_;  // null: it computes one at a time
     Bundle expected_;
     std::vector<Pair> pairs_;
     int components_ = 0;
@@ -388,21 +411,37 @@ StageVerdict judge(const StageBinding& binding, const StageData& data, const std
     };
     std::vector<Row> rows(std::size_t(data.size.y));
     std::atomic<bool> enough = false;
+    const auto enter = [&](glm::ivec2 pixel, const Judged& j) {
+        Row& row = rows[std::size_t(pixel.y)];
+        v.map(pixel.x, pixel.y) = std::uint8_t(j.verdict);
+        ++row.count[std::size_t(j.verdict)];
+        if (!judge.expects_nothing(pixel)) ++row.nonzero[std::size_t(j.verdict)];
+        row.unwritten += j.unwritten;
+        if (j.verdict == Verdict::equal) return;
+        if (options.until_wrong && j.verdict == Verdict::wrong) enough = true;
+        row.worst.push_back(j.worst);
+        if (int(row.worst.size()) >= 8 * options.worst + 64) keep_worst(row.worst, options.worst);
+    };
     parallel_bands(data.size.y, 1, options.run, [&](int first, int last) {
+        std::array<glm::ivec2, PacketOutcomes::most> waiting;
+        std::array<Judged, PacketOutcomes::most> judged;
+        std::size_t count = 0;
+        const auto judge_waiting = [&] {
+            judge({waiting.data(), count}, judged.data());
+            for (std::size_t i = 0; i < count; ++i) enter(waiting[i], judged[i]);
+            count = 0;
+        };
         for (int y = first; y < last; ++y)
             for (int x = 0; x < data.size.x; ++x) {
                 if (enough || !judge.judged({x, y})) continue;
-                Row& row = rows[std::size_t(y)];
-                const Judged j = judge({x, y});
-                v.map(x, y) = std::uint8_t(j.verdict);
-                ++row.count[std::size_t(j.verdict)];
-                if (!judge.expects_nothing({x, y})) ++row.nonzero[std::size_t(j.verdict)];
-                row.unwritten += j.unwritten;
-                if (j.verdict == Verdict::equal) continue;
-                enough = enough || (options.until_wrong && j.verdict == Verdict::wrong);
-                row.worst.push_back(j.worst);
-                if (int(row.worst.size()) >= 8 * options.worst + 64) keep_worst(row.worst, options.worst);
+                if (Judged j; judge.at_sight({x, y}, j)) {
+                    enter({x, y}, j);
+                } else {
+                    waiting[count++] = {x, y};
+                    if (count == waiting.size()) judge_waiting();
+                }
             }
+        if (!enough) judge_waiting();
     });
     for (std::size_t y = 0; y < rows.size(); ++y) {
         const Row& row = rows[y];

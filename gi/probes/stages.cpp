@@ -32,6 +32,22 @@ namespace plumb {
 
 using namespace probes;
 
+// Their items are for one lane.
+template <>
+inline constexpr bool by_packets<BasisKernel> = false;
+template <>
+inline constexpr bool by_packets<IrradianceKernel> = false;
+template <>
+inline constexpr bool by_packets<LightmapKernel> = false;
+template <>
+inline constexpr bool by_packets<DensityKernel> = false;
+template <>
+inline constexpr bool by_packets<SupportsKernel> = false;
+template <>
+inline constexpr bool by_packets<CoefficientsKernel> = false;
+template <>
+inline constexpr bool by_packets<LambdaKernel> = false;
+
 template <>
 const StageBinding& stage<DensityKernel>() { return made<DensityKernel, twins::gi_probes_density_comp>(); }
 template <>

@@ -12,6 +12,12 @@ namespace plumb {
 
 using namespace radiosity;
 
+// Their items are for one lane.
+template <>
+inline constexpr bool by_packets<ItemsKernel> = false;
+template <>
+inline constexpr bool by_packets<GatherKernel> = false;
+
 template <>
 const StageBinding& stage<GatherKernel>() { return made<GatherKernel, twins::gi_radiosity_gather_comp>(); }
 template <>
