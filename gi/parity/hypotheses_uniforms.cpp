@@ -152,6 +152,21 @@ class UniformHypotheses {
             made(fmt::format("{:+g} texels in x", d), x + d * w, y, w);
             made(fmt::format("{:+g} texels in y", d), x, y + d * w, w);
         }
+        // Another number of texels: one less, half and twice as many, each side's for the other; from a first row that is the
+        // highest, and from one that is the lowest.
+        struct Sides {
+            std::string text;
+            double x, y;
+        };
+        const Sides other_sides[] = {{"a texel less a side", (m.width - 1) / m.width, (m.height - 1) / m.height},
+                                     {"half as many texels a side", 0.5, 0.5},
+                                     {"twice as many texels a side", 2, 2},
+                                     {"width and height swapped", m.height / m.width, m.width / m.height}};
+        for (const Sides& s : other_sides) {
+            if (s.x == 1 && s.y == 1) continue;
+            made(s.text, s.x * x, s.y * y, w);
+            made(s.text + ", y up", s.x * x, s.y * y + (1 - s.y) * m.height * w, w);
+        }
         // -1..1 taken for 0..1, and the reverse.
         made("0.5 x + 0.5 left out", 2.0 * x + -m.width * w, 2.0 * y + -m.height * w, w);
         made("0.5 x + 0.5 done twice", 0.5 * x + (0.25 * m.width) * w, 0.5 * y + (0.25 * m.height) * w, w);

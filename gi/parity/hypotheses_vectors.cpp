@@ -73,6 +73,7 @@ void add_vectors(const Slot& output, int first, const std::vector<Given>& given,
         all.back().fitted = fitted;
     };
     const auto is = [](double x, double y) { return std::abs(x - y) <= 2 * ratio_slack * std::abs(y); };
+    if (is(ratio[0], ratio[1]) && is(ratio[1], ratio[2])) return;  // one number
     bool named = false;
     for (const Given& g : given) {
         bool same = true, reciprocal = true;
@@ -83,8 +84,19 @@ void add_vectors(const Slot& output, int first, const std::vector<Given>& given,
         if (same) times("times " + g.name, g.value, false);
         if (reciprocal) times("divided by " + g.name, {1 / g.value[0], 1 / g.value[1], 1 / g.value[2]}, false);
         named = named || same || reciprocal;
+        // The vector itself in another colour space, where the result is a multiple of it.
+        for (const Curve& curve : curves()) {
+            std::array<double, 3> by{};
+            bool curved = true;
+            for (std::size_t c = 0; c < 3; ++c) {
+                by[c] = curve.at(g.value[c]) / g.value[c];
+                curved = curved && is(ratio[c], by[c]);
+            }
+            if (curved) times(fmt::format("of {} {}", g.name, curve.text), by, false);
+            named = named || curved;
+        }
     }
-    if (!named && !(is(ratio[0], ratio[1]) && is(ratio[1], ratio[2])))
+    if (!named)
         times(fmt::format("times ({:.4g}, {:.4g}, {:.4g})", ratio[0], ratio[1], ratio[2]),
               {ratio[0], ratio[1], ratio[2]}, true);
 }

@@ -1,4 +1,5 @@
-// Bugs that people write, planted in the three renderers: the judge finds each, and names the cause of most.
+// Bugs that people write, planted in the three renderers: the judge finds each, and its cause stands among the first three
+// that it names.
 #include <fmt/format.h>
 
 #include <catch2/catch.hpp>
@@ -73,12 +74,12 @@ void check_bugs(const std::string& list, std::size_t count, std::size_t named) {
     std::cout << table;
 }
 
-TEST_CASE("foreign: 30 bugs planted in three renderers are found, each in the stages that have it, and most causes named",
+TEST_CASE("foreign: 30 bugs planted in three renderers are found, each in the stages that have it, and its cause named",
           "[foreign]") {
-    check_bugs("bugs", 30, 27);
+    check_bugs("bugs", 30, 30);
 }
 
-TEST_CASE("foreign: 10 bugs that no guess was written for", "[foreign]") { check_bugs("unforeseen", 10, 0); }
+TEST_CASE("foreign: 10 bugs that were planted after the guesses", "[foreign]") { check_bugs("unforeseen", 10, 8); }
 
 TEST_CASE("foreign: what only a mutant of the twin explains is named on a software device", "[foreign]") {
     if (!no_vulkan().empty()) {
