@@ -290,7 +290,10 @@ struct number<Bounded> {
         return number<float>::bits(x.value);
     }
     static Bounded from_bits(index i) { return Bounded(number<float>::from_bits(i)); }
-    static Bounded fetch(const float* p, index i) { return Bounded(p[i]); }
+    template <class Component>
+    static Bounded fetch(const Component* p, index i) {
+        return Bounded(p[i]);
+    }
     static index fetch(const std::int32_t* p, index i) { return p[i]; }
     template <class Component>
     static vec4<Bounded> fetch4(const Component* p, index i) {

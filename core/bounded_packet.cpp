@@ -219,6 +219,7 @@ BoundedPacket number<BoundedPacket>::from_bits(index i) {
     return by_lanes([&](int k) { return number<Bounded>::from_bits(i.v[k]); });
 }
 BoundedPacket number<BoundedPacket>::fetch(const float* p, index i) {
+    if (!inexact_ranges.empty()) return by_lanes([&](int k) { return read_inexact(p + i.v[k]); });
     PacketData* const r = take();
     packet_state.ops->number(p, words(i), *r);
     return F(r);

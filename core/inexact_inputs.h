@@ -3,7 +3,7 @@
 //
 //     StageData::inputs holds "normal", and beside it "normal.moved": how far each number of "normal" may be elsewhere
 //
-// Read so are texels and records of four components (fetch4, fetch_record); numbers that are fetched alone are exact.
+// Read so is what a kernel fetches: texels, records, and numbers alone. What it reads of an array by itself is exact.
 // Who computes a kernel with Bounded includes this: it specialises what core/bounded.h has for exact inputs.
 #pragma once
 
@@ -46,6 +46,10 @@ inline Bounded read_inexact(const float* p) {
     return Bounded(*p);
 }
 
+template <>
+inline Bounded number<Bounded>::fetch<float>(const float* p, index i) {
+    return read_inexact(p + i);
+}
 template <>
 inline vec4<Bounded> number<Bounded>::fetch4<float>(const float* p, index i) {
     p += 4 * std::ptrdiff_t(i);

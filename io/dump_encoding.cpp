@@ -13,8 +13,6 @@ namespace {
 
 constexpr std::string_view letters[] = {"xr", "yg", "zb", "wa", "0", "1", "_"};
 
-bool is_depth(Encoding encoding) { return encoding >= Encoding::depth; }
-
 // Decoded from n = 2 code - 1 or from codes of -1 to 1; folded and normalised as in core/formats.h, in double.
 void decode_octahedral(double* v) {
     double x = v[0], y = v[1];
@@ -41,8 +39,10 @@ void decode_rgbe_record(double* v) {
     v[3] = 0;
 }
 
-// Perspective depth d = f / (f - n) (1 - n / z) solved for z; 1 - d for reversed; (1 + d) / 2 for -1..1.
+// Perspective depth d = f / (f - n) (1 - n / z) solved for z; 1 - d for reversed; (1 + d) / 2 for -1..1. Linear depth is
+// one of a range.
 double eye_depth(Encoding encoding, double d, double n, double f) {
+    if (encoding == Encoding::linear_depth) return n + d * (f - n);
     if (encoding == Encoding::depth_gl) d = 0.5 * d + 0.5;
     if (encoding == Encoding::reversed_depth) return std::isinf(f) ? n / d : n / (n / f + d * (1 - n / f));
     return std::isinf(f) ? n / (1 - d) : n / (1 - d * (1 - n / f));
@@ -67,7 +67,7 @@ std::string channels_fault(const DumpSpec& spec, Encoding encoding) {
     const std::string expected = "expected 1 to 4 of x y z w, r g b a, 0, 1 and _";
     if (spec.channels.size() > 4) return expected;
     bool any = false;
-    int largest = 0;
+    int largest = 0, of_file = 0;
     for (const char c : spec.channels) {
         const auto has = [&](std::string_view set) { return set.find(c) != set.npos; };
         const auto at = std::find_if(std::begin(letters), std::end(letters), has);
@@ -75,12 +75,15 @@ std::string channels_fault(const DumpSpec& spec, Encoding encoding) {
         const int from = int(at - std::begin(letters));
         any |= from != Pick::absent;
         if (from < 4) largest = std::max(largest, from + 1);
-        if (from >= 4 && encoded_components(encoding))
+        of_file += from < 4;
+        if (from >= 4 && encoded_components(encoding) && !is_depth(encoding))
             return fmt::format("{} decodes the file's own channels", spec.encoding);
     }
     if (!any) return "names no component";
     const int wanted = encoded_components(encoding);
-    if (wanted && int(spec.channels.size()) != wanted)
+    if (is_depth(encoding) && of_file != 1)
+        return fmt::format("expected 1 of x y z w, r g b a, beside 0, 1 and _: as many as {} takes", spec.encoding);
+    if (wanted && !is_depth(encoding) && int(spec.channels.size()) != wanted)
         return fmt::format("expected {} of x y z w, r g b a: as many as {} takes", wanted, spec.encoding);
     if (spec.vk_format.empty()) return "";
     const TexelFormat& format = *find_texel_format(spec.vk_format);
@@ -127,7 +130,7 @@ std::optional<SpecFault> raw_fault(const DumpSpec& spec) {
 const std::vector<std::string>& encoding_names() {
     static const std::vector<std::string> names = {
         "plain",   "integer",       "biased", "srgb",  "octahedral",     "octahedral_unorm",
-        "hemi_xy", "hemi_xy_unorm", "rgbe",   "depth", "reversed_depth", "depth_gl"};
+        "hemi_xy", "hemi_xy_unorm", "rgbe",   "depth", "reversed_depth", "depth_gl", "linear_depth"};
     return names;
 }
 
@@ -142,8 +145,10 @@ int encoded_components(Encoding encoding) {
     return encoding >= Encoding::octahedral ? 2 : 0;
 }
 
+bool is_depth(Encoding encoding) { return encoding >= Encoding::depth; }
+
 unsigned decoded_mask(Encoding encoding) {
-    if (is_depth(encoding)) return 1;
+    if (is_depth(encoding)) return 0;
     return encoding >= Encoding::octahedral ? 7 : 0;
 }
 
@@ -181,8 +186,9 @@ void decode_record(Encoding encoding, const std::vector<Pick>& picks, const std:
         case Encoding::depth:
         case Encoding::reversed_depth:
         case Encoding::depth_gl:
-            v[0] = eye_depth(encoding, v[0], near_far[0], near_far[1]);
-            v[1] = v[2] = 0, v[3] = 1;
+        case Encoding::linear_depth:
+            for (std::size_t c = 0; c < picks.size(); ++c)
+                if (picks[c].from < 4) v[c] = eye_depth(encoding, v[c], near_far[0], near_far[1]);
             return;
     }
 }
@@ -265,6 +271,7 @@ StoredAs stored_as(TexelKind kind, bool is_depth_format, Encoding encoding, cons
         case Encoding::depth:
         case Encoding::reversed_depth:
         case Encoding::depth_gl:
+        case Encoding::linear_depth:
             return {Format::r11g11b10f, true};
     }
     return {};
@@ -283,15 +290,21 @@ std::optional<SpecFault> fault_of(const DumpSpec& spec) {
                                          ? "is missing; " + spec.encoding + " needs [near, far], in metres"
                                          : "stands without an encoding of depth"};
     const auto& planes = spec.near_far;
-    if (!planes.empty() && !(planes.size() == 2 && planes[0] > 0 && planes[1] > planes[0] && std::isfinite(planes[0])))
+    if (encoding == Encoding::linear_depth) {
+        if (!(planes.size() == 2 && planes[0] >= 0 && planes[1] > planes[0] && std::isfinite(planes[1])))
+            return SpecFault{"near_far", "expected [near, far] with 0 <= near < far, finite"};
+    } else if (!planes.empty() &&
+               !(planes.size() == 2 && planes[0] > 0 && planes[1] > planes[0] && std::isfinite(planes[0]))) {
         return SpecFault{"near_far", "expected [near, far] with 0 < near < far; far may be inf"};
+    }
     if (spec.from_depth && spec.encoding != "plain")
         return SpecFault{"from_depth", fmt::format("takes the depth buffer as it is; expected the encoding plain, not {}",
                                                    spec.encoding)};
-    const bool formed = spec.from_depth || spec.matrix || !spec.scale.empty() || !spec.factors.empty() || spec.normalized;
+    const bool formed = spec.from_depth || spec.matrix || !spec.scale.empty() || !spec.factors.empty() || spec.normalized ||
+                        !spec.w.empty();
     if (formed && (spec.count || spec.encoding == "integer"))
         return SpecFault{spec.count ? "count" : "encoding",
-                         "from_depth, matrix, scale, factor and normalized are of images of floats"};
+                         "from_depth, matrix, scale, factor, normalized and w are of images of floats"};
     return {};
 }
 

@@ -27,6 +27,7 @@ enum class Encoding {
     depth,
     reversed_depth,
     depth_gl,
+    linear_depth,
 };
 
 const std::vector<std::string>& encoding_names();  // in the enumeration's order
@@ -34,8 +35,9 @@ Encoding parse_encoding(const std::string& name);  // one of the names
 
 // How many components it takes, always from x on; 0: as many as there are.
 int encoded_components(Encoding encoding);
-// What it makes of them: bit c for component c; 0: as they were.
+// What it makes of them: bit c for component c; 0: as they were. A depth goes where `channels` has put it.
 unsigned decoded_mask(Encoding encoding);
+bool is_depth(Encoding encoding);
 
 // Where a component of the result comes from: a component of the file, a constant, or nowhere.
 struct Pick {

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <glm/glm.hpp>
 
 #include "core/error.h"
 #include "io/document.h"
@@ -234,8 +235,8 @@ class ManifestReader {
         if (coverage) keys.insert(keys.end(), {"above", "below"});
         if (is_output) keys.insert(keys.end(), {"expected", "filling"});
         if (role == Role::input)
-            keys.insert(keys.end(), {"from_depth", "matrix", "scale", "factor", "normalized"});
-        if (role == Role::pattern) keys.insert(keys.end(), {"radius", "unit", "weight_scale"});
+            keys.insert(keys.end(), {"from_depth", "matrix", "scale", "factor", "normalized", "w", "filter", "address", "border"});
+        if (role == Role::pattern) keys.insert(keys.end(), {"radius", "unit", "y", "weight_scale", "tile"});
         reader.allow(keys);
         DumpSpec spec;
         spec.place = fmt::format("{}: {}", reader.place(), name);
@@ -261,12 +262,7 @@ class ManifestReader {
         if (coverage) read_limits(reader, *coverage);
         complete_size(reader, spec, stage, is_output);
         if (role == Role::input) read_forms(reader, spec);
-        if (role == Role::pattern) {
-            constexpr double largest = std::numeric_limits<double>::max();
-            spec.radius = reader.number("radius", 1, std::numeric_limits<double>::min(), 32767);
-            spec.weight_scale = reader.number("weight_scale", 1, -largest, largest);
-            spec.of_map = one_of(reader, "unit", {"texels", "map"}) == "map";
-        }
+        if (role == Role::pattern) read_pattern(reader, spec);
         if (const auto fault = fault_of(spec)) reader.fail(fault->key, fault->cause);
         return spec;
     }
@@ -284,18 +280,47 @@ class ManifestReader {
         spec.scale = read_numbers(reader, "scale");
         if (!spec.scale.empty() && spec.scale.size() != 1 && spec.scale.size() != 3)
             reader.fail("scale", "expected a number, or one for each of x, y, z");
-        read_factors(reader, spec);
+        read_images(reader, "factor", spec, spec.factors);
         spec.normalized = reader.flag("normalized", false);
+        read_images(reader, "w", spec, spec.w);
+        if (spec.w.size() > 1) reader.fail("w", "expected one image");
+        read_sampler(reader, spec);
     }
 
-    // A file, a table as an input's, or a list of tables; images are as large as what they multiply.
-    void read_factors(DocumentReader& reader, DumpSpec& spec) {
-        const DocumentValue* factor = reader.find("factor");
-        if (!factor) return;
-        const std::vector<DocumentValue> alone = {*factor};
-        for (const DocumentValue& value : factor->kind == Kind::list ? factor->list : alone) {
+    static void read_sampler(DocumentReader& reader, DumpSpec& spec) {
+        if (!reader.has("filter") && !reader.has("address") && !reader.has("border")) return;
+        SamplerSpec sampler;
+        sampler.linear = one_of(reader, "filter", {"nearest", "linear"}) == "linear";
+        const std::string address = one_of(reader, "address", {"border", "edge", "wrap"});
+        sampler.address = address == "edge" ? SamplerSpec::edge : address == "wrap" ? SamplerSpec::wrap : SamplerSpec::border;
+        const std::vector<double> colour = read_numbers(reader, "border");
+        if (!colour.empty() && (colour.size() != 4 || sampler.address != SamplerSpec::border))
+            reader.fail("border", "expected four numbers, beside address = \"border\"");
+        std::copy(colour.begin(), colour.end(), sampler.colour.begin());
+        spec.sampler = sampler;
+    }
+
+    static void read_pattern(DocumentReader& reader, DumpSpec& spec) {
+        constexpr double largest = std::numeric_limits<double>::max();
+        spec.radius = reader.number("radius", 1, std::numeric_limits<double>::min(), 32767);
+        spec.weight_scale = reader.number("weight_scale", 1, -largest, largest);
+        spec.of_map = one_of(reader, "unit", {"texels", "map"}) == "map";
+        spec.y_up = one_of(reader, "y", {"down", "up"}) == "up";
+        const std::vector<double> tile = read_numbers(reader, "tile");
+        const auto is_side = [](double v) { return v >= 1 && v <= 256 && v == std::floor(v); };
+        if (!tile.empty() && (tile.size() != 2 || !std::all_of(tile.begin(), tile.end(), is_side)))
+            reader.fail("tile", "expected [width, height] in pixels, each 1 to 256");
+        for (std::size_t i = 0; i < tile.size(); ++i) spec.tile[i] = int(tile[i]);
+    }
+
+    // A file, a table as an input's, or a list of tables; images are as large as what they go with.
+    void read_images(DocumentReader& reader, const std::string& key, const DumpSpec& spec, std::vector<DumpSpec>& to) {
+        const DocumentValue* image = reader.find(key);
+        if (!image) return;
+        const std::vector<DocumentValue> alone = {*image};
+        for (const DocumentValue& value : image->kind == Kind::list ? image->list : alone) {
             if (value.kind != Kind::table && value.kind != Kind::text)
-                reader.fail("factor", "expected the name of a file, or a table with the key \"file\", or a list of them");
+                reader.fail(key, "expected the name of a file, or a table with the key \"file\", or a list of them");
             DocumentValue table = value;
             if (value.kind == Kind::text) {
                 table = {}, table.kind = Kind::table, table.place = value.place;
@@ -304,20 +329,26 @@ class ManifestReader {
             // Beside the size of the input no stage's is asked for.
             ManifestStage sized;
             sized.width = spec.width, sized.height = spec.height;
-            spec.factors.push_back(read_spec(table, "factor of " + reader.name(), sized, Role::other));
+            to.push_back(read_spec(table, key + " of " + reader.name(), sized, Role::other));
         }
-        if (spec.factors.empty()) reader.fail("factor", "expected at least one");
+        if (to.empty()) reader.fail(key, "expected at least one");
     }
 
     void read_from_depth(const DocumentValue& table, const std::string& name, DumpSpec& spec) {
         DocumentReader reader(table, path_, "from_depth of " + name);
-        reader.allow({"inverse_view_proj", "clip_depth", "reversed_z", "y"});
+        reader.allow({"inverse_view_proj", "view_proj", "clip_depth", "reversed_z", "y"});
         FromDepth from;
-        const DocumentValue* matrix = reader.table("inverse_view_proj");
-        if (!matrix) reader.fail("inverse_view_proj", "is missing; expected { rows = [16 numbers] }, or columns");
-        DocumentReader inside(*matrix, path_, "inverse_view_proj of " + reader.name());
+        from.forward = reader.has("view_proj");
+        const std::string key = from.forward ? "view_proj" : "inverse_view_proj";
+        if (from.forward && reader.has("inverse_view_proj")) reader.fail(key, "expected it or inverse_view_proj, not both");
+        const DocumentValue* matrix = reader.table(key);
+        if (!matrix) reader.fail(key, "is missing; expected { rows = [16 numbers] }, or columns; or view_proj");
+        DocumentReader inside(*matrix, path_, key + " of " + reader.name());
         inside.allow({"rows", "columns"});
-        from.inverse_view_proj = read_matrix(inside);
+        from.matrix = read_matrix(inside);
+        const MatrixRows inverse = inverse_of(from.matrix);
+        if (from.forward && !std::all_of(inverse.begin(), inverse.end(), [](double v) { return std::isfinite(v); }))
+            reader.fail(key, "has no inverse");
         from.below_zero = read_clip_depth(reader);
         from.reversed_z = reader.flag("reversed_z", false);
         from.y_up = one_of(reader, "y", {"down", "up"}) == "up";
@@ -421,6 +452,15 @@ class ManifestReader {
 };
 
 }  // namespace
+
+MatrixRows inverse_of(const MatrixRows& rows) {
+    glm::dmat4 m;
+    for (int i = 0; i < 16; ++i) m[i % 4][i / 4] = rows[std::size_t(i)];
+    m = glm::inverse(m);
+    MatrixRows inverse;
+    for (int i = 0; i < 16; ++i) inverse[std::size_t(i)] = m[i % 4][i / 4];
+    return inverse;
+}
 
 Manifest read_manifest(const std::filesystem::path& file) { return ManifestReader(file).read(); }
 

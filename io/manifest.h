@@ -51,9 +51,11 @@ struct InputMatrix {
     std::string of;  // "points", "normals" or "directions"; "": as the input's name says
 };
 
-// A position out of a depth buffer: world = inverse_view_proj (x, y, z, 1) in clip space, divided by its w.
+// A position out of a depth buffer: world = inverse_view_proj (x, y, z, 1) in clip space, divided by its w. Where
+// view_proj is given it has an inverse.
 struct FromDepth {
-    MatrixRows inverse_view_proj{};
+    MatrixRows matrix{};
+    bool forward = false;     // the matrix is view_proj; else inverse_view_proj
     bool below_zero = false;  // clip space reaches from z = -1 to 1, which is 2 depth - 1; else from 0 to 1
     bool reversed_z = false;  // cleared to 0; else to 1: there nothing is
     bool y_up = false;        // clip space has its y upwards
@@ -64,6 +66,13 @@ struct ViewSpec {
     std::string place;
     MatrixRows view_proj{};
     bool below_zero = false, reversed_z = false, y_up = false;  // as of FromDepth
+};
+
+// How a shader's sampler reads an image of the light's map.
+struct SamplerSpec {
+    bool linear = false;             // between texels; else the nearest one
+    enum Address { border, edge, wrap } address = border;  // what is read beyond the image
+    std::array<double, 4> colour{};  // of the border
 };
 
 // A dumped image or buffer, as the manifest describes it.
@@ -87,10 +96,13 @@ struct DumpSpec {
     std::vector<double> scale;      // a factor, or one for each of x, y, z; empty: 1
     std::vector<DumpSpec> factors;  // images of the same size by which x, y and z are multiplied
     bool normalized = false;        // then to unit length
+    std::vector<DumpSpec> w;        // an image of the same size, whose one channel is the fourth component; or empty
+    std::optional<SamplerSpec> sampler;
     // Of a pattern of samples: dx and dy are multiplied by `radius`, and by the map's side where they are shares of it; the
     // weights by `weight_scale`.
     double radius = 1, weight_scale = 1;
-    bool of_map = false;
+    bool of_map = false, y_up = false;
+    std::array<int, 2> tile{};  // pixels that repeat, each with a pattern of its own; 0: one for all
     // Of an exported output: the file that holds what should be written, and the word that stood in it until something
     // was (io/filling.h). A raw file with a filling may be missing or end early.
     std::filesystem::path expected;
@@ -149,6 +161,9 @@ struct Manifest {
     ExportRecord exported;
     std::vector<ManifestStage> stages;
 };
+
+// Of a matrix that has no inverse numbers that are not finite.
+MatrixRows inverse_of(const MatrixRows& rows);
 
 // Throw InputError of one line: file, place in it, cause. Unknown keys name the nearest known one. Where sizes are left
 // out, raw images and outputs get their stage's, and the stage its first output's.

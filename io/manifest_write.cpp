@@ -152,8 +152,9 @@ class ManifestWriter {
         if (!spec.near_far.empty()) out_ += "near_far = " + list_text(spec.near_far, number_text) + "\n";
         write_forms(spec);
         // Tables within come last.
-        for (const DumpSpec& factor : spec.factors)
-            write("[[" + header.substr(1, header.size() - 2) + ".factor]]", factor);
+        const std::string within = header.substr(1, header.size() - 2);
+        for (const DumpSpec& factor : spec.factors) write("[[" + within + ".factor]]", factor);
+        for (const DumpSpec& w : spec.w) write("[" + within + ".w]", w);
     }
 
     void write(const std::string& name, const ViewSpec& view) {
@@ -170,7 +171,7 @@ class ManifestWriter {
 
     void write_forms(const DumpSpec& spec) {
         if (const auto& from = spec.from_depth) {
-            out_ += "from_depth = { inverse_view_proj = " + matrix_text(from->inverse_view_proj);
+            out_ += std::string("from_depth = { ") + (from->forward ? "view_proj" : "inverse_view_proj") + " = " + matrix_text(from->matrix);
             if (from->below_zero) out_ += ", clip_depth = [-1, 1]";
             if (from->reversed_z) out_ += ", reversed_z = true";
             out_ += (from->y_up ? ", y = \"up\" }\n" : " }\n");
@@ -183,6 +184,14 @@ class ManifestWriter {
         flag_line("normalized", spec.normalized);
         if (spec.radius != 1) out_ += "radius = " + number_text(spec.radius) + "\n";
         if (spec.of_map) text_line("unit", "map", "texels");
+        text_line("y", spec.y_up ? "up" : "down", "down");
+        if (spec.tile[0] > 0) out_ += fmt::format("tile = [{}, {}]\n", spec.tile[0], spec.tile[1]);
+        if (const auto& s = spec.sampler) {
+            text_line("filter", s->linear ? "linear" : "nearest", "");
+            text_line("address", s->address == SamplerSpec::edge ? "edge" : s->address == SamplerSpec::wrap ? "wrap" : "border", "");
+            if (s->colour != std::array<double, 4>{})
+                out_ += "border = " + list_text(std::vector<double>(s->colour.begin(), s->colour.end()), number_text) + "\n";
+        }
         if (spec.weight_scale != 1) out_ += "weight_scale = " + number_text(spec.weight_scale) + "\n";
     }
 

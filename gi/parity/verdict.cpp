@@ -35,17 +35,29 @@ class Judge {
         for (const Slot& slot : binding.outputs) components_ += slot.channels;
         for (const Dumped& d : dumped) pairs_.push_back(pair(d));
         if (pairs_.empty()) throw InputError(data.label + ": no output was dumped");
+        if (!options.covered.empty() && options.covered.size() != pixels())
+            throw InputError(data.label + ": where something is seen has another size");
         quantise_expected();
+        find_images();
         find_flags();
     }
 
     const std::vector<Pair>& pairs() const { return pairs_; }
 
-    bool judged(glm::ivec2 pixel) const { return stage_->writes(pixel); }
+    bool judged(glm::ivec2 pixel) const { return seen(pixel) && stage_->writes(pixel); }
+    bool left_out(glm::ivec2 pixel) const { return !seen(pixel) && stage_->writes(pixel); }
 
     bool expects_nothing(glm::ivec2 pixel) const {
-        return std::all_of(pairs_.begin(), pairs_.end(),
-                           [&](const Pair& p) { return p.expects_nothing(index(pixel)); });
+        return reads_nothing(index(pixel)) || std::all_of(pairs_.begin(), pairs_.end(), [&](const Pair& p) {
+                   return p.expects_nothing(index(pixel));
+               });
+    }
+
+    // At none of the pixels that are judged.
+    bool reads_nothing() const {
+        for (std::size_t i = 0; i < pixels(); ++i)
+            if (judged(place(i)) && !reads_nothing(i)) return false;
+        return true;
     }
 
     // The first output of which a dump says why nothing was written, and how many there are: ": out/a.bin is missing".
@@ -155,6 +167,23 @@ class Judge {
                 {pixel, Verdict::wrong, p.slot->name, c, p.ours(at, c), std::numeric_limits<double>::quiet_NaN(), 0,
                  std::numeric_limits<double>::infinity()},
                 true};
+    }
+
+    bool seen(glm::ivec2 pixel) const { return options_.covered.empty() || options_.covered[index(pixel)]; }
+
+    // What the stage reads at the pixel itself: images of the frame's size.
+    void find_images() {
+        for (const Slot& slot : binding_.inputs) {
+            const Array* image = slot.frame && slot.kind == SlotKind::image ? find(data_.inputs, slot.name) : nullptr;
+            const std::size_t bytes = pixels() * std::size_t(slot.channels) * sizeof(float);
+            if (image && slot.dtype == DType::f32 && image->bytes.size() == bytes) images_.push_back({image, slot.channels});
+        }
+    }
+    bool reads_nothing(std::size_t at) const {
+        return !images_.empty() && std::all_of(images_.begin(), images_.end(), [&](const auto& image) {
+            const auto* texel = reinterpret_cast<const float*>(image.first->bytes.data()) + at * std::size_t(image.second);
+            return std::all_of(texel, texel + image.second, [](float v) { return v == 0; });
+        });
     }
 
     // A w that is 1 wherever something may be written is a flag.
@@ -320,6 +349,7 @@ class Judge {
     const PacketOutcomes* packets_;  // null: it computes one at a time
     Bundle expected_;
     std::vector<Pair> pairs_;
+    std::vector<std::pair<const Array*, int>> images_;  // with the components of a texel
     int components_ = 0;
 };
 
@@ -365,7 +395,10 @@ void conclude(const Judge& judge, const JudgeOptions& options, StageVerdict& v) 
     const double nonzero = share_of(v.nonzero_count[int(Verdict::ambiguous)], v.nonzero);
     v.passed = wrong == 0 && !(all > options.max_ambiguous) && !(nonzero > options.max_ambiguous);
     v.decided = !v.passed || v.nonzero > 0;
-    if (v.pixels == 0)
+    if (v.pixels == 0 && v.left_out > 0)
+        v.reason = fmt::format("nothing is seen at any of its {} pixels, and all are left out: nothing to judge. Is the "
+                               "coverage the wrong way around?", v.left_out);
+    else if (v.pixels == 0)
         v.reason = "this dispatch writes no pixel: nothing to judge";
     else if (v.unwritten > 0)
         v.reason = unwritten_text(judge, v);
@@ -374,8 +407,9 @@ void conclude(const Judge& judge, const JudgeOptions& options, StageVerdict& v) 
     else if (!v.passed)
         v.reason = ambiguous_text(all, nonzero, options.max_ambiguous);
     else if (v.nonzero == 0)
-        v.reason = fmt::format("all that is expected is 0, at each of its {} pixels: nothing to judge. Is something in its "
-                               "inputs or uniforms wrong, a matrix or a light?", v.pixels);
+        v.reason = fmt::format("all that is {} is 0, at each of its {} pixels: nothing to judge. Is something in its "
+                               "inputs or uniforms wrong, a matrix or a light?",
+                               judge.reads_nothing() ? "read" : "expected", v.pixels);
 }
 
 }  // namespace
@@ -406,7 +440,7 @@ StageVerdict judge(const StageBinding& binding, const StageData& data, const std
     // Each row counts for itself, so that the order of the worst depends on no thread.
     struct Row {
         std::array<std::int64_t, verdicts> count{}, nonzero{};
-        std::int64_t unwritten = 0;
+        std::int64_t unwritten = 0, left_out = 0;
         std::vector<WorstPixel> worst;
     };
     std::vector<Row> rows(std::size_t(data.size.y));
@@ -433,6 +467,7 @@ StageVerdict judge(const StageBinding& binding, const StageData& data, const std
         };
         for (int y = first; y < last; ++y)
             for (int x = 0; x < data.size.x; ++x) {
+                rows[std::size_t(y)].left_out += judge.left_out({x, y});
                 if (enough || !judge.judged({x, y})) continue;
                 if (Judged j; judge.at_sight({x, y}, j)) {
                     enter({x, y}, j);
@@ -449,6 +484,7 @@ StageVerdict judge(const StageBinding& binding, const StageData& data, const std
             v.count[i] += row.count[i], v.pixels += row.count[i];
             v.nonzero_count[i] += row.nonzero[i], v.nonzero += row.nonzero[i];
         }
+        v.left_out += row.left_out;
         if (row.unwritten > 0) {
             if (v.unwritten == 0) v.unwritten_rows[0] = int(y);
             v.unwritten += row.unwritten, v.unwritten_rows[1] = int(y);

@@ -6,7 +6,8 @@
 //     ambiguous      a comparison or a choice of texel fell inside the bound, and its outcomes cannot be told apart
 //     wrong          none of these; NaN on either side; a pixel that was never written
 //
-// Where all that is expected is 0, or no pixel is written, there is nothing to judge: that is no pass.
+// Where all that is expected is 0, all that a stage reads is 0, nothing is seen or no pixel is written, there is nothing to
+// judge: that is no pass.
 #pragma once
 
 #include <array>
@@ -57,8 +58,10 @@ struct StageVerdict {
     std::string reason;                // one sentence, where it did not pass, or decided nothing
     std::array<std::int64_t, verdicts> count{};
     std::int64_t pixels = 0;           // that were judged; 0: the dispatch writes none
-    // Of these, where more is expected than what stands there before anything is drawn: 0, of a depth buffer what it is
-    // cleared to, of integers -1. A w that is 1 everywhere is a flag, and does not count.
+    std::int64_t left_out = 0;         // others that the dispatch writes, but where nothing is seen
+    // Of `pixels`, where more is expected than what stands there before anything is drawn: 0, of a depth buffer what it is
+    // cleared to, of integers -1; a w that is 1 everywhere is a flag, and does not count. And where the stage's images of
+    // the frame's size hold more than 0, if it reads any: of nothing whatever is made is no evidence.
     std::array<std::int64_t, verdicts> nonzero_count{};
     std::int64_t nonzero = 0;
     std::int64_t unwritten = 0;        // wrong ones that were never written, and the first and last row that has some
@@ -76,6 +79,8 @@ struct JudgeOptions {
     RunOptions run;
     std::vector<std::int32_t> choices;  // [height][width][n]: discrete choices that the device dumped, or empty
     int choices_a_pixel = 0;
+    // [height][width]: where something is seen; other pixels are left out. Empty: everywhere.
+    std::vector<bool> covered;
 };
 
 // Throws InputError for outputs of another size or unknown names; missing ones are not judged, but at least one must be

@@ -227,6 +227,14 @@ TEST_CASE("what a device makes of an input before it reads it lies within the in
     // Who reads the same numbers afterwards reads them as they are.
     binding.bind(data)->outcomes({0, 0}, {}, {}, {}, exact);
     CHECK(number<Bounded>::fetch4(&normal(0, 0).x, 1).x.bound == 0);
+    // So is a number that is fetched alone.
+    const InexactRange range{&normal(0, 0).x, &moved(0, 0).x, 8};
+    {
+        const InexactScope inexact({&range, 1});
+        CHECK(number<Bounded>::fetch(&normal(0, 0).x, 5).bound == double(0.02f));
+        CHECK(number<Bounded>::fetch(&normal(0, 0).x, 5).shadow == double(normal(1, 0).y));
+    }
+    CHECK(number<Bounded>::fetch(&normal(0, 0).x, 5).bound == 0);
     const Image4 wrong(1, 1);
     StageData cut = begin_data(binding, {2, 1}, uniform_block(PairView::Uniforms{2, 1, {}}));
     lend(cut.inputs, "normal", normal), lend(cut.inputs, moved_name("normal"), wrong);

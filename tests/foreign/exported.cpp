@@ -66,16 +66,12 @@ Clip clip_of(const std::vector<double>& to_x, const std::vector<double>& to_y, c
     return clip;
 }
 
-void set_rows(io::ManifestStage& stage, const std::string& prefix, const glm::mat4& clip, int size) {
-    std::vector<double> x, y, w;
-    for (int c = 0; c < 4; ++c) {
-        x.push_back((double(clip[c][0]) + double(clip[c][3])) * 0.5 * size);
-        y.push_back((double(clip[c][1]) + double(clip[c][3])) * 0.5 * size);
-        w.push_back(clip[c][3]);
-    }
-    stage.uniforms[prefix + ".to_texel_x"] = x;
-    stage.uniforms[prefix + ".to_texel_y"] = y;
-    stage.uniforms[prefix + ".to_texel_w"] = w;
+void set_light(io::ManifestStage& stage, const glm::mat4& clip, bool y_up) {
+    for (const char* member : {"to_texel_x", "to_texel_y", "to_texel_w", "size"})
+        stage.uniforms.erase(std::string("map.") + member);
+    io::ViewSpec& view = stage.views["map"];
+    for (int i = 0; i < 16; ++i) view.view_proj[std::size_t(i)] = double(clip[i % 4][i / 4]);
+    view.y_up = y_up;
 }
 
 void set(io::ManifestStage& stage, const std::string& name, const glm::vec3& value) {

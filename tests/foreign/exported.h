@@ -36,8 +36,8 @@ using Clip = glm::dmat4;
 // Of a view that plumb describes by rows from (x, 1) to texels (x and y, before the division) and to w.
 Clip clip_of(const std::vector<double>& to_x, const std::vector<double>& to_y, const std::vector<double>& to_w,
              glm::ivec2 size, glm::dvec2 planes);
-// Back: what `prefix`.to_texel_x, _y, _w hold for that matrix, as floats have it.
-void set_rows(io::ManifestStage& stage, const std::string& prefix, const glm::mat4& clip, int size);
+// The light's matrix as a shader has it, in place of the rows and the size of the map.
+void set_light(io::ManifestStage& stage, const glm::mat4& clip, bool y_up = false);
 void set(io::ManifestStage& stage, const std::string& name, const glm::vec3& value);
 
 // The stage with its uniforms, without files and parameters.

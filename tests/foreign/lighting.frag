@@ -52,9 +52,10 @@ float lit_share(vec3 at) {
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     vec4 surface = texelFetch(g_position, pixel, 0);
-    out_lit = lit_share(surface.xyz);
+    out_lit = 0.0;
     out_irradiance = vec4(0.0);
     if (surface.w == 0.0) return;
+    out_lit = lit_share(surface.xyz);
 
     vec3 normal = decode_normal(texelFetch(g_normal, pixel, 0).xy);
     vec3 to_light = spot.position - surface.xyz;

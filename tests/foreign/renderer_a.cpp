@@ -1,5 +1,5 @@
 // Renderer A: gather_view.comp. View space is a rigid motion of the world's, under which the stages stay the same: what
-// is dumped is in view space, and so are the rows of the light's map in the manifest.
+// is dumped is in view space, and so is the light's matrix in the manifest.
 #include <fstream>
 #include <glm/gtc/matrix_transform.hpp>
 
@@ -97,13 +97,12 @@ std::string render_in_view_space(const vulkan::Device& device, const Exported& e
                                  const std::string& folder) {
     const Scene s = scene_of(e, variant);
     const Outputs made = run(device, s, variant);
-    const int size = s.map_position.width;
     const io::DumpSpec position = write_texture(folder, "position", s.position, "xyz");
     const io::DumpSpec normal = write_texture(folder, "normal", s.normal, "xyz");
     const io::DumpSpec map_position = write_texture(folder, "map_position", s.map_position);
 
     io::ManifestStage gather = bare(e, "rsm.disc_continuous", "A: bounce");
-    set_rows(gather, "map", s.block.view_to_light, size);
+    set_light(gather, s.block.view_to_light);
     gather.uniforms["least_distance2"] = {double(least_distance2)};
     for (const char* of_pattern : {"samples", "rotations", "reach"}) gather.uniforms.erase(of_pattern);
     gather.inputs = {{"position", position},
@@ -115,7 +114,7 @@ std::string render_in_view_space(const vulkan::Device& device, const Exported& e
     gather.outputs = {{"irradiance", write_texture(folder, "bounce", made.bounce, "xyz")}};
 
     io::ManifestStage shadow = bare(e, "shadow", "A: shadow");
-    set_rows(shadow, "map", s.block.view_to_light, size);
+    set_light(shadow, s.block.view_to_light);
     set(shadow, "eye", glm::vec3(s.block.light_position));
     set(shadow, "forward", glm::vec3(s.block.light_axis));
     shadow.uniforms["bias"] = {double(bias)};

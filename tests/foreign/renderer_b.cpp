@@ -18,7 +18,6 @@ constexpr float exposure = 1.5f;
 struct GBuffer {
     Texture position;  // w: depth, 0 where nothing is
     Texture normal;    // octahedral
-    Texture flat;      // normals of the triangles, half floats
     Texture albedo;    // a: 1 on a surface
     Texture emission;
 
@@ -29,7 +28,6 @@ struct GBuffer {
         position =
             pack(e.image("screen.ssao", "position"), variant.host == "half floats" ? Format::rgba16f : Format::rgba32f);
         normal = pack(normals, Format::octahedral16);
-        flat = pack(normals, Format::rgba16f);
         albedo = pack(reflectance, Format::rgba8);
         emission = pack(e.image("compose", "emission"), Format::r11g11b10f);
     }
@@ -61,15 +59,6 @@ struct Look {
 float drawn_depth(float metres) {
     const double n = double(shadow_planes.x), f = double(shadow_planes.y);
     return metres > 0 ? float(f / (f - n) * (1 - n / double(metres))) : 1.0f;
-}
-
-// A depth texture means these metres, in double.
-Image4 metres_of(const Image4& drawn) {
-    const double n = double(shadow_planes.x), f = double(shadow_planes.y);
-    Image4 out(drawn.width, drawn.height);
-    for (std::size_t i = 0; i < drawn.size(); ++i)
-        out.texels[i].w = float(n * f / (f - double(drawn.texels[i].x) * (f - n)));
-    return out;
 }
 
 Spot spot_of(const Exported& e) {
@@ -154,7 +143,7 @@ class Passes {
         f.turns.bytes.assign(bytes, bytes + turns.size() * sizeof(float));
         f.open =
             draw("ssao.frag",
-                 {block_bytes(camera_of(e_)), {g_.position, g_.flat, f.turns}, e_.numbers("screen.ssao", "samples")},
+                 {block_bytes(camera_of(e_)), {g_.position, g_.normal, f.turns}, e_.numbers("screen.ssao", "samples")},
                  {"R16_SFLOAT"})[0];
     }
 
@@ -208,16 +197,16 @@ class Dumps {
     io::ManifestStage shadow() {
         const Spot spot = spot_of(e_);
         io::ManifestStage s = bare(e_, "shadow", "B: shadow");
-        set_rows(s, "map", spot.world_to_map, f_.shadow_map.width);
+        set_light(s, spot.world_to_map);
         set(s, "eye", spot.position);
         set(s, "forward", spot.axis);
         s.uniforms["bias"] = {double(spot.bias)};
         s.uniforms["slope_bias"] = {0};
         s.uniforms["kernel"] = {3};
         s.uniforms["samples"] = {9};
-        s.inputs = {{"position", position_},
-                    {"normal", normal_},
-                    {"map_position", write_image(folder_, "metres", metres_of(unpack(f_.shadow_map)))}};
+        io::DumpSpec map = write("shadow_map", f_.shadow_map, "000x", "depth");
+        map.near_far = {double(spot.planes.x), double(spot.planes.y)};
+        s.inputs = {{"position", position_}, {"normal", normal_}, {"map_position", map}};
         s.outputs = {{"visibility", lit_}};
         s.coverage = covered_;
         return s;
@@ -235,9 +224,8 @@ class Dumps {
 
     io::ManifestStage ssao() {
         io::ManifestStage s = bare(e_, "screen.ssao", "B: ambient occlusion");
-        s.inputs = {{"position", position_}, {"normal", write("flat", g_.flat)}, {"map_position", position_}};
-        // No other view was summed before; a manifest wants that in full.
-        s.inputs["before"] = write_image(folder_, "before", Image4(e_.width(), e_.height(), glm::vec4(0)));
+        // No other view was summed before.
+        s.inputs = {{"position", position_}, {"normal", normal_}, {"map_position", position_}};
         for (const char* buffer : {"samples", "rotations"})
             s.inputs[buffer] = e_.stage("screen.ssao").inputs.at(buffer);
         s.outputs = {{"summed", open_}};
@@ -248,11 +236,11 @@ class Dumps {
     io::ManifestStage occlude() {
         io::ManifestStage s = bare(e_, "screen.occlude", "B: light from everywhere");
         // x: the open share; w: 1 on a surface.
-        Image4 open = unpack(f_.open);
-        const Image4 albedo = unpack(g_.albedo);
-        for (std::size_t i = 0; i < open.size(); ++i) open.texels[i] = {open.texels[i].x, 0, 0, albedo.texels[i].w};
+        io::DumpSpec open = open_;
+        open.channels = "x00";
+        open.w = {covered_.dump};
         bounced_ = write("bounced", f_.bounced);
-        s.inputs = {{"indirect", bounced_}, {"open", write_image(folder_, "open_and_covered", open)}};
+        s.inputs = {{"indirect", bounced_}, {"open", open}};
         s.outputs = {{"occluded", soft_}};
         return s;
     }

@@ -1,6 +1,5 @@
 // Renderer C: gl/gather.frag and gl/direct.frag. Its textures and dumps have their lowest row first, its map's y points
 // up.
-#include <cmath>
 #include <fstream>
 #include <stdexcept>
 
@@ -105,29 +104,6 @@ Frame draw(const Exported& e, const Scene& s, const Variant& variant) {
     return f;
 }
 
-// Of ten bits, renormalised, as the shaders take them; 0 where nothing is. A manifest has no word for that.
-Image4 unit_normals(const Texture& packed) {
-    Image4 out = unpack(packed);
-    for (glm::vec4& n : out.texels) {
-        const glm::dvec3 v = 2.0 * glm::dvec3(n) - 1.0;
-        n = n.w > 0.5f ? glm::vec4(glm::vec3(v / std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z)), 1) : glm::vec4(0);
-    }
-    return out;
-}
-
-// A depth texture means these metres.
-Image4 metres_of(const Texture& depth) {
-    Image4 out = unpack(depth);
-    for (glm::vec4& d : out.texels) d = {0, 0, 0, float(double(d.x) * double(range))};
-    return out;
-}
-
-io::DumpSpec write_bottom_first(const std::string& folder, const std::string& name, const Image4& lowest_first) {
-    Texture t = pack(lowest_first, Format::rgba32f);
-    t.bottom_first = true;
-    return write_texture(folder, name, t);
-}
-
 }  // namespace
 
 std::string no_opengl() {
@@ -143,15 +119,16 @@ std::string render_in_opengl(const Exported& e, const Variant& variant, const st
     const Scene s = scene_of(e);
     const Frame f = draw(e, s, variant);
     const io::DumpSpec position = write_texture(folder, "position", s.position);
-    const io::DumpSpec normal = write_bottom_first(folder, "normal", unit_normals(s.normal));
+    io::DumpSpec normal = write_texture(folder, "normal", s.normal, "", "biased");
+    normal.normalized = true;
     const io::DumpSpec lit = write_texture(folder, "lit", f.lit, "x");
-    Pattern y_down = s.kernel;
-    for (glm::vec3& k : y_down) k.y = -k.y;
-    const glm::mat4 light_y_down = y_up(Clip(s.light));
+    // Where the normal's alpha is 0 nothing is seen.
+    io::CoverageSpec covered{write_texture(folder, "normal", s.normal, "w")};
+    covered.above = 0.5;
 
     io::ManifestStage gather = bare(e, "rsm.disc_continuous", "C: bounce");
     gather.stage = "rsm.disc";
-    set_rows(gather, "map", light_y_down, s.map_size);
+    set_light(gather, s.light, true);
     gather.uniforms["least_distance2"] = {double(least_distance2)};
     for (const char* of_pattern : {"samples", "rotations", "reach"}) gather.uniforms.erase(of_pattern);
     gather.inputs = {{"position", position},
@@ -159,22 +136,25 @@ std::string render_in_opengl(const Exported& e, const Variant& variant, const st
                      {"rsm_position", write_texture(folder, "map_position", s.map_position)},
                      {"rsm_normal", write_texture(folder, "map_normal", s.map_normal)},
                      {"rsm_flux", write_texture(folder, "map_flux", s.map_flux)},
-                     {"pattern", write_pattern(folder, "kernel", y_down)}};
+                     {"pattern", write_pattern(folder, "kernel", s.kernel)}};
+    gather.inputs.at("pattern").y_up = true;
     gather.outputs = {{"irradiance", write_texture(folder, "indirect", f.indirect, "xyz")}};
 
     io::ManifestStage shadow = bare(e, "shadow", "C: shadow");
-    set_rows(shadow, "map", light_y_down, s.map_size);
+    set_light(shadow, s.light, true);
     shadow.uniforms["bias"] = {double(bias)};
     shadow.uniforms["slope_bias"] = {0};
-    shadow.inputs = {{"position", position},
-                     {"normal", normal},
-                     {"map_position", write_bottom_first(folder, "metres", metres_of(s.map_depth))}};
+    io::DumpSpec depth = write_texture(folder, "depth", s.map_depth, "000x", "linear_depth");
+    depth.near_far = {0, double(range)};
+    shadow.inputs = {{"position", position}, {"normal", normal}, {"map_position", depth}};
     shadow.outputs = {{"visibility", lit}};
 
     io::ManifestStage direct = bare(e, "direct", "C: direct");
     io::DumpSpec lights = e.stage("direct").inputs.at("lights");
     direct.inputs = {{"position", position}, {"normal", normal}, {"lights", lights}, {"visibility.0", lit}};
     direct.outputs = {{"irradiance", write_texture(folder, "direct", f.direct, "xyz")}};
+
+    for (io::ManifestStage* stage : {&gather, &shadow, &direct}) stage->coverage = covered;
 
     io::Manifest manifest;
     manifest.file = folder + "/manifest.toml";

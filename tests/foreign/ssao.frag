@@ -11,9 +11,17 @@ layout(std140, binding = 0) uniform Camera {
     int count;
 } camera;
 layout(binding = 1) uniform sampler2D g_position;  // world, m; w: depth, 0 where nothing is
-layout(binding = 2) uniform sampler2D g_normal;    // of the triangles, half floats
+layout(binding = 2) uniform sampler2D g_normal;    // octahedral
 layout(binding = 3) uniform sampler2D turns;       // 4 x 4: cosine and sine
 layout(std430, binding = 4) readonly buffer Kernel { vec4 points[]; };
+
+vec3 decode_normal(vec2 e) {
+    vec3 v = vec3(e, 1.0 - abs(e.x) - abs(e.y));
+    float t = max(-v.z, 0.0);
+    v.x += v.x >= 0.0 ? -t : t;
+    v.y += v.y >= 0.0 ? -t : t;
+    return normalize(v);
+}
 
 // Columns: two tangents, turned by the pixel's angle, and the normal (Duff et al. 2017).
 mat3 frame_about(vec3 n, vec2 turn) {
@@ -32,7 +40,7 @@ void main() {
     out_open = 0.0;
     if (centre.w == 0.0) return;
 
-    vec3 normal = texelFetch(g_normal, pixel, 0).xyz;
+    vec3 normal = decode_normal(texelFetch(g_normal, pixel, 0).xy);
     mat3 frame = frame_about(normal, texelFetch(turns, pixel & 3, 0).xy);
     float own_depth = dot(centre.xyz - camera.eye.xyz, camera.forward.xyz);
 

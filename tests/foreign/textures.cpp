@@ -85,10 +85,6 @@ io::DumpSpec write_texture(const std::string& folder, const std::string& name, c
     return spec;
 }
 
-io::DumpSpec write_image(const std::string& folder, const std::string& name, const Image4& image) {
-    return write_texture(folder, name, pack(image, Format::rgba32f));
-}
-
 Pattern spiral(int samples, float radius, bool whole) {
     Pattern out;
     const double golden_angle = host::pi * (3 - std::sqrt(5.0)),

@@ -29,7 +29,6 @@ Texture moved(const Texture& texture, int pixels);  // along x, what leaves come
 // Writes its file, and says what a manifest says of it.
 io::DumpSpec write_texture(const std::string& folder, const std::string& name, const Texture& texture,
                            const std::string& channels = "", const std::string& encoding = "plain");
-io::DumpSpec write_image(const std::string& folder, const std::string& name, const Image4& image);  // as floats
 
 // Samples about the projection of a point: dx, dy in texels of the map, and the texels that one stands for.
 using Pattern = std::vector<glm::vec3>;

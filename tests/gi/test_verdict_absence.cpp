@@ -21,6 +21,7 @@ std::int64_t count(const parity::StageVerdict& v, Verdict verdict) { return v.co
 struct HalfBlack {
     int black = side, channels = 1;
     float w = 1;
+    bool reads = false;  // an image "position"
     StageData data;
 
     HalfBlack() { data.stage = data.label = "half black", data.size = {side, side}; }
@@ -58,6 +59,7 @@ parity::StageVerdict HalfBlack::judge(const std::vector<float>& dumped, const pa
                                       std::vector<std::uint8_t> unwritten) const {
     StageBinding b;
     b.info.name = "half black";
+    if (reads) b.inputs = {{.name = "position"}};
     b.outputs = {{.name = "value", .kind = SlotKind::storage_image, .channels = channels}};
     b.bind = [](const StageData&) -> std::unique_ptr<BoundStage> { return std::make_unique<HalfBlackStage>(); };
     bound_half_black = this;
@@ -152,4 +154,57 @@ TEST_CASE("verdict: a dump of one value is named", "[verdict][absence]") {
     std::vector<float> dumped(side * side, 0.0f);
     dumped[399] = 1;
     CHECK(h.judge(dumped).reason == "159 of 400 pixels are wrong");
+}
+
+TEST_CASE("verdict: where nothing is seen pixels are left out, and no pass", "[verdict][absence]") {
+    HalfBlack h;
+    h.black = 0;
+    std::vector<float> dumped = h.values();
+    parity::JudgeOptions options;
+    options.covered.assign(std::size_t(side * side), true);
+    // What stands there is not looked at: not even NaN, or a filling.
+    for (int x = 0; x < side; ++x) options.covered[std::size_t(x)] = false, dumped[std::size_t(x)] = not_a_number;
+    std::vector<std::uint8_t> marks(dumped.size(), 0);
+    marks[3] = 1;
+    const parity::StageVerdict v = h.judge(dumped, options, marks);
+    CHECK(v.passed);
+    CHECK(v.decided);
+    CHECK(v.left_out == side);
+    CHECK(v.pixels == side * side - side);
+    CHECK(v.unwritten == 0);
+    CHECK(v.map(3, 0) == 255);
+    // One beside is.
+    dumped[std::size_t(side)] = 2;
+    CHECK(count(h.judge(dumped, options), Verdict::wrong) == 1);
+    options.covered.assign(std::size_t(side * side), false);
+    const parity::StageVerdict none = h.judge(dumped, options);
+    CHECK_FALSE(none.decided);
+    CHECK(none.pixels == 0);
+    CHECK(none.left_out == side * side);
+    CHECK(none.reason.find("nothing is seen at any of its 400 pixels, and all are left out: nothing to judge") == 0);
+    options.covered.resize(5);
+    CHECK_THROWS_WITH(h.judge(dumped, options), "half black: where something is seen has another size");
+}
+
+TEST_CASE("verdict: what a stage makes of nothing is no evidence", "[verdict][absence]") {
+    HalfBlack h;
+    h.black = 0;
+    h.reads = true;
+    std::vector<float> texels(4 * std::size_t(side) * side, 0.0f);
+    const auto judged = [&] {
+        h.data.inputs = {};
+        add(h.data.inputs, "position", {side, side, 4}, texels.data());
+        return h.judge(h.values());
+    };
+    const parity::StageVerdict nothing = judged();
+    CHECK_FALSE(nothing.decided);
+    CHECK(nothing.passed);
+    CHECK(nothing.nonzero == 0);
+    CHECK(nothing.reason.find("all that is read is 0, at each of its 400 pixels: nothing to judge") == 0);
+    // Of one component that is not 0, a NaN too, there is.
+    texels[4 * 7 + 3] = -1;
+    CHECK(judged().nonzero == 1);
+    CHECK(judged().decided);
+    texels[4 * 9] = not_a_number;
+    CHECK(judged().nonzero == 2);
 }

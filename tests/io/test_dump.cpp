@@ -383,6 +383,30 @@ TEST_CASE("dump: depth becomes linear eye depth, as the camera's own", "[io][dum
         }
 }
 
+TEST_CASE("dump: a depth goes where its channel is put, and may be linear over a range", "[io][dump]") {
+    const Folder folder;
+    DumpSpec spec = raw(folder.put("d.raw", bytes_of<float>({0.25f, 1.0f})), "D32_SFLOAT", 2, 1);
+    spec.encoding = "linear_depth", spec.near_far = {0, 8}, spec.channels = "000x";
+    const DumpedImage image = read_dump(spec);
+    CHECK(image.channels == 15);
+    const std::vector<float> expected = {0, 0, 0, 2, 0, 0, 0, 8};
+    CHECK(floats(image) == expected);
+    spec.near_far = {2, 6}, spec.channels = "";
+    CHECK(read_dump(spec).channels == 1);
+    CHECK(floats(read_dump(spec))[0] == 3);
+    // n f / (f - d (f - n)) at d = 1/4, n = 1, f = 4: 4 / (4 - 3 / 4).
+    spec.encoding = "depth", spec.near_far = {1, 4}, spec.channels = "_x";
+    CHECK(read_dump(spec).channels == 2);
+    CHECK(floats(read_dump(spec))[1] == float(4 / 3.25));
+    for (const auto& [channels, planes, message] :
+         {std::tuple("xx", std::vector<double>{0, 8}, "expected 1 of"), std::tuple("00", std::vector<double>{0, 8}, "expected 1 of"),
+          std::tuple("x", std::vector<double>{0, infinity}, "0 <= near < far, finite"),
+          std::tuple("x", std::vector<double>{-1, 8}, "0 <= near < far, finite")}) {
+        spec.encoding = "linear_depth", spec.channels = channels, spec.near_far = planes;
+        CHECK_THROWS_WITH(read_dump(spec), Catch::Matchers::Contains(message));
+    }
+}
+
 TEST_CASE("dump: what a store moved lies within the rounding that is told", "[io][dump][property]") {
     const Folder folder;
     constexpr int n = 400;

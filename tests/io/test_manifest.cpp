@@ -623,7 +623,7 @@ TEST_CASE("manifest: what an input goes through once it is decoded", "[io][manif
     CHECK(spec.matrix->rows == numbers);
     CHECK(spec.matrix->of == "directions");
     REQUIRE(spec.from_depth);
-    CHECK(spec.from_depth->inverse_view_proj == numbers);
+    CHECK(spec.from_depth->matrix == numbers);
     CHECK(spec.from_depth->below_zero);
     CHECK(spec.from_depth->reversed_z);
     CHECK(spec.from_depth->y_up);

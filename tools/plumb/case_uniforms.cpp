@@ -142,6 +142,9 @@ std::vector<std::string> set_view(const io::ManifestStage& stage, const std::str
         // A map's size is its images', whoever says it.
         const bool sized = member == name + ".size" || member == name + ".width" || member == name + ".height";
         if (sized && stage.uniforms.count(member)) continue;
+        // What a shader has beside the matrix, as where the light is, goes before what follows from it.
+        const bool of_view = member.starts_with(name + ".");
+        if (!of_view && stage.uniforms.count(member)) continue;
         if (stage.uniforms.count(member))
             throw InputError(fmt::format("{}: gives {}, which [stage.uniforms] gives, too", spec.place, member));
         set_uniform(binding, data, member, value, spec.place);

@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "gi/frame/frame_graph.h"
+#include "tools/plumb/case_pattern.h"
 
 namespace plumb::cli {
 
@@ -78,7 +79,7 @@ void require_whole_rows(const frame::Settings& settings) {
     for (std::size_t k = 0; k < rsm.own->rows.size(); ++k)
         for (const double d : {rsm.own->rows[k].x, rsm.own->rows[k].y})
             if (d != std::floor(d))
-                throw InputError(fmt::format("{}: row {}: {}: expected whole texels of at most 32767", rsm.own->path, k, d));
+                throw InputError(texels_fault(rsm.own->path, k, d, true));
 }
 
 }  // namespace plumb::cli

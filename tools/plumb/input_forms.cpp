@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "core/bounded.h"
 #include "core/error.h"
@@ -12,6 +14,7 @@
 #include "core/inexact_inputs.h"
 #include "core/parallel.h"
 #include "io/file.h"
+#include "tools/plumb/input_decoding.h"
 
 namespace plumb::cli {
 
@@ -21,37 +24,12 @@ constexpr double unit = 0x1p-23;  // of the last place of 1
 
 bool is_normal(const Slot& slot) { return slot.name.ends_with("normal"); }
 
-// Vectors that a shader unpacks itself.
-bool is_unpacked(const io::DumpSpec& spec) {
-    return spec.encoding == "biased" || spec.encoding.starts_with("octahedral") || spec.encoding.starts_with("hemi");
-}
-
 Bounded about(double value, double bound) { return Bounded::within(float(value), value, bound); }
 
-// 2 c - 1 of a code that was converted to a float (1 unit) and rounds itself; 1 unit more where the conversion is a
-// product with 1 / 255.
-constexpr double biased_error = 5 * unit;
-// Of x and y the same, or 2 units of a signed code. z = 1 - |x| - |y| and the folds take both and round twice: 12 units.
-// The vector is at least 1 / sqrt 3 long, so that making it unit turns an error of 12 units in each component into at most
-// sqrt 3 sqrt 3 12, and rounds 5 units itself.
-constexpr double octahedral_error = 41 * unit;
-
-// How far what a device decodes may be from v.
-void decode(const io::DumpSpec& spec, Bounded* v) {
-    for (int c = 0; c < 3; ++c) {
-        const double error = spec.encoding == "biased" ? biased_error : octahedral_error;
-        v[c] = about(v[c].shadow, error);
-    }
-    if (!spec.encoding.starts_with("hemi")) return;
-    for (int c = 0; c < 2; ++c) v[c] = about(v[c].shadow, biased_error);
-    const double z = v[2].shadow;
-    v[2] = sqrt(max(Bounded(0.0f), Bounded(1.0f) - v[0] * v[0] - v[1] * v[1]));
-    v[2] = about(z, v[2].bound + std::fabs(z - v[2].shadow));
-}
-
 // m (x, y, z, w), each row.
-Bounded row_of(const io::MatrixRows& m, int row, const Bounded& x, const Bounded& y, const Bounded& z, const Bounded& w) {
-    const double* r = &m[std::size_t(4 * row)];
+template <class Matrix>
+Bounded row_of(const Matrix& m, int row, const Bounded& x, const Bounded& y, const Bounded& z, const Bounded& w) {
+    const auto* r = &m[std::size_t(4 * row)];
     return Bounded(r[0]) * x + Bounded(r[1]) * y + Bounded(r[2]) * z + Bounded(r[3]) * w;
 }
 
@@ -75,22 +53,39 @@ io::MatrixRows for_normals(const io::MatrixRows& m, const std::string& place) {
     return rows;
 }
 
+bool is_formed(const io::DumpSpec& spec) {
+    return spec.from_depth || spec.matrix || !spec.scale.empty() || !spec.factors.empty() || spec.normalized ||
+           !spec.w.empty();
+}
+
 // One input, texel by texel.
 class Former {
   public:
-    Former(const io::DumpSpec& spec, const Slot& slot, const std::string& place, glm::ivec2 size)
-        : spec_(spec), place_(place), size_(size) {
+    Former(const io::DumpSpec& spec, const Slot& slot, const io::DumpedImage& dump, const std::string& place, glm::ivec2 size)
+        : spec_(spec), decoding_(spec, dump), place_(place), size_(size) {
         if (spec.matrix) find_matrix(slot);
-        for (const io::DumpSpec& factor : spec.factors) read_factor(factor);
+        for (const io::DumpSpec& factor : spec.factors) {
+            const io::DumpedImage image = read_image("factor", factor);
+            alone_.push_back((image.channels & 7u) == 1);
+            factors_.push_back(image.array);
+        }
+        for (const io::DumpSpec& w : spec.w) {
+            fourth_ = read_image("w", w);
+            fourth_decoding_.emplace(w, *fourth_);
+        }
+        if (spec.from_depth) find_inverse(*spec.from_depth);
     }
 
-    void form(glm::ivec2 pixel, const float* from, Bounded* v) const {
+    bool any() const { return is_formed(spec_) || decoding_.any(); }
+
+    void form(glm::ivec2 pixel, const float* from, SrgbBounds& known, Bounded* v) const {
         for (int c = 0; c < 4; ++c) v[c] = Bounded(from[c]);
-        if (is_unpacked(spec_)) decode(spec_, v);
+        if (!spec_.from_depth) decoding_.decode(v, known);
         if (spec_.from_depth && !unproject(pixel, from[0], v)) return;
         if (spec_.matrix) turn(v);
         multiply(pixel, v);
         if (spec_.normalized) normalise(v);
+        if (fourth_) read_fourth(pixel, known, v);
     }
 
   private:
@@ -107,14 +102,35 @@ class Former {
             for (double& number : matrix_) number /= last;
     }
 
-    void read_factor(const io::DumpSpec& factor) {
-        io::DumpedImage image = io::read_dump(factor);
+    io::DumpedImage read_image(const std::string& key, const io::DumpSpec& spec) const {
+        io::DumpedImage image = io::read_dump(spec);
         const std::vector<std::int64_t> expected = {size_.y, size_.x, 4};
         if (image.array.dtype != DType::f32 || image.array.shape != expected)
-            throw InputError(fmt::format("{}: factor: {} is {}: expected an image of {} x {} floats", place_,
-                                         io::shown(factor.file.string()), shape_text(image.array.shape), size_.x, size_.y));
-        alone_.push_back((image.channels & 7u) == 1);
-        factors_.push_back(std::move(image.array));
+            throw InputError(fmt::format("{}: {}: {} is {}: expected an image of {} x {} floats", place_, key,
+                                         io::shown(spec.file.string()), shape_text(image.array.shape), size_.x, size_.y));
+        if (key == "w" && (image.channels & (image.channels - 1)) != 0)
+            throw InputError(fmt::format("{}: w: {} has more than one channel: expected channels = \"x\", or another of them",
+                                         place_, io::shown(spec.file.string())));
+        return image;
+    }
+
+    void read_fourth(glm::ivec2 pixel, SrgbBounds& known, Bounded* v) const {
+        const float* texel = texel_of(fourth_->array, pixel);
+        Bounded w[4];
+        for (int c = 0; c < 4; ++c) w[c] = Bounded(texel[c]);
+        fourth_decoding_->decode(w, known);
+        v[3] = w[fourth_->channels == 8 ? 3 : fourth_->channels == 4 ? 2 : fourth_->channels == 2 ? 1 : 0];
+    }
+    const float* texel_of(const Array& image, glm::ivec2 pixel) const {
+        return reinterpret_cast<const float*>(image.bytes.data()) + 4 * (std::ptrdiff_t(pixel.y) * size_.x + pixel.x);
+    }
+
+    // A device that inverts the matrix itself has each number of the inverse rounded.
+    void find_inverse(const io::FromDepth& from) {
+        const io::MatrixRows inverse = from.forward ? io::inverse_of(from.matrix) : from.matrix;
+        for (std::size_t i = 0; i < inverse.size(); ++i)
+            inverse_[i] = from.forward ? about(inverse[i], unit * std::fabs(inverse[i])) : Bounded(inverse[i]);
+        parallel_ = is_affine(inverse);
     }
 
     // A depth that nothing has left its mark in is nowhere: zeros, as stages hold it.
@@ -132,17 +148,17 @@ class Former {
         const Bounded x = clip(pixel.x, size_.x), down = clip(pixel.y, size_.y), y = from.y_up ? -down : down;
         const Bounded d = spec_.vk_format.find("UNORM") == std::string::npos ? Bounded(depth) : about(depth, unit * depth);
         const Bounded z = from.below_zero ? Bounded(2.0f) * d - Bounded(1.0f) : d;
-        const io::MatrixRows& m = from.inverse_view_proj;
+        const std::array<Bounded, 16>& m = inverse_;
         const Bounded one(1.0f), w = row_of(m, 3, x, y, z, one);
         for (int c = 0; c < 3; ++c) v[c] = row_of(m, c, x, y, z, one) / w;
-        if (!is_affine(m)) {
+        if (!parallel_) {
             v[3] = one / w;  // of a perspective clip space w is the linear depth
             return true;
         }
         // Of parallel rays it is the way from the near plane.
         const Bounded nearest(from.reversed_z ? 1.0f : from.below_zero ? -1.0f : 0.0f);
         Bounded square(0.0f);
-        for (std::size_t c = 0; c < 3; ++c) square += Bounded(m[4 * c + 2] / m[15]) * Bounded(m[4 * c + 2] / m[15]);
+        for (std::size_t c = 0; c < 3; ++c) square += (m[4 * c + 2] / m[15]) * (m[4 * c + 2] / m[15]);
         v[3] = abs(z - nearest) * sqrt(square);
         return true;
     }
@@ -159,8 +175,7 @@ class Former {
         for (std::size_t c = 0; c < 3 && !spec_.scale.empty(); ++c)
             v[c] = v[c] * Bounded(spec_.scale[spec_.scale.size() == 1 ? 0 : c]);
         for (std::size_t i = 0; i < factors_.size(); ++i) {
-            const auto* texels = reinterpret_cast<const float*>(factors_[i].bytes.data());
-            const float* by = texels + 4 * (std::ptrdiff_t(pixel.y) * size_.x + pixel.x);
+            const float* by = texel_of(factors_[i], pixel);
             for (std::size_t c = 0; c < 3; ++c) v[c] = v[c] * Bounded(by[alone_[i] ? 0 : c]);
         }
     }
@@ -173,10 +188,15 @@ class Former {
     }
 
     const io::DumpSpec& spec_;
+    InputDecoding decoding_;
     const std::string& place_;
     glm::ivec2 size_;
     io::MatrixRows matrix_{};
     bool moves_ = false, divides_ = false;
+    std::array<Bounded, 16> inverse_{};
+    bool parallel_ = false;  // clip space has no perspective
+    std::optional<io::DumpedImage> fourth_;
+    std::optional<InputDecoding> fourth_decoding_;
     std::vector<Array> factors_;
     std::vector<bool> alone_;  // a factor of one channel multiplies all three
 };
@@ -222,14 +242,10 @@ void note_lengths(const io::DumpSpec& spec, const Slot& slot, const std::vector<
                                     spec.normalized ? "" : "; normalized = true where the shader makes it unit"));
 }
 
-bool is_formed(const io::DumpSpec& spec) {
-    return spec.from_depth || spec.matrix || !spec.scale.empty() || !spec.factors.empty() || spec.normalized;
-}
-
 void check(const io::DumpSpec& spec, const Slot& slot, const io::DumpedImage& dump, const std::string& place) {
     const bool image = dump.array.dtype == DType::f32 && dump.array.shape.size() == 3 && dump.array.shape[2] == 4;
     if (!image || slot.kind != SlotKind::image || slot.dtype != DType::f32)
-        throw InputError(place + ": from_depth, matrix, scale, factor and normalized are of images of floats");
+        throw InputError(place + ": from_depth, matrix, scale, factor, normalized and w are of images of floats");
     if (spec.normalized && !is_normal(slot))
         throw InputError(fmt::format("{}: normalized: expected it of normals alone", place));
     const bool vectors = (dump.channels & 7u) == 7u || spec.from_depth;
@@ -249,21 +265,21 @@ Array form_input(const io::DumpSpec& spec, const Slot& slot, const Precision& pr
     const bool frame = slot.frame;
     if (is_normal(slot) && (dump.channels & 7u) == 7u)
         note_lengths(spec, slot, frame ? covered : std::vector<bool>{}, dump, notes);
-    if (!is_formed(spec) && !is_unpacked(spec)) return {};
-
     const glm::ivec2 size(int(dump.array.shape[1]), int(dump.array.shape[0]));
-    const Former former(spec, slot, place, size);
+    const Former former(spec, slot, dump, place, size);
+    if (!former.any()) return {};
     Bundle made;
     Array moved = std::move(add(made, moved_name(slot.name), DType::f32, dump.array.shape));
     auto* texels = reinterpret_cast<float*>(dump.array.bytes.data());
     auto* bounds = reinterpret_cast<float*>(moved.bytes.data());
     parallel_bands(size.y, 8, 0, [&](int first, int last) {
         const PrecisionScope scope(precision);
+        SrgbBounds known;
         Bounded v[4];
         for (int y = first; y < last; ++y)
             for (int x = 0; x < size.x; ++x) {
                 const std::ptrdiff_t at = 4 * (std::ptrdiff_t(y) * size.x + x);
-                former.form({x, y}, texels + at, v);
+                former.form({x, y}, texels + at, known, v);
                 for (int c = 0; c < 4; ++c) {
                     texels[at + c] = float(v[c].shadow);
                     const double off = v[c].bound + std::fabs(double(texels[at + c]) - v[c].shadow);
@@ -273,6 +289,7 @@ Array form_input(const io::DumpSpec& spec, const Slot& slot, const Precision& pr
             }
     });
     if (spec.from_depth) dump.channels = 15;
+    if (!spec.w.empty()) dump.channels |= 8;
     return moved;
 }
 

@@ -55,7 +55,11 @@ std::uint64_t bytes_to_validate(const io::Manifest& manifest, bool pictures) {
     for (const io::ManifestStage& stage : manifest.stages) {
         const glm::ivec2 size(stage.width, stage.height);
         std::uint64_t bytes = 0, largest_file = 0;
-        for (const auto& [name, spec] : stage.inputs) bytes += bytes_of(spec, size), largest_file = std::max(largest_file, file_bytes(spec));
+        for (const auto& [name, spec] : stage.inputs) {
+            // Beside an input that is decoded or formed, how far a device may be from it.
+            bytes += (spec.vk_format.ends_with("_SFLOAT") && spec.encoding == "plain" ? 1 : 2) * bytes_of(spec, size);
+            largest_file = std::max(largest_file, file_bytes(spec));
+        }
         for (const auto& [name, spec] : stage.outputs) {
             // Beside ours, how far each number was moved, and whether it was written.
             bytes += 2 * bytes_of(spec, size) + items(size), largest_file = std::max(largest_file, file_bytes(spec));

@@ -15,6 +15,7 @@
 #include "io/scene_file.h"
 #include "raster/light_view.h"
 #include "tools/plumb/case_pattern.h"
+#include "tools/plumb/case_sampling.h"
 #include "tools/plumb/case_uniforms.h"
 #include "tools/plumb/coverage.h"
 #include "tools/plumb/input_forms.h"
@@ -122,8 +123,16 @@ ReadInput read_input(const io::DumpSpec& spec, const Slot& slot, const Precision
                      StageCase& out) {
     io::DumpedImage dump = io::read_dump(spec);
     Array moved = form_input(spec, slot, precision, out.covered, place, dump, out.notes);
-    ReadInput read{input_array(slot, std::move(dump), out.data.size, place, out.notes), {}};
-    if (moved.shape == read.array.shape) read.moved = std::move(moved);
+    const unsigned channels = dump.channels;
+    ReadInput read{input_array(slot, std::move(dump), out.data.size, place, out.notes), std::move(moved)};
+    if (read.moved.bytes.empty() || read.moved.shape == read.array.shape) return read;
+    // Of fewer components than a texel of the dump has.
+    const std::string name = read.moved.name;
+    std::vector<std::string> said;
+    io::DumpedImage of_slot{std::move(read.moved)};
+    of_slot.channels = channels;
+    read.moved = input_array(slot, std::move(of_slot), out.data.size, place, said);
+    read.moved.name = name;
     return read;
 }
 
@@ -162,11 +171,16 @@ void set_inputs(const io::ManifestStage& stage, const StageBinding& binding, con
         set_pattern(binding, pattern->second, slot_place(stage, "input", "pattern"), data);
 
     std::vector<std::string> missing;
-    for (const Slot& slot : binding.inputs)
-        if (!find(data.inputs, slot.name)) missing.push_back("input." + slot.name);
+    for (const Slot& slot : binding.inputs) {
+        if (find(data.inputs, slot.name)) continue;
+        if (slot.optional)
+            out.notes.push_back(slot.name + ": was not dumped; it is 0 everywhere");
+        else
+            missing.push_back("input." + slot.name);
+    }
     if (missing.empty()) return;
     const bool buffers = std::any_of(binding.inputs.begin(), binding.inputs.end(), [&](const Slot& s) {
-        return s.kind == SlotKind::buffer && !find(data.inputs, s.name);
+        return !s.optional && s.kind == SlotKind::buffer && !find(data.inputs, s.name);
     });
     throw InputError(fmt::format("{}: missing: {}{}", stage.place, joined(missing),
                                  buffers ? "; dump them, or name a scene, which gives buffers" : "; dump them"));
@@ -336,10 +350,11 @@ StageData CaseReader::data_of_scene(const io::ManifestStage& stage, const StageB
 StageCase CaseReader::read(const io::ManifestStage& stage) const {
     StageCase out;
     out.binding = &parity::find_binding(stage.stage, stage.place);
-    const StageBinding& binding = *out.binding;
     if (scene_) {
+        const StageBinding& binding = *out.binding;
         out.data = data_of_scene(stage, binding);
     } else {
+        const StageBinding& binding = *out.binding;
         // What is no parameter, or has no such value, is named first.
         frame::Settings settings;
         settings = frame::settings_running(settings, stage.stage);
@@ -360,10 +375,12 @@ StageCase CaseReader::read(const io::ManifestStage& stage) const {
     if (!scene_ && !stage.light.empty() && stage.label.empty())
         out.notes.push_back("light: there is no scene, so that \"" + stage.light + "\" is no more than a name");
 
+    out.binding = &sampled_binding(stage, *out.binding, out.data);
+    const StageBinding& binding = *out.binding;
     const bool whole = !out.data.uniforms.empty() || !stage.uniforms_file.empty();
     const bool pattern = pattern_slot(binding) && stage.inputs.count("pattern") > 0;
     set_uniforms(stage, binding, out.data);
-    out.covered = read_coverage(stage, out.data.size);
+    out.covered = read_coverage(stage, binding, out.data.size);
     set_inputs(stage, binding, scene_ ? &*scene_ : nullptr, precision_, out);
     complete_uniforms(stage, binding, whole, pattern, out.data, out.notes);
     read_outputs(stage, binding, out);

@@ -17,7 +17,7 @@ struct StageCase {
     std::vector<parity::Dumped> dumped;
     std::vector<std::int32_t> choices;  // [height][width][choices_a_pixel], or empty
     int choices_a_pixel = 0;
-    std::vector<bool> covered;       // where something is seen, as [stage.coverage] says; empty: everywhere
+    std::vector<bool> covered;       // where something is seen, as [stage.coverage] or a depth buffer says; empty: everywhere
     std::vector<std::string> notes;  // what was assumed
 };
 

@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "gi/parity/verdict.h"
+#include "gi/rsm/sampled.h"
 #include "io/file.h"
 #include "io/image_file.h"
 #include "io/manifest.h"
@@ -110,9 +111,10 @@ int run_validate(const ValidateOptions& given) {
         StageCase one = reader.read(stage);
         options.choices = std::move(one.choices);
         options.choices_a_pixel = one.choices_a_pixel;
+        options.covered = std::move(one.covered);
         const auto guesses = [&] {
             std::vector<parity::Hypothesis> all = other_dumps(manifest, stage, *one.binding);
-            if (mutants)
+            if (mutants && !rsm::is_sampled(*one.binding))
                 for (parity::Hypothesis& h : mutants->of(*one.binding, one.data)) all.push_back(std::move(h));
             return all;
         };

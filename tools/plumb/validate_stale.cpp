@@ -28,7 +28,14 @@ class StaleFinder {
         };
         look_at(stage.block);
         for (const auto& [name, spec] : stage.inputs) look_at(spec.file);
-        for (const auto& [name, spec] : stage.outputs) look_at_output(spec);
+        std::vector<std::string> answers;
+        for (const auto& [name, spec] : stage.outputs) {
+            look_at_output(spec);
+            if (is_answer(spec)) answers.push_back(io::shown(spec.file.string()));
+        }
+        if (!answers.empty())
+            return fmt::format("{} {} the expected output itself: nothing of a renderer's was judged", fmt::join(answers, ", "),
+                               answers.size() == 1 ? "is" : "are");
         if (changed.empty()) return "";
         return fmt::format("not what was exported: {} {} changed since: export anew, or, where that is meant, take {} out "
                            "of [export.files]", fmt::join(changed, ", "), changed.size() == 1 ? "has" : "have",
@@ -63,6 +70,12 @@ class StaleFinder {
         if (!spec.filling && exported_hash(spec.file) == hash_of(spec.file))
             notes_.push_back(io::shown(spec.file.string()) + " is as `plumb export --device` left it");
         if (is_there(spec.expected)) note_time(spec);
+    }
+
+    // One file under both names: not written by any renderer.
+    static bool is_answer(const io::DumpSpec& spec) {
+        std::error_code error;
+        return !spec.expected.empty() && fs::equivalent(spec.file, spec.expected, error) && !error;
     }
 
     void note_time(const io::DumpSpec& spec) {

@@ -116,6 +116,7 @@ Json stage_json(const StageReport& stage) {
                  {"counts", counts_json(v.count)},
                  {"nonzero", nonzero_json(v)},
                  {"unwritten", v.unwritten},
+                 {"left_out", v.left_out},
                  {"stale", stage.stale},
                  {"worst", worst ? worst_json(*worst) : Json(nullptr)},
                  {"worst_pixels", worst_pixels},
@@ -162,7 +163,10 @@ std::string verdict_text(const StageReport& stage) {
 std::string none_judged(const ValidationReport& report) {
     const bool any = std::any_of(report.stages.begin(), report.stages.end(),
                                  [](const StageReport& s) { return s.verdict.pixels > 0; });
-    return any ? "nothing to judge: all that is expected is 0" : "no pixel was judged";
+    const bool black = std::any_of(report.stages.begin(), report.stages.end(), [](const StageReport& s) {
+        return s.verdict.reason.find("all that is expected is 0") == 0;
+    });
+    return any ? fmt::format("nothing to judge: all that is {} is 0", black ? "expected" : "read") : "no pixel was judged";
 }
 
 std::string profile_text(const ValidationReport& report) {
