@@ -8,6 +8,9 @@ namespace plumb {
 
 using namespace rsm;
 
+template <bool continuous>
+inline constexpr bool by_packets<SampledDisc<continuous>> = false;
+
 // A pixel at a time, whatever the instruction set: nobody waits for it in a frame.
 template <bool continuous, Isa isa>
 struct Rows<SampledDisc<continuous>, isa> {

@@ -7,6 +7,7 @@
 
 #include "core/bounded_packet.h"
 #include "core/device_profile.h"
+#include "core/inexact_inputs.h"
 #include "legal_device.h"
 
 using namespace plumb;
@@ -302,4 +303,23 @@ TEST_CASE("bounded packets: indices wrap, shift and compare as one index does", 
         compare([](auto x, auto y) { return in_range(x, max(y, decltype(y)(1))); });
     }
     CHECK(wrong == 0);
+}
+
+TEST_CASE("bounded packets: what is fetched alone is as inexact as its texel", "[bounded][packet]") {
+    test::Random random(11);
+    std::vector<float> numbers(4 * lanes), moved(numbers.size());
+    for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] = float(random.between(-2, 2)), moved[i] = float(i % 3) * 1e-4f;
+    const InexactRange range{numbers.data(), moved.data(), std::ptrdiff_t(numbers.size())};
+    const InexactScope inexact(std::span(&range, 1));
+    for (const Isa isa : supported_isas()) {
+        const PacketScope scope(isa);
+        const PacketIndex at = number<BoundedPacket>::iota(7) * PacketIndex(2);
+        const BoundedPacket fetched = number<BoundedPacket>::fetch(numbers.data(), at);
+        for (int i = 0; i < lanes; ++i) {
+            const Bounded alone = number<Bounded>::fetch(numbers.data(), at.v[i]);
+            CAPTURE(isa_name(isa), i);
+            CHECK(same(BoundedPacket::lane(*fetched, i), alone));
+            CHECK(alone.bound == double(moved[std::size_t(at.v[i])]));
+        }
+    }
 }
