@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "tools/page/markup.h"
@@ -114,7 +115,10 @@ Rows errors(const std::vector<LargeError>& all, const std::string& head) {
 
 std::string tried_text(const Diagnosis& d) {
     if (!d.causes.empty()) return fmt::format("Diagnosis, of {} guesses:", d.tried);
-    return fmt::format("Diagnosis: none of {} guesses makes half of the wrong pixels agree", d.tried);
+    const bool in_places =
+        std::any_of(d.clusters.begin(), d.clusters.end(), [](const ClusterCause& c) { return !c.text.empty(); });
+    return fmt::format("Diagnosis: none of {} guesses makes half of the wrong pixels agree{}", d.tried,
+                       in_places ? "; places have causes of their own" : "");
 }
 
 std::string where_text(const Diagnosis& d) {

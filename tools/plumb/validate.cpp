@@ -168,7 +168,7 @@ void add_validate(CLI::App& program, Action& action) {
                       "do not run the kernel again under guesses at what is wrong");
     command->add_option("--mutants", given->mutants,
                         "also run the twins of what is wrong with a change each, on a Vulkan device of that name or index in\n"
-                        "`plumb devices`: a minute a stage")
+                        "`plumb devices`, where no other guess explains it")
         ->check(some_word())
         ->type_name("DEVICE");
     command->add_option("-o,--output", given->folder, "also write pictures of verdicts and errors")
