@@ -6,6 +6,7 @@
 #include <set>
 
 #include "core/error.h"
+#include "io/dump_encoding.h"
 #include "io/file.h"
 #include "tools/plumb/slot_array.h"
 
@@ -47,6 +48,9 @@ void add_undecoded(const Slot& slot, const io::DumpSpec& spec, std::vector<parit
     if (forms.empty()) return;
     parity::Hypothesis h{fmt::format("{} as it is stored, without: {}", slot.name, forms)};
     h.change = [&slot, plain = spec](StageData& data) mutable {
+        // Of a texture of two components the third is 0 and the fourth 1.
+        if (io::encoded_components(io::parse_encoding(plain.encoding)) == 2)
+            plain.channels = (plain.channels.empty() ? "xy" : plain.channels.substr(0, 2)) + "01";
         plain.encoding = "plain", plain.near_far.clear();
         return read_instead(slot, plain, data);
     };
