@@ -18,13 +18,16 @@ constexpr int lanes = PacketData::lanes;
 // Packets of a thread; as many as its kernels hold at once.
 thread_local std::vector<std::unique_ptr<PacketData[]>> slabs;
 
-PacketData* take() {
+[[gnu::noinline]] void add_slab() {
+    constexpr int more = 64;
+    slabs.push_back(std::make_unique<PacketData[]>(more));
+    for (int i = 0; i < more; ++i) slabs.back()[i].next = packet_state.free, packet_state.free = &slabs.back()[i];
+}
+
+PLUMB_INLINE PacketData* take() {
     PacketState& s = packet_state;
-    if (!s.free) {
-        constexpr int more = 64;
-        slabs.push_back(std::make_unique<PacketData[]>(more));
-        for (int i = 0; i < more; ++i) slabs.back()[i].next = s.free, s.free = &slabs.back()[i];
-    }
+    if (!s.free) [[unlikely]]
+        add_slab();
     PacketData* const taken = s.free;
     s.free = taken->next, taken->users = 1;
     return taken;

@@ -164,7 +164,7 @@ class BoundedPacket {
     // One item alone.
     static Bounded lane(const PacketData& a, int i) {
         Bounded x;
-        x.value = a.value[i], x.shadow = a.shadow[i];
+        x.value = a.value[i], x.shadow = a.exact ? a.value[i] : a.shadow[i];
         if (a.exact) return x;
         x.bound = a.bound[i], x.additions = std::uint16_t(a.additions[i]), x.blend = a.blend >> i & 1;
         if (x.additions) x.magnitude = a.terms[i];

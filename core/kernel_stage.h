@@ -319,8 +319,10 @@ class KernelStage final : public BoundStage, public PacketOutcomes {
             NoTap tap;
             each_component(Kernel::template item<BoundedPacket>(view_, x, y, tap), [&](const auto& component) {
                 const BoundedPacket values(component);
-                for (std::size_t i = 0; i < pixels.size(); ++i)
-                    out[i][0].values.push_back({values->shadow[i], values->exact ? 0 : values->bound[i]});
+                for (std::size_t i = 0; i < pixels.size(); ++i) {
+                    const Bounded one = BoundedPacket::lane(*values, int(i));
+                    out[i][0].values.push_back({one.shadow, one.bound});
+                }
             });
             return scope.left();
         } else {

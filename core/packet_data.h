@@ -14,14 +14,13 @@ struct alignas(64) PacketData {
     static constexpr std::uint32_t all = 0xffff;
 
     float value[lanes];
-    double shadow[lanes];
     // Written unless `exact`. terms is Bounded::terms(), additions what it counts.
-    double bound[lanes], terms[lanes], additions[lanes];
+    double shadow[lanes], bound[lanes], terms[lanes], additions[lanes];
     // A bit a lane:
     std::uint32_t sums = 0;   // additions > 0
     std::uint32_t blend = 0;  // Bounded::blend
     std::uint32_t odd = 0;    // not plain: infinite, NaN or a denormal shadow, or a bound beyond the floats
-    bool exact = false;       // in every lane bound, additions and blend are 0
+    bool exact = false;       // in every lane the shadow is the value, and bound, additions and blend are 0
     std::int32_t users = 1;
     PacketData* next = nullptr;  // of those that are free
 };

@@ -13,7 +13,7 @@ namespace {
 
 using Lanes = PacketOps::Lanes;
 using Mask = DoubleMask;
-using plumb::abs, plumb::clamp, plumb::max, plumb::min, plumb::sqrt;  // of floats; those of Double by argument
+using plumb::abs, plumb::any, plumb::max, plumb::min, plumb::sqrt;  // of one lane; those of Double by argument
 
 constexpr int step = Double::lanes;
 constexpr Lanes step_bits = (1u << step) - 1;
@@ -31,10 +31,12 @@ template <bool exact>
 struct Part {
     Double shadow, bound, terms, additions, magnitude, size;
 
-    PLUMB_INLINE Part(const PacketData& a, int i) : shadow(load(a.shadow + i)), magnitude(abs(shadow)) {
+    PLUMB_INLINE Part(const PacketData& a, int i) {
         if constexpr (exact) {
+            shadow = widen(a.value + i), magnitude = abs(shadow);
             bound = additions = Double(0.0), size = terms = magnitude;
         } else {
+            shadow = load(a.shadow + i), magnitude = abs(shadow);
             bound = load(a.bound + i), terms = load(a.terms + i), additions = load(a.additions + i);
             size = magnitude + bound;
         }
@@ -260,7 +262,8 @@ Lanes clamped(const PacketData& a, const PacketData& low, const PacketData& high
             struct Ends {
                 Double shadow, low, high;
             };
-            const Double shadow = load(p.shadow + i), bound = p.exact ? Double(0.0) : load(p.bound + i);
+            const Double shadow = p.exact ? widen(p.value + i) : load(p.shadow + i);
+            const Double bound = p.exact ? Double(0.0) : load(p.bound + i);
             return Ends{shadow, shadow - bound, shadow + bound};
         };
         const auto x = ends(a), from = ends(low), to = ends(high);
@@ -298,10 +301,9 @@ Lanes root(const PacketData& a, const PacketGrants& grants, PacketData& r) {
 // The same but for the sign; of |a| no sum is left.
 template <bool negates>
 void sign(const PacketData& a, PacketData& r) {
-    for (int i = 0; i < PacketData::lanes; i += step) {
+    for (int i = 0; i < PacketData::lanes && !a.exact; i += step) {
         const Double shadow = load(a.shadow + i);
         save(r.shadow + i, negates ? -shadow : abs(shadow));
-        if (a.exact) continue;
         const Double bound = load(a.bound + i);
         save(r.bound + i, bound);
         save(r.terms + i, negates ? load(a.terms + i) : abs(shadow) + bound);
@@ -313,17 +315,23 @@ void sign(const PacketData& a, PacketData& r) {
 
 void blended(Lanes mask, const PacketData& a, const PacketData& b, PacketData& r) {
     r.exact = a.exact && b.exact;
-    for (int i = 0; i < PacketData::lanes; i += step) {
+    for (int i = 0; i < PacketData::lanes && !r.exact; i += step) {
         const Mask m = lanes_of(mask >> i & step_bits);
         const auto either = [&](double* to, Double x, Double y) __attribute__((always_inline)) { save(to + i, select(m, x, y)); };
-        const Double zero(0.0), x = load(a.shadow + i), y = load(b.shadow + i);
+        const Double zero(0.0), x = a.exact ? widen(a.value + i) : load(a.shadow + i);
+        const Double y = b.exact ? widen(b.value + i) : load(b.shadow + i);
         either(r.shadow, x, y);
-        if (r.exact) continue;
         either(r.bound, a.exact ? zero : load(a.bound + i), b.exact ? zero : load(b.bound + i));
         either(r.terms, a.exact ? abs(x) : load(a.terms + i), b.exact ? abs(y) : load(b.terms + i));
         either(r.additions, a.exact ? zero : load(a.additions + i), b.exact ? zero : load(b.additions + i));
     }
-    for (int i = 0; i < PacketData::lanes; ++i) r.value[i] = (mask >> i & 1) ? a.value[i] : b.value[i];
+    typedef std::int32_t Words __attribute__((vector_size(sizeof a.value)));
+    Words u, v;
+    std::memcpy(&u, a.value, sizeof u), std::memcpy(&v, b.value, sizeof v);
+    const Words bit = {1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384, 32768};
+    const Words on = ((Words{} + std::int32_t(mask)) & bit) != 0;
+    u = (u & on) | (v & ~on);
+    std::memcpy(r.value, &u, sizeof u);
     r.sums = (a.sums & mask) | (b.sums & ~mask);
     r.blend = (a.blend & mask) | (b.blend & ~mask);
     r.odd = (a.odd & mask) | (b.odd & ~mask);
@@ -350,10 +358,15 @@ Lanes below(const PacketData& a, const PacketData& b) {
 // ---- What is exact -----------------------------------------------------------------------------------------------------
 
 PLUMB_INLINE void exactly(PacketData& r) {
+    bool suspect = false;
+    for (int i = 0; i < PacketData::lanes; i += number<Real>::width) {
+        const Real magnitude = abs(value_of(r, i));
+        const mask_t<Real> some = (magnitude < Real(0x1p-126f)) | !(magnitude <= Real(0x1.fffffep127f));
+        suspect |= any(some);
+    }
     Lanes odd = 0;
-    for (int i = 0; i < PacketData::lanes; i += step) {
-        const Double shadow = widen(r.value + i), magnitude = abs(shadow);
-        save(r.shadow + i, shadow);
+    for (int i = 0; i < PacketData::lanes && suspect; i += step) {
+        const Double magnitude = abs(widen(r.value + i));
         odd |= odd_of(magnitude, magnitude) << i;
     }
     r.sums = r.blend = 0, r.odd = odd & PacketData::all, r.exact = true;

@@ -263,7 +263,7 @@ TEST_CASE("bounded packets: what is undecided leaves an item, and only where it 
     // An index between two numbers; bits of what is inexact.
     (void)number<BoundedPacket>::round_to_index(BoundedPacket(0.5f));
     CHECK(scope.left() == (0x1fu & ~8u));
-    (void)chosen(x / BoundedPacket(0.3f) * BoundedPacket(1.0f));
+    (void)chosen(x / BoundedPacket(0.3f) - BoundedPacket(0.3f));
     CHECK((scope.left() >> 8) == 0xff);
     (void)number<BoundedPacket>::bits(x);
     CHECK(scope.left() == PacketData::all);
