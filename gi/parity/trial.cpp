@@ -13,6 +13,8 @@ namespace plumb::parity {
 
 namespace {
 
+// A bound above that share of the largest value that was dumped says nothing: all agrees with it.
+constexpr double widest_bound = 0x1p-6;
 // Branches of two runs that are added up, each with each.
 constexpr std::size_t most_sums = 64;
 
@@ -55,6 +57,14 @@ Trial::Trial(const StageBinding& binding, const StageData& data, const JudgeOpti
       pairs_(pairs),
       stage_(binding.bind(data)) {
     for (const Slot& slot : binding.outputs) components_ += slot.channels;
+    for (const Pair& p : pairs) {
+        double largest = 0;
+        for (std::size_t i = 0; i < verdict.map.size(); ++i)
+            for (int c = 0; c < p.channels; ++c)
+                if (const double got = p.compared(c) ? std::abs(p.got(i, c)) : 0; std::isfinite(got))
+                    largest = std::max(largest, got);
+        largest_.push_back(largest);
+    }
 }
 
 std::size_t Trial::index(glm::ivec2 p) const { return std::size_t(p.y) * std::size_t(data_.size.x) + std::size_t(p.x); }
@@ -87,6 +97,16 @@ bool Trial::holds(std::size_t at, const std::vector<BoundedValue>& values, doubl
             if (!(got >= range.low && got <= range.high)) return false;
         }
     }
+    return true;
+}
+
+// A guess that makes numbers so large that nothing is known of the result explains nothing.
+bool Trial::says_something(const std::vector<BoundedValue>& values) const {
+    for (std::size_t i = 0; i < pairs_.size(); ++i)
+        for (int c = 0; c < pairs_[i].channels; ++c)
+            if (pairs_[i].compared(c) &&
+                !(values[std::size_t(pairs_[i].first + c)].bound <= widest_bound * largest_[i]))
+                return false;
     return true;
 }
 
@@ -163,6 +183,7 @@ bool Trial::agrees(const Hypothesis& h, const std::vector<Outcome>& outcomes, gl
             if (undecided) return true;
             continue;
         }
+        if (h.change && !says_something(outcome.values)) continue;
         values = outcome.values;
         if (h.result) h.result(pixel, values);
         if (holds(index(pixel), values, h.slack)) return true;

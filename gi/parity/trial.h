@@ -52,6 +52,7 @@ class Trial {
     std::vector<Outcome> outcomes(const BoundStage& stage, glm::ivec2 ours, std::size_t at) const;
     std::vector<Outcome> own_outcome(const Bundle& outputs, std::size_t at) const;
     std::vector<Outcome> added(const std::vector<Outcome>& to, const std::vector<Outcome>& more, int sign) const;
+    bool says_something(const std::vector<BoundedValue>& values) const;
     bool holds(std::size_t at, const std::vector<BoundedValue>& values, double slack) const;
     bool agrees(const Hypothesis& h, const std::vector<Outcome>& outcomes, glm::ivec2 pixel) const;
     double off(std::size_t at, const std::vector<BoundedValue>& values) const;
@@ -63,6 +64,7 @@ class Trial {
     const std::vector<Pair>& pairs_;
     std::unique_ptr<BoundStage> stage_;
     int components_ = 0;
+    std::vector<double> largest_;  // of what was dumped of each pair
     std::set<std::string> local_;  // inputs
     // One of them, whose pixels a guess changes and gives back.
     std::string scratch_of_;
