@@ -55,8 +55,8 @@ inline constexpr double fraction_step = 1.0 / 256;
 template <class F>
 PLUMB_INLINE F filtered_fraction(const F& fraction) {
     if constexpr (std::is_same_v<F, Bounded>)
-        return clamp(Bounded::within(fraction.value, fraction.shadow, fraction.bound + fraction_step, fraction.ambiguous),
-                     Bounded(0.0f), Bounded(1.0f));
+        // Not held in 0 to 1: a comparison there would be undecided at every texel's centre.
+        return Bounded::within(fraction.value, fraction.shadow, fraction.bound + fraction_step, fraction.ambiguous);
     else
         return fraction;
 }

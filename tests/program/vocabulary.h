@@ -98,7 +98,7 @@ struct Exported {
     // [export] would call changed inputs stale; files of one's own are none of the export's.
     Json judged(int exit) const {
         write(folder + "/manifest.toml", manifest);
-        const Result r = run({"validate", folder + "/manifest.toml", "--json"});
+        const Result r = run({"validate", folder + "/manifest.toml", "--json", "--no-diagnosis"});
         INFO(r.out << r.err);
         REQUIRE(r.exit == exit);
         return Json::parse(r.out)["stages"][0];
