@@ -2,8 +2,15 @@
 #ifndef PLUMB_MUTANTS_PRELUDE_GLSL
 #define PLUMB_MUTANTS_PRELUDE_GLSL
 
-// Through 16 bits.
-float half_of(float x) { return unpackHalf2x16(packHalf2x16(vec2(x, 0.0))).x; }
+// The nearest half, ties to even. Rounds the bits themselves: a compiler takes unpackHalf2x16(packHalf2x16(x)) for x, and
+// the error is gone.
+float half_of(float x) {
+    int sign = floatBitsToInt(x) & -0x7fffffff - 1, bits = floatBitsToInt(x) & 0x7fffffff;
+    int kept = bits + 0xfff + (bits >> 13 & 1) & ~0x1fff;  // 10 bits of the fraction
+    if (bits < 0x38800000) kept = floatBitsToInt(roundEven(intBitsToFloat(bits) * 16777216.0) / 16777216.0);
+    if (bits >= 0x477ff000) kept = max(bits, 0x7f800000);  // 65520 and beyond; a NaN stays
+    return intBitsToFloat(kept | sign);
+}
 vec3 half_of(vec3 v) { return vec3(half_of(v.x), half_of(v.y), half_of(v.z)); }
 float byte_of(float x) { return unpackUnorm4x8(packUnorm4x8(vec4(x, 0.0, 0.0, 0.0))).x; }
 
