@@ -4,6 +4,16 @@
 
 namespace plumb {
 
+// Defined once per instruction set, in packet_ops_isa.cpp.
+template <>
+const PacketOps PacketOpsOf<Isa::scalar>::ops;
+template <>
+const PacketOps PacketOpsOf<Isa::sse>::ops;
+template <>
+const PacketOps PacketOpsOf<Isa::avx2>::ops;
+template <>
+const PacketOps PacketOpsOf<Isa::avx512>::ops;
+
 constinit thread_local PacketState packet_state;
 const PacketData BoundedPacket::zero = [] {
     PacketData d{};
