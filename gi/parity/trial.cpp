@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "core/inexact_inputs.h"
 #include "core/parallel.h"
 
 namespace plumb::parity {
@@ -35,6 +36,19 @@ bool same(const std::vector<Outcome>& a, const std::vector<Outcome>& b) {
                           [](const BoundedValue& v, const BoundedValue& w) {
                               return v.shadow == w.shadow && v.bound == w.bound;
                           });
+    });
+}
+
+// How far an input's numbers may be elsewhere goes with the input: of as many numbers in another shape, that one. Of another
+// number of them nothing is known.
+void fit_moved(StageData& data) {
+    std::erase_if(data.inputs.arrays, [&](Array& moved) {
+        if (!moved.name.ends_with(moved_name(""))) return false;
+        const Array* input = find(data.inputs, moved.name.substr(0, moved.name.size() - moved_name("").size()));
+        if (!input || input->shape == moved.shape) return false;
+        if (input->bytes.size() != moved.bytes.size()) return true;
+        moved.shape = input->shape;
+        return false;
     });
 }
 
@@ -229,6 +243,7 @@ bool Trial::change(const Hypothesis& h, const std::vector<glm::ivec2>* pixels, C
             to.patched = change_texels(h.texels, *pixels, to.data);
         else if (!h.change(to.data))
             return false;
+        fit_moved(to.data);
         to.own = binding_.bind(to.data);
     } catch (const InputError&) {
         return false;

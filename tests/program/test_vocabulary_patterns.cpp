@@ -51,9 +51,13 @@ TEST_CASE("validate: patterns on the unit disc, weights of any kind", "[program]
     io::write_npy(folder + "/weights.npy", DType::f64, {n, 1}, in_double.data());
     CHECK(wrong(two + "radius = 16\n") == 0);
     const std::vector<std::uint8_t> ones(weights.size(), 1);
+    const std::vector<float> even(weights.size(), weights[0]);
+    io::write_npy(folder + "/weights.npy", DType::f32, {n}, even.data());
+    const int as_even = wrong(two + "radius = 16\n");
+    CHECK(as_even > 100);
     io::write_npy(folder + "/weights.npy", DType::u8, {n}, ones.data());
-    CHECK(wrong(two + fmt::format("radius = 16\nweight_scale = {}\n", in_double[0])) == 0);
-    CHECK(wrong(two + "radius = 16\n") > 100);
+    CHECK(wrong(two + fmt::format("radius = 16\nweight_scale = {}\n", in_double[0])) == as_even);
+    CHECK(wrong(two + "radius = 16\n") != as_even);
     io::write_npy(folder + "/weights.npy", DType::u8, {n - 1}, ones.data());
     CHECK_THAT(judged(two + "radius = 16\n").err, Contains("there is no input \"weights\" of "));
     io::write_npy(folder + "/weights.npy", DType::f32, {n}, weights.data());

@@ -96,9 +96,9 @@ struct Exported {
         manifest = manifest.substr(0, at) + "[stage.input." + input + "]\n" + lines + manifest.substr(end + 1);
     }
     // [export] would call changed inputs stale; files of one's own are none of the export's.
-    Json judged(int exit) const {
+    Json judged(int exit, const std::string& most_ambiguous = "0.005") const {
         write(folder + "/manifest.toml", manifest);
-        const Result r = run({"validate", folder + "/manifest.toml", "--json", "--no-diagnosis"});
+        const Result r = run({"validate", folder + "/manifest.toml", "--json", "--no-diagnosis", "--max-ambiguous", most_ambiguous});
         INFO(r.out << r.err);
         REQUIRE(r.exit == exit);
         return Json::parse(r.out)["stages"][0];

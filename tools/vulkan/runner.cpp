@@ -237,6 +237,18 @@ void PreparedTwin::Parts::add_input_buffer(const Slot& slot, const Array& array)
     }
 }
 
+namespace {
+
+Array lent(const Array& a) { return {a.name, a.dtype, a.shape, Bytes::lent(a.bytes.data(), a.bytes.size())}; }
+
+// What stands for an optional image that is missing: 0 everywhere.
+Array nothing_of(const Slot& slot, glm::ivec2 size) {
+    Bundle bundle;
+    return std::move(add(bundle, slot.name, slot.dtype, {size.y, size.x, slot.channels}));
+}
+
+}  // namespace
+
 void PreparedTwin::Parts::upload(const StageData& data) {
     buffers.reserve(1 + binding.inputs.size() * batches.list.size());
     textures.reserve(binding.inputs.size());
@@ -246,7 +258,8 @@ void PreparedTwin::Parts::upload(const StageData& data) {
         add_buffer(resources, uniform_binding, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, data.uniforms.data(),
                    data.uniforms.size());
     for (const Slot& slot : binding.inputs) {
-        const Array& array = at(data.inputs, slot.name);
+        const bool missing = slot.optional && !find(data.inputs, slot.name);
+        const Array array = missing ? nothing_of(slot, data.size) : lent(at(data.inputs, slot.name));
         check_input(data, slot, array);
         if (slot.kind == SlotKind::buffer) {
             add_input_buffer(slot, array);
