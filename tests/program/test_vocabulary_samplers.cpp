@@ -1,4 +1,6 @@
 // plumb validate: a light's map that a shader reads through samplers, and patterns that differ over a tile of pixels.
+#include <set>
+
 #include "io/npy.h"
 #include "tests/program/vocabulary.h"
 
@@ -85,9 +87,9 @@ TEST_CASE("validate: maps that are read through samplers", "[program][vocabulary
         CAPTURE(all[i].words());
         shade(e, all[i]);
         with_words(e, manifest, all[i].words());
-        // Where each of hundreds of samples has light and next to a border between two texels either may be read, in a tenth of
-        // the pixels one is.
-        const Json stage = e.judged(0, all[i].linear || all[i].address == "border" ? "0.005" : "0.3");
+        // Points behind the light's plane are 2^20 texels away, where floats lie an eighth apart: which texel they fall into is
+        // undecided in a tenth of the pixels.
+        const Json stage = e.judged(0, all[i].address == "border" && all[i].border == glm::vec4(0) ? "0.005" : "0.3");
         CHECK(stage["counts"]["wrong"] == 0);
         CHECK(stage["nonzero"]["pixels"] > 1000);
         // What is said of another sampler is told.
@@ -106,7 +108,7 @@ TEST_CASE("validate: maps that are read through samplers", "[program][vocabulary
     for (const int bits : {8, 5}) {
         shade(e, {true, "edge", {}, bits});
         with_words(e, manifest, all[4].words());
-        CHECK((e.judged(bits == 8 ? 0 : 1)["counts"]["wrong"] == 0) == (bits == 8));
+        CHECK((e.judged(bits == 8 ? 0 : 1, "0.3")["counts"]["wrong"] == 0) == (bits == 8));
     }
 }
 
@@ -128,8 +130,14 @@ TEST_CASE("validate: where samplers do not stand", "[program][vocabulary]") {
     // Of whole texels the address may be said.
     e.manifest = replaced(manifest, "[stage.input.rsm_flux]\n", "[stage.input.rsm_flux]\naddress = \"border\"\n");
     CHECK(e.judged(0)["counts"]["wrong"] == 0);
-    e.manifest = replaced(manifest, "[stage.input.rsm_flux]\n", "[stage.input.rsm_flux]\naddress = \"edge\"\n");
-    CHECK(e.judged(1)["counts"]["wrong"] > 20);
+    // Under a map with light up to its edge the two have different results.
+    light_all_over(e);
+    std::set<std::string> expected;
+    for (const char* address : {"border", "edge", "wrap"}) {
+        with_words(e, manifest, fmt::format("address = \"{}\"\n", address));
+        expected.insert(e.judged(1)["worst_pixels"].dump());
+    }
+    CHECK(expected.size() == 3);
 }
 
 TEST_CASE("validate: a pattern for each pixel of a tile, with y up", "[program][vocabulary]") {

@@ -146,7 +146,7 @@ inline void gather(const Exported& e, const PointOf& point_of, const SampleOf& s
             const Point p = point_of(px, py);
             const auto row = [&](const std::vector<float>& r) { return r[3] + glm::dot(glm::vec3(r[0], r[1], r[2]), p.x); };
             const float w = 1.0f / std::max(row(e.row_w), 1e-6f);
-            const float u = std::clamp(row(e.row_x) * w, -1e6f, 1e6f), v = std::clamp(row(e.row_y) * w, -1e6f, 1e6f);
+            const float u = std::clamp(row(e.row_x) * w, -0x1p20f, 0x1p20f), v = std::clamp(row(e.row_y) * w, -0x1p20f, 0x1p20f);
             glm::vec3 sum(0);
             for (std::size_t k = samples; k-- > 0;) {
                 const std::optional<Sample> s = sample_of(px, py, k, u, v);
