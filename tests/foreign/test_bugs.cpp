@@ -1,8 +1,9 @@
 // Bugs that people write, planted in the three renderers: the judge finds each, and its cause stands among the first three
-// that it names.
+// that it names. Of every third the cause is asked for; PLUMB_FULL=1 asks for all.
 #include <fmt/format.h>
 
 #include <catch2/catch.hpp>
+#include <cstdlib>
 #include <fstream>
 #include <iostream>
 
@@ -56,16 +57,19 @@ void check_bugs(const std::string& list, std::size_t count, std::size_t named) {
     std::string table =
         "| bug | cause | wrong pixels of the first stage that fails | found | first three causes named | right |\n"
         "|---|---|---|---|---|---|\n";
-    for (const Variant& bug : bugs) {
+    for (std::size_t i = 0; i < bugs.size(); ++i) {
+        const Variant& bug = bugs[i];
         if (bug.renderer == "C" && !opengl) continue;
-        const Judged judged = judge(render(device, exported, bug, program::fresh_folder("foreign_" + list + "/" + bug.name)),
-                                    {"--mutants", software});
-        table += row(bug, judged);
+        const bool asks = std::getenv("PLUMB_FULL") || i % 3 == 0;
+        const std::string manifest = render(device, exported, bug, program::fresh_folder("foreign_" + list + "/" + bug.name));
+        const Judged judged = judge(manifest, asks ? std::vector<std::string>{"--mutants", software}
+                                                   : std::vector<std::string>{"--no-diagnosis"});
+        if (asks) table += row(bug, judged);
         INFO(bug.name << ": " << bug.cause << "\n" << summary(judged));
         CHECK(judged.first_wrong());
         CHECK(judged.wrong_stages() == bug.wrong);
         CHECK_FALSE(judged.passed);
-        if (const JudgedStage* s = judged.first_wrong()) {
+        if (const JudgedStage* s = judged.first_wrong(); s && asks) {
             INFO("expected \"" << bug.named << "\" among: " << joined(s->causes));
             CHECK((bug.named.empty() || names(judged, bug.named)));
         }
