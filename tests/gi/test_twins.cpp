@@ -114,7 +114,8 @@ const TappedTwin tapped_twins[] = {
     {"gi/compose/compose_kernel.h", {"gi/compose/compose.comp"}},
     {"gi/compose/tonemap_kernel.h", {"gi/compose/tonemap.comp"}},
 };
-const std::string without_twin[] = {"gi/rsm/all_rays_kernel.h"};  // traces rays
+// One traces rays; the other is what validate holds shaders against that read through samplers: no frame runs it.
+const std::string without_twin[] = {"gi/rsm/all_rays_kernel.h", "gi/rsm/sampled_kernel.h"};
 
 }  // namespace
 
