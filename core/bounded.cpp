@@ -30,6 +30,18 @@ bool Decisions::next_path() {
     return true;
 }
 
+std::vector<int> Decisions::options() const {
+    std::vector<int> n;
+    for (std::size_t i = 0; i < at_; ++i) n.push_back(path_[i].options);
+    return n;
+}
+
+void Decisions::part_at(std::size_t decision, int option) {
+    // Their numbers of options do not matter: nobody asks for the path after this one.
+    path_.assign(decision, {0, 1});
+    path_.push_back({option, option + 1});
+}
+
 int Decisions::choose(int options) {
     if (at_ == path_.size()) path_.push_back({0, options});
     return path_[at_++].taken;

@@ -27,6 +27,10 @@ class Decisions {
     void begin() { ambiguous = illegal = false, at_ = next_prescribed_ = 0, slots_.clear(); }
     // To the next combination; false after the last.
     bool next_path();
+    // How many options each decision of the last run had.
+    std::vector<int> options() const;
+    // To the path that takes this option at the decision of that number, and everywhere else the float kernel's own.
+    void part_at(std::size_t decision, int option);
     // How many decisions the run has met.
     std::size_t met() const { return at_; }
 

@@ -14,6 +14,10 @@
 // state may outlive it. `choices` are what the device dumped, in the order in which the kernel calls chosen().
 #pragma once
 
+#include <algorithm>
+#include <limits>
+#include <numeric>
+
 #include "core/binding.h"
 #include "core/bounded.h"
 #include "core/inexact_inputs.h"
@@ -32,8 +36,36 @@ inline Outcome outcome_of(const std::vector<Bounded>& values, bool ambiguous) {
     return outcome;
 }
 
-// The first outcome is the float kernel's own. Where there are more than `most` there is one, with bounds that hold
-// them all; it is ambiguous where an index was undecided. Choices that no device can make have no outcome.
+// How many paths there are, if no path meets other decisions than the first: at most `most` + 1.
+inline int path_count(const std::vector<int>& options, int most) {
+    std::int64_t paths = 1;
+    for (const int n : options) paths = std::min<std::int64_t>(paths * n, most + 1);
+    return int(paths);
+}
+
+// What the first outcome becomes where any number of decisions come out otherwise, the others being those of one decision
+// each, if what each changes is added to what the others change, as by the samples of a sum. Of what is not a sum it is a
+// guess, so it is ambiguous.
+inline Outcome added_up(const std::vector<Outcome>& ways) {
+    Outcome all{{}, true};
+    for (std::size_t v = 0; v < ways[0].values.size(); ++v) {
+        const BoundedValue own = ways[0].values[v];
+        double below = own.bound, above = own.bound;
+        for (std::size_t w = 1; w < ways.size(); ++w) {
+            const BoundedValue other = ways[w].values[v];
+            const double change = other.shadow - own.shadow, more = std::max(0.0, other.bound - own.bound);
+            below += std::max(0.0, more - change), above += std::max(0.0, more + change);
+        }
+        const double reach = 0.5 * (below + above) * (1 + 0x1p-50);
+        const bool known = reach == reach;
+        all.values.push_back({own.shadow + 0.5 * (above - below), known ? reach : std::numeric_limits<double>::infinity()});
+    }
+    return all;
+}
+
+// The first outcome is the float kernel's own, if the choices allow it. Where there are more than `most`, the others are
+// those that part from it in one decision, if they are no more than that, and then one with bounds that hold all; it is ambiguous where an
+// index was undecided, and then followed by added_up(). Choices that no device can make have no outcome.
 template <class Run>
 void enumerate_outcomes(Run&& run, int most, std::vector<Outcome>& out, std::span<const std::int32_t> choices = {}) {
     Decisions decisions;
@@ -48,15 +80,29 @@ void enumerate_outcomes(Run&& run, int most, std::vector<Outcome>& out, std::spa
     };
 
     out.clear();
-    for (int runs = 0; runs < most; ++runs) {
-        run_once();
-        // Each decision that the first run met has another outcome at least.
-        if (runs == 0 && decisions.met() >= std::size_t(most)) break;
-        if (!decisions.next_path()) return;
-    }
-    decisions.widen = true;
-    out.clear();
     run_once();
+    const bool own_is_legal = !out.empty();
+    const std::vector<int> options = decisions.options();
+    bool follows_all = path_count(options, most) <= most;
+    for (int runs = 1; follows_all; ++runs) {
+        if (!decisions.next_path()) return;
+        follows_all = runs < most;
+        if (follows_all) run_once();
+    }
+
+    out.resize(own_is_legal ? 1 : 0);
+    const int others = std::accumulate(options.begin(), options.end(), 0) - int(options.size());
+    if (others < most)
+        for (std::size_t d = 0; d < options.size(); ++d)
+            for (int option = 1; option < options[d]; ++option) {
+                decisions.part_at(d, option);
+                run_once();
+            }
+    const bool adds_up = own_is_legal && out.size() > 1;
+    const Outcome sum = adds_up ? added_up(out) : Outcome{};
+    decisions.widen = true;
+    run_once();
+    if (adds_up && out.back().ambiguous) out.push_back(sum);
 }
 
 }  // namespace plumb

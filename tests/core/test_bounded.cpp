@@ -629,7 +629,7 @@ TEST_CASE("decisions: every texel that a legal device chooses is among the outco
     CHECK(differ > 100);
 }
 
-TEST_CASE("decisions: three undecided comparisons have eight outcomes, six of sixteen are widened", "[bounded]") {
+TEST_CASE("decisions: three undecided comparisons have eight outcomes, of six all are in the widened one", "[bounded]") {
     auto kernel = [](int comparisons) {
         return [=](std::vector<Bounded>& values) {
             Bounded sum(0.0f);
@@ -652,14 +652,58 @@ TEST_CASE("decisions: three undecided comparisons have eight outcomes, six of si
 
     for (int comparisons : {6, 20}) {
         enumerate_outcomes(kernel(comparisons), 16, out);
-        REQUIRE(out.size() == 1);
-        CHECK_FALSE(out[0].ambiguous);
-        const BoundedValue v = out[0].values[0];
-        const double all = double((1 << comparisons) - 1);
+        // The float kernel's own; six that differ from it by one comparison, where twenty are too many; and the widened one.
+        REQUIRE(out.size() == (comparisons == 6 ? 8 : 2));
+        const double all = double((1 << comparisons) - 1), own = out[0].values[0].shadow;
+        CHECK(own == (nearly_one().value < 1 ? all : 0));
+        for (std::size_t i = 1; i + 1 < out.size(); ++i) {
+            CHECK(std::abs(out[i].values[0].shadow - own) == double(1 << (i - 1)));
+            CHECK(out[i].values[0].bound < 1e-4);
+        }
+        for (const Outcome& o : out) CHECK_FALSE(o.ambiguous);
+        const BoundedValue v = out.back().values[0];
         CHECK(v.shadow - v.bound <= 0);
         CHECK(v.shadow + v.bound >= all);
         CHECK(v.bound <= 1.0001 * all);
     }
+}
+
+TEST_CASE("decisions: of many undecided texels each is an outcome, and what they add up to is ambiguous", "[bounded]") {
+    // Six samples, each on a border between a texel with 0 and one with 2^k: their sum is any number up to 63.
+    auto kernel = [](std::vector<Bounded>& values) {
+        Bounded sum(0.0f);
+        for (int k = 0; k < 6; ++k)
+            sum += Bounded(float(1 << k)) * Bounded(number<Bounded>::from_index(chosen(nearly_one())));
+        values.push_back(sum);
+    };
+    std::vector<Outcome> out;
+    enumerate_outcomes(kernel, 16, out);
+    REQUIRE(out.size() == 9);
+    const double own = out[0].values[0].shadow;
+    for (std::size_t k = 0; k < 6; ++k) {
+        CHECK(std::abs(out[k + 1].values[0].shadow - own) == double(1 << k));
+        CHECK_FALSE(out[k + 1].ambiguous);
+    }
+    CHECK(out[7].ambiguous);  // widened: an index says nothing
+    const BoundedValue sum = out[8].values[0];
+    CHECK(out[8].ambiguous);
+    CHECK(sum.shadow - sum.bound <= 0);
+    CHECK(sum.shadow - sum.bound > -0.01);
+    CHECK(sum.shadow + sum.bound >= 63);
+    CHECK(sum.shadow + sum.bound < 63.01);
+}
+
+TEST_CASE("decisions: a texel that decides is found behind five that do not", "[bounded]") {
+    auto kernel = [](std::vector<Bounded>& values) {
+        for (int k = 0; k < 5; ++k) chosen(nearly_one());
+        values.push_back(Bounded(chosen(nearly_one()) == 1 ? 7.0f : 3.0f));
+    };
+    std::vector<Outcome> out;
+    enumerate_outcomes(kernel, 16, out);
+    std::set<double> decided;
+    for (const Outcome& o : out)
+        if (!o.ambiguous) decided.insert(o.values[0].shadow);
+    CHECK(decided == std::set<double>{3, 7});
 }
 
 TEST_CASE("decisions: only those that matter are followed, and those of another branch too", "[bounded]") {
@@ -714,7 +758,7 @@ TEST_CASE("decisions: an index or bits that hang on what is undecided make a wid
     std::vector<Outcome> out;
     auto ambiguous = [&](auto&& kernel) {
         enumerate_outcomes([&](std::vector<Bounded>& v) { v.push_back(kernel()); }, 1, out);
-        return out.size() == 1 && out[0].ambiguous;
+        return out.back().ambiguous;
     };
     using N = number<Bounded>;
     CHECK(ambiguous([] { return Bounded(select(nearly_one() < Bounded(1.0f), 1, 2)); }));
@@ -725,7 +769,7 @@ TEST_CASE("decisions: an index or bits that hang on what is undecided make a wid
     CHECK(ambiguous([] { return Bounded(N::truncate_to_index(Bounded(INFINITY))); }));
     CHECK_FALSE(ambiguous([] { return Bounded(N::round_to_index(nearly_one())); }));
     CHECK_FALSE(ambiguous([] { return floor(nearly_one()); }));  // its bound is 1 then
-    CHECK(out[0].values[0].bound >= 1);
+    CHECK(out.back().values[0].bound >= 1);
 }
 
 // ---- Device profiles
