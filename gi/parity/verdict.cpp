@@ -171,13 +171,17 @@ class Judge {
 
     bool seen(glm::ivec2 pixel) const { return options_.covered.empty() || options_.covered[index(pixel)]; }
 
-    // What the stage reads at the pixel itself: images of the frame's size.
+    // What the stage reads at the pixel itself: images of the frame's size. Of those that may be missing alone nothing follows.
     void find_images() {
+        bool needed = false;
         for (const Slot& slot : binding_.inputs) {
             const Array* image = slot.frame && slot.kind == SlotKind::image ? find(data_.inputs, slot.name) : nullptr;
             const std::size_t bytes = pixels() * std::size_t(slot.channels) * sizeof(float);
-            if (image && slot.dtype == DType::f32 && image->bytes.size() == bytes) images_.push_back({image, slot.channels});
+            if (!image || slot.dtype != DType::f32 || image->bytes.size() != bytes) continue;
+            images_.push_back({image, slot.channels});
+            needed = needed || !slot.optional;
         }
+        if (!needed) images_.clear();
     }
     bool reads_nothing(std::size_t at) const {
         return !images_.empty() && std::all_of(images_.begin(), images_.end(), [&](const auto& image) {

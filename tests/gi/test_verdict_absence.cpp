@@ -21,7 +21,7 @@ std::int64_t count(const parity::StageVerdict& v, Verdict verdict) { return v.co
 struct HalfBlack {
     int black = side, channels = 1;
     float w = 1;
-    bool reads = false;  // an image "position"
+    std::vector<Slot> reads;
     StageData data;
 
     HalfBlack() { data.stage = data.label = "half black", data.size = {side, side}; }
@@ -59,7 +59,7 @@ parity::StageVerdict HalfBlack::judge(const std::vector<float>& dumped, const pa
                                       std::vector<std::uint8_t> unwritten) const {
     StageBinding b;
     b.info.name = "half black";
-    if (reads) b.inputs = {{.name = "position"}};
+    b.inputs = reads;
     b.outputs = {{.name = "value", .kind = SlotKind::storage_image, .channels = channels}};
     b.bind = [](const StageData&) -> std::unique_ptr<BoundStage> { return std::make_unique<HalfBlackStage>(); };
     bound_half_black = this;
@@ -189,7 +189,7 @@ TEST_CASE("verdict: where nothing is seen pixels are left out, and no pass", "[v
 TEST_CASE("verdict: what a stage makes of nothing is no evidence", "[verdict][absence]") {
     HalfBlack h;
     h.black = 0;
-    h.reads = true;
+    h.reads = {{.name = "position"}};
     std::vector<float> texels(4 * std::size_t(side) * side, 0.0f);
     const auto judged = [&] {
         h.data.inputs = {};
@@ -207,4 +207,18 @@ TEST_CASE("verdict: what a stage makes of nothing is no evidence", "[verdict][ab
     CHECK(judged().decided);
     texels[4 * 9] = not_a_number;
     CHECK(judged().nonzero == 2);
+}
+
+TEST_CASE("verdict: a first view that reads no image of views before does not read nothing", "[verdict][absence]") {
+    // As screen.reflect: what it needs need not be as large as what it writes.
+    HalfBlack h;
+    h.black = 7;
+    h.reads = {{.name = "before", .optional = true}, {.name = "position", .frame = false}};
+    const std::vector<float> none(4 * std::size_t(side) * side, 0.0f), some(4 * std::size_t(side) * side, 1.0f);
+    add(h.data.inputs, "before", {side, side, 4}, none.data());
+    add(h.data.inputs, "position", {side, side, 4}, some.data());
+    const parity::StageVerdict v = h.judge(h.values());
+    CHECK(v.decided);
+    CHECK(v.reason.empty());
+    CHECK(v.nonzero == side * (side - 7));
 }
