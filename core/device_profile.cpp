@@ -49,8 +49,8 @@ DeviceProfile swiftshader() {
     return d;
 }
 
-// Measured on an H100 and an H200 with driver 580.159.04, 2^16 inputs an operation (data/parity/nvidia.md); a quotient as Vulkan bounds it.
-// Its interpolation is none that is known.
+// Measured on an H100 with driver 580.159.04, 2^16 inputs an operation (data/parity/nvidia.md), and rounded up. Its interpolation is
+// none that is known.
 DeviceProfile nvidia_hopper() {
     DeviceProfile d;
     d.name = "nvidia-hopper-580";
@@ -59,6 +59,7 @@ DeviceProfile nvidia_hopper() {
     d.half_store = HalfStore::truncate;
     d.half_store_either = false;
     d.precision.add = d.precision.multiply = 0.5;
+    d.precision.divide = 2;
     d.precision.inverse_sqrt = 1.5;
     d.precision.sqrt = 1;
     d.precision.exp2 = 2, d.precision.exp2_slope = 1.2;

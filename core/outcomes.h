@@ -36,13 +36,6 @@ inline Outcome outcome_of(const std::vector<Bounded>& values, bool ambiguous) {
     return outcome;
 }
 
-// How many paths there are, if no path meets other decisions than the first: at most `most` + 1.
-inline int path_count(const std::vector<int>& options, int most) {
-    std::int64_t paths = 1;
-    for (const int n : options) paths = std::min<std::int64_t>(paths * n, most + 1);
-    return int(paths);
-}
-
 // What the first outcome becomes where any number of decisions come out otherwise, the others being those of one decision
 // each, if what each changes is added to what the others change, as by the samples of a sum. Of what is not a sum it is a
 // guess, so it is ambiguous.
@@ -56,53 +49,54 @@ inline Outcome added_up(const std::vector<Outcome>& ways) {
             const double change = other.shadow - own.shadow, more = std::max(0.0, other.bound - own.bound);
             below += std::max(0.0, more - change), above += std::max(0.0, more + change);
         }
-        const double reach = 0.5 * (below + above) * (1 + 0x1p-50);
-        const bool known = reach == reach;
-        all.values.push_back({own.shadow + 0.5 * (above - below), known ? reach : std::numeric_limits<double>::infinity()});
+        const double reach = 0.5 * (below + above) * (1 + 0x1p-50), infinity = std::numeric_limits<double>::infinity();
+        if (reach < infinity)
+            all.values.push_back({own.shadow + 0.5 * (above - below), reach});
+        else
+            all.values.push_back({own.shadow, infinity});
     }
     return all;
 }
 
-// The first outcome is the float kernel's own, if the choices allow it. Where there are more than `most`, the others are
-// those that part from it in one decision, if they are no more than that, and then one with bounds that hold all; it is ambiguous where an
-// index was undecided, and then followed by added_up(). Choices that no device can make have no outcome.
+// The first outcome is the float kernel's own, if the choices allow it. Where there are more than `most`, `most` of them are
+// followed by those that part from the first in one decision, if they are no more than that, and by one with bounds that hold
+// all; it is ambiguous where an index was undecided, and then followed by added_up(). Choices that no device can make have no
+// outcome.
 template <class Run>
 void enumerate_outcomes(Run&& run, int most, std::vector<Outcome>& out, std::span<const std::int32_t> choices = {}) {
     Decisions decisions;
     decisions.prescribed = choices;
     const DecisionScope scope(decisions);
     std::vector<Bounded> values;
-    auto run_once = [&] {
+    auto run_once = [&](std::vector<Outcome>& to) {
         decisions.begin();
         values.clear();
         run(values);
-        if (!decisions.illegal) out.push_back(outcome_of(values, decisions.ambiguous));
+        if (!decisions.illegal) to.push_back(outcome_of(values, decisions.ambiguous));
     };
 
     out.clear();
-    run_once();
-    const bool own_is_legal = !out.empty();
+    run_once(out);
+    std::vector<Outcome> single = out;  // the float kernel's own, if it is legal, then those of one decision each
     const std::vector<int> options = decisions.options();
-    bool follows_all = path_count(options, most) <= most;
-    for (int runs = 1; follows_all; ++runs) {
+    const std::size_t own = out.size();
+    // Each decision that the first run met has another outcome at least.
+    for (int runs = 1; int(options.size()) < most; ++runs) {
         if (!decisions.next_path()) return;
-        follows_all = runs < most;
-        if (follows_all) run_once();
+        if (runs == most) break;
+        run_once(out);
     }
 
-    out.resize(own_is_legal ? 1 : 0);
-    const int others = std::accumulate(options.begin(), options.end(), 0) - int(options.size());
-    if (others < most)
+    if (std::accumulate(options.begin(), options.end(), 0) - int(options.size()) < most)
         for (std::size_t d = 0; d < options.size(); ++d)
             for (int option = 1; option < options[d]; ++option) {
                 decisions.part_at(d, option);
-                run_once();
+                run_once(single);
             }
-    const bool adds_up = own_is_legal && out.size() > 1;
-    const Outcome sum = adds_up ? added_up(out) : Outcome{};
+    out.insert(out.end(), single.begin() + std::ptrdiff_t(own), single.end());
     decisions.widen = true;
-    run_once();
-    if (adds_up && out.back().ambiguous) out.push_back(sum);
+    run_once(out);
+    if (own > 0 && single.size() > 1 && out.back().ambiguous) out.push_back(added_up(single));
 }
 
 }  // namespace plumb
