@@ -104,15 +104,26 @@ void set(GLuint program, const Uniform& u) {
     }
 }
 
+// Displays without a window: Mesa's, then one of each device that EGL lists, as other drivers have it.
+std::vector<EGLDisplay> displays() {
+    std::vector<EGLDisplay> out = {eglGetPlatformDisplay(EGL_PLATFORM_SURFACELESS_MESA, nullptr, nullptr)};
+    const auto query = reinterpret_cast<PFNEGLQUERYDEVICESEXTPROC>(eglGetProcAddress("eglQueryDevicesEXT"));
+    EGLDeviceEXT devices[16];
+    EGLint n = 0;
+    if (query && query(16, devices, &n))
+        for (EGLint i = 0; i < n; ++i)
+            out.push_back(eglGetPlatformDisplay(EGL_PLATFORM_DEVICE_EXT, devices[i], nullptr));
+    return out;
+}
+
 }  // namespace
 
 struct Context::Handles {
     EGLDisplay display = EGL_NO_DISPLAY;
     EGLContext context = EGL_NO_CONTEXT;
 
-    Handles() {
-        display = eglGetPlatformDisplay(EGL_PLATFORM_SURFACELESS_MESA, nullptr, nullptr);
-        require(display != EGL_NO_DISPLAY, "EGL has no surfaceless display");
+    explicit Handles(EGLDisplay of) : display(of) {
+        require(display != EGL_NO_DISPLAY, "EGL has no display without a window");
         require(eglInitialize(display, nullptr, nullptr), "EGL does not start");
         require(eglBindAPI(EGL_OPENGL_API), "EGL has no OpenGL");
         const EGLint wanted[] = {
@@ -120,12 +131,15 @@ struct Context::Handles {
             EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE};
         context = eglCreateContext(display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, wanted);
         require(context != EGL_NO_CONTEXT, "there is no context of OpenGL 4.5");
-        require(eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context), "the context needs a surface");
+        make_current();
         // A core profile draws nothing without one.
         GLuint vertices = 0;
         glGenVertexArrays(1, &vertices);
         glBindVertexArray(vertices);
         glPixelStorei(GL_UNPACK_ALIGNMENT, 1), glPixelStorei(GL_PACK_ALIGNMENT, 1);
+    }
+    void make_current() const {
+        require(eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context), "the context needs a surface");
     }
     ~Handles() {
         eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
@@ -136,7 +150,20 @@ struct Context::Handles {
     Handles& operator=(const Handles&) = delete;
 };
 
-Context::Context() : handles_(std::make_unique<Handles>()) {}
+Context::Context(const std::string& name) {
+    std::string met;
+    for (const EGLDisplay display : displays()) {
+        try {
+            handles_ = std::make_unique<Handles>(display);
+            if (device().find(name) != std::string::npos) return;
+            met += (met.empty() ? "" : "; ") + device();
+        } catch (const std::runtime_error& error) {
+            met += (met.empty() ? "" : "; ") + std::string(error.what());
+        }
+        handles_.reset();
+    }
+    throw std::runtime_error("no " + name + " for OpenGL: " + met);
+}
 Context::~Context() = default;
 
 std::string Context::device() const { return reinterpret_cast<const char*>(glGetString(GL_RENDERER)); }
@@ -144,6 +171,7 @@ std::string Context::device() const { return reinterpret_cast<const char*>(glGet
 std::vector<Texture> Context::draw(glm::ivec2 size, const std::string& vertex, const std::string& fragment,
                                    const std::vector<Sampled>& textures, const std::vector<Uniform>& uniforms,
                                    const std::vector<std::string>& formats) {
+    handles_->make_current();  // a Vulkan device that went may have taken it along
     const GLuint program = link(vertex, fragment);
     glUseProgram(program);
     std::vector<GLuint> ids;

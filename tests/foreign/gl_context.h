@@ -26,10 +26,10 @@ struct Uniform {
     std::vector<float> values;
 };
 
-// Throws std::runtime_error, with the cause, where there is no such device.
+// Throws std::runtime_error, with the causes, where no device has `name` in its own.
 class Context {
   public:
-    Context();
+    explicit Context(const std::string& name);
     ~Context();
     Context(const Context&) = delete;
     Context& operator=(const Context&) = delete;

@@ -52,7 +52,7 @@ Scene scene_of(const Exported& e) {
 }
 
 gl::Context& context() {
-    static gl::Context one;
+    static gl::Context one(chosen_device());
     return one;
 }
 

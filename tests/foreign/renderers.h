@@ -32,6 +32,9 @@ std::string render_in_opengl(const Exported& exported, const Variant& variant, c
 std::string render(const vulkan::Device& device, const Exported& exported, const Variant& variant,
                    const std::string& folder);
 
+// A part of the name of the device that they draw on: PLUMB_DEVICE, or "llvmpipe" where that is not set.
+std::string chosen_device();
+
 // Why they cannot run here; "" where they can.
 std::string no_vulkan();
 std::string no_opengl();

@@ -16,8 +16,6 @@ namespace {
 using namespace plumb;
 using namespace plumb::foreign;
 
-const std::string software = "llvmpipe";
-
 std::string joined(const std::vector<std::string>& words) {
     std::string text;
     for (const std::string& w : words) text += (text.empty() ? "" : "; ") + w;
@@ -50,7 +48,7 @@ void check_bugs(const std::string& list, std::size_t count, std::size_t named) {
     }
     const std::string folder = program::fresh_folder("foreign_" + list);
     const Exported exported(folder + "/exported");
-    const vulkan::Device device({.name = software, .validate = false});
+    const vulkan::Device device({.name = chosen_device(), .validate = false});
     const bool opengl = no_opengl().empty();
     if (!opengl) std::cout << "renderer C is left out: " << no_opengl() << "\n";
 
@@ -62,7 +60,7 @@ void check_bugs(const std::string& list, std::size_t count, std::size_t named) {
         if (bug.renderer == "C" && !opengl) continue;
         const bool asks = std::getenv("PLUMB_FULL") || i % 3 == 0;
         const std::string manifest = render(device, exported, bug, program::fresh_folder("foreign_" + list + "/" + bug.name));
-        const Judged judged = judge(manifest, asks ? std::vector<std::string>{"--mutants", software}
+        const Judged judged = judge(manifest, asks ? std::vector<std::string>{"--mutants", chosen_device()}
                                                    : std::vector<std::string>{"--no-diagnosis"});
         if (asks) table += row(bug, judged);
         INFO(bug.name << ": " << bug.cause << "\n" << summary(judged));
@@ -92,12 +90,12 @@ TEST_CASE("foreign: what only a mutant of the twin explains is named on a softwa
     }
     const std::string folder = program::fresh_folder("foreign_mutants");
     const Exported exported(folder + "/exported");
-    const vulkan::Device device({.name = software, .validate = false});
+    const vulkan::Device device({.name = chosen_device(), .validate = false});
     for (const Variant& bug : read_variants("bugs.toml", "bug")) {
         if (bug.name != "A2") continue;
         const std::string manifest = render(device, exported, bug, program::fresh_folder("foreign_mutants/A2"));
         CHECK_FALSE(names(judge(manifest), bug.named));
-        CHECK(names(judge(manifest, {"--mutants", software}), bug.named));
+        CHECK(names(judge(manifest, {"--mutants", chosen_device()}), bug.named));
         return;
     }
     FAIL("no bug A2");

@@ -17,7 +17,7 @@ TEST_CASE("foreign: two renderers of Vulkan that are right are judged so", "[for
         return;
     }
     const Exported exported(program::fresh_folder("foreign_correct") + "/exported");
-    const vulkan::Device device({.name = "llvmpipe", .validate = true});
+    const vulkan::Device device({.name = chosen_device(), .validate = true});
     for (const auto& [name, stages] : {std::pair("A", 2), std::pair("B", 6)}) {
         Variant as_it_stands;
         as_it_stands.renderer = name;

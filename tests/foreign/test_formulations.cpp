@@ -22,7 +22,7 @@ TEST_CASE("foreign: other ways to write the same are not wrong", "[foreign]") {
     }
     const std::string folder = program::fresh_folder("foreign_formulations");
     const Exported exported(folder + "/exported");
-    const vulkan::Device device({.name = "llvmpipe", .validate = false});
+    const vulkan::Device device({.name = chosen_device(), .validate = false});
     const bool opengl = no_opengl().empty();
     if (!opengl) std::cout << "renderer C is left out: " << no_opengl() << "\n";
 
