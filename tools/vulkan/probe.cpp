@@ -195,10 +195,13 @@ bool fits(const Probe& probe, const DeviceProfile& profile) {
 }
 
 const DeviceProfile* fitting_profile(const Probe& probe, const std::vector<DeviceProfile>& profiles) {
-    for (const bool ideal : {false, true})
-        for (const DeviceProfile& d : profiles)
-            if ((d.interpolation == Interpolation::ideal) == ideal && fits(probe, d)) return &d;
-    return nullptr;
+    const auto general = [](const DeviceProfile& d) {
+        return d.interpolation != Interpolation::ideal ? 0 : !d.driver.empty() ? 1 : 2;
+    };
+    const DeviceProfile* found = nullptr;
+    for (const DeviceProfile& d : profiles)
+        if ((!found || general(d) < general(*found)) && fits(probe, d)) found = &d;
+    return found;
 }
 
 DeviceProfile measured_profile(const Probe& probe, const std::string& name) {

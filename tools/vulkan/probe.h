@@ -102,7 +102,7 @@ struct ProfileField {
 std::vector<ProfileField> compare_fields(const Probe& probe, const DeviceProfile& profile);
 bool fits(const Probe& probe, const DeviceProfile& profile);
 
-// The one that fits, those with a rasteriser of their own first; null where none does.
+// The one that fits: those with a rasteriser of their own first, then those of a driver; null where none does.
 const DeviceProfile* fitting_profile(const Probe& probe, const std::vector<DeviceProfile>& profiles);
 
 // A profile that fits, made of what was measured, and C++ that makes it.
