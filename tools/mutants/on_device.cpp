@@ -25,7 +25,7 @@ struct OnDevice::Held {
     const Dispatch& dispatch;
     vulkan::PreparedTwin twin;
     Bundle own = {};
-    double most_ambiguous = parity::JudgeOptions{}.max_ambiguous;  // share of pixels: what the twin itself has, if more
+    double most_ambiguous = parity::JudgeOptions{}.max_ambiguous;  // share of pixels, all or those that are not 0: what the twin itself has, if more
     bool is_set = true;  // to the shaders in use
 };
 
@@ -53,9 +53,12 @@ void OnDevice::hold(const StageBinding& binding, const Shaders& twin) {
             held_.pop_back();
             continue;
         }
-        const double ambiguous = double(verdict.count[int(parity::Verdict::ambiguous)]);
-        held_[i]->most_ambiguous =
-            std::max(held_[i]->most_ambiguous, 1.1 * ambiguous / double(std::max<std::int64_t>(verdict.pixels, 1)));
+        const auto share = [](const auto& count, std::int64_t pixels) {
+            return double(count[int(parity::Verdict::ambiguous)]) / double(std::max<std::int64_t>(pixels, 1));
+        };
+        const double ambiguous =
+            std::max(share(verdict.count, verdict.pixels), share(verdict.nonzero_count, verdict.nonzero));
+        held_[i]->most_ambiguous = std::max(held_[i]->most_ambiguous, 1.1 * ambiguous);
     }
     if (held_.empty()) throw InputError(stage_ + ": no dispatch of this stage");
 }
