@@ -20,6 +20,7 @@ namespace {
 using Kind = DocumentValue::Kind;
 
 constexpr int max_side = 32767;
+constexpr double most_metres = 1e6;
 constexpr int max_rows = 1 << 20;  // of an input: layers lie one below the other
 constexpr std::size_t max_manifest_bytes = std::size_t(1) << 24;
 constexpr std::size_t max_numbers = 16;  // of a uniform or a parameter: a matrix
@@ -233,10 +234,10 @@ class ManifestReader {
         std::vector<std::string> keys = {"file",     "vk_format", "width", "height",   "count",    "row_pitch", "offset",
                                          "trailing", "layer",     "channels", "encoding", "near_far", "flip_y"};
         if (coverage) keys.insert(keys.end(), {"above", "below"});
-        if (is_output) keys.insert(keys.end(), {"expected", "filling"});
+        if (is_output) keys.insert(keys.end(), {"expected", "filling", "scale", "factor", "clamp"});
         if (role == Role::input)
-            keys.insert(keys.end(), {"from_depth", "matrix", "scale", "factor", "normalized", "w", "filter", "address", "border"});
-        if (role == Role::pattern) keys.insert(keys.end(), {"radius", "unit", "y", "weight_scale", "tile"});
+            keys.insert(keys.end(), {"from_depth", "matrix", "scale", "factor", "normalized", "w", "filter", "address", "border", "along_normal"});
+        if (role == Role::pattern) keys.insert(keys.end(), {"radius", "unit", "y", "weight_scale", "tile", "beyond"});
         reader.allow(keys);
         DumpSpec spec;
         spec.place = fmt::format("{}: {}", reader.place(), name);
@@ -262,6 +263,7 @@ class ManifestReader {
         if (coverage) read_limits(reader, *coverage);
         complete_size(reader, spec, stage, is_output);
         if (role == Role::input) read_forms(reader, spec);
+        if (is_output) read_written(reader, spec);
         if (role == Role::pattern) read_pattern(reader, spec);
         if (const auto fault = fault_of(spec)) reader.fail(fault->key, fault->cause);
         return spec;
@@ -277,14 +279,27 @@ class ManifestReader {
             spec.matrix->rows = read_matrix(matrix);
             spec.matrix->of = one_of(matrix, "of", {"", "points", "normals", "directions"});
         }
-        spec.scale = read_numbers(reader, "scale");
-        if (!spec.scale.empty() && spec.scale.size() != 1 && spec.scale.size() != 3)
-            reader.fail("scale", "expected a number, or one for each of x, y, z");
-        read_images(reader, "factor", spec, spec.factors);
+        read_factors(reader, spec);
         spec.normalized = reader.flag("normalized", false);
         read_images(reader, "w", spec, spec.w);
         if (spec.w.size() > 1) reader.fail("w", "expected one image");
         read_sampler(reader, spec);
+        spec.along_normal = reader.number("along_normal", 0, -most_metres, most_metres);
+    }
+
+    void read_factors(DocumentReader& reader, DumpSpec& spec) {
+        spec.scale = read_numbers(reader, "scale");
+        if (!spec.scale.empty() && spec.scale.size() != 1 && spec.scale.size() != 3)
+            reader.fail("scale", "expected a number, or one for each of x, y, z");
+        read_images(reader, "factor", spec, spec.factors);
+    }
+
+    // What a shader does with a result before it writes it.
+    void read_written(DocumentReader& reader, DumpSpec& spec) {
+        read_factors(reader, spec);
+        spec.clamp = read_numbers(reader, "clamp");
+        if (!spec.clamp.empty() && (spec.clamp.size() != 2 || !(spec.clamp[0] < spec.clamp[1])))
+            reader.fail("clamp", "expected [lowest, highest]");
     }
 
     static void read_sampler(DocumentReader& reader, DumpSpec& spec) {
@@ -306,6 +321,7 @@ class ManifestReader {
         spec.weight_scale = reader.number("weight_scale", 1, -largest, largest);
         spec.of_map = one_of(reader, "unit", {"texels", "map"}) == "map";
         spec.y_up = one_of(reader, "y", {"down", "up"}) == "up";
+        spec.skips_beyond = one_of(reader, "beyond", {"read", "skip"}) == "skip";
         const std::vector<double> tile = read_numbers(reader, "tile");
         const auto is_side = [](double v) { return v >= 1 && v <= 256 && v == std::floor(v); };
         if (!tile.empty() && (tile.size() != 2 || !std::all_of(tile.begin(), tile.end(), is_side)))

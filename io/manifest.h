@@ -93,15 +93,19 @@ struct DumpSpec {
     // Of an input, once it is decoded, in this order.
     std::optional<FromDepth> from_depth;
     std::optional<InputMatrix> matrix;
+    // These two of an output, too: what the shader multiplies by before it writes.
     std::vector<double> scale;      // a factor, or one for each of x, y, z; empty: 1
     std::vector<DumpSpec> factors;  // images of the same size by which x, y and z are multiplied
+    std::vector<double> clamp;      // of an output: lowest and highest, to which x, y and z are held then; empty: none
     bool normalized = false;        // then to unit length
     std::vector<DumpSpec> w;        // an image of the same size, whose one channel is the fourth component; or empty
     std::optional<SamplerSpec> sampler;
+    double along_normal = 0;  // of the map's position: m by which a shader moves it along the map's normal, as read
     // Of a pattern of samples: dx and dy are multiplied by `radius`, and by the map's side where they are shares of it; the
     // weights by `weight_scale`.
     double radius = 1, weight_scale = 1;
     bool of_map = false, y_up = false;
+    bool skips_beyond = false;  // a sample beyond the map adds nothing, whatever a sampler reads there
     std::array<int, 2> tile{};  // pixels that repeat, each with a pattern of its own; 0: one for all
     // Of an exported output: the file that holds what should be written, and the word that stood in it until something
     // was (io/filling.h). A raw file with a filling may be missing or end early.

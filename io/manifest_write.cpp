@@ -181,10 +181,13 @@ class ManifestWriter {
             out_ += "matrix = " + matrix_text(spec.matrix->rows, of) + "\n";
         }
         if (!spec.scale.empty()) out_ += "scale = " + list_text(spec.scale, number_text) + "\n";
+        if (!spec.clamp.empty()) out_ += "clamp = " + list_text(spec.clamp, number_text) + "\n";
         flag_line("normalized", spec.normalized);
+        if (spec.along_normal != 0) out_ += "along_normal = " + number_text(spec.along_normal) + "\n";
         if (spec.radius != 1) out_ += "radius = " + number_text(spec.radius) + "\n";
         if (spec.of_map) text_line("unit", "map", "texels");
         text_line("y", spec.y_up ? "up" : "down", "down");
+        text_line("beyond", spec.skips_beyond ? "skip" : "read", "read");
         if (spec.tile[0] > 0) out_ += fmt::format("tile = [{}, {}]\n", spec.tile[0], spec.tile[1]);
         if (const auto& s = spec.sampler) {
             text_line("filter", s->linear ? "linear" : "nearest", "");

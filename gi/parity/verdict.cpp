@@ -322,6 +322,7 @@ class Judge {
     WorstPixel farthest(std::size_t at, const Outcome& outcome, bool& decided) const {
         WorstPixel worst;
         worst.excess = -1;
+        bool open = false;  // the worst so far is one of which nothing is known
         for (const Pair& p : pairs_) {
             // Some formats round all components of a texel together.
             double largest = 0;
@@ -333,13 +334,14 @@ class Judge {
                 const double got = p.got(at, c);
                 if (!std::isfinite(v.bound)) {
                     decided = false;
-                    if (worst.excess < 0) worst.output = p.slot->name, worst.channel = c, worst.excess = 0;
+                    if (worst.excess <= 1 && !open)
+                        open = true, worst = {{}, Verdict::equal, p.slot->name, c, v.shadow, got, v.bound, std::max(worst.excess, 0.0)};
                     continue;
                 }
                 const StoredRange range = p.stored(at, c, v.shadow - v.bound, v.shadow + v.bound, largest,
                                                    options_.profile);
                 const double excess = excess_of(got, range);
-                if (!(excess <= worst.excess))
+                if (!(excess <= (open ? std::max(worst.excess, 1.0) : worst.excess)))
                     worst = {{}, Verdict::equal, p.slot->name, c, v.shadow, got, 0.5 * (range.high - range.low), excess};
             }
         }

@@ -40,6 +40,8 @@ void check_sampling(const StageData& data) {
     for (const MapSampler* one : {&s.position, &s.normal, &s.flux})
         if (!(one->linear == 0 || one->linear == 1) || !(one->address == 0 || one->address == 1 || one->address == 2))
             throw InputError(data.label + ": input \"sampling\": expected filters of 0 or 1 and addresses of 0 to 2");
+    for (const float flag : {s.unit_normal, s.skips_beyond})
+        if (!(flag == 0 || flag == 1)) throw InputError(data.label + ": input \"sampling\": expected flags of 0 or 1");
     if (data.uniforms.size() < sizeof(GatherUniforms)) return;  // the stage says so itself
     const auto u = uniforms_of<GatherUniforms>(data);
     const auto whole = [](float v) { return v >= 1 && v <= 256 && v == float(int(v)); };

@@ -6,7 +6,11 @@
 
 namespace plumb::rsm {
 
-// rsm.disc or rsm.disc_continuous with the input "sampling": the 17 floats of struct Sampling. No device runs it. Null for
+// Samplers have fractions of at least so many bits, and no more is told of how they round (Vulkan 1.3, 16.8; limits:
+// subTexelPrecisionBits, of which desktop devices have 8). Some have floats' (DeviceProfile::bilinear_weight_bits).
+inline constexpr float coarse_fraction = 1.0f / 256, fine_fraction = 0x1p-22f;
+
+// rsm.disc or rsm.disc_continuous with the input "sampling": the floats of struct Sampling. No device runs it. Null for
 // another stage.
 const StageBinding* sampled_stage(const std::string& name);
 std::vector<std::string> sampled_stages();  // their names

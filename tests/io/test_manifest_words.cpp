@@ -41,6 +41,10 @@ TEST_CASE("manifest: samplers, patterns, a fourth component, and a matrix to inv
     CHECK(border.sampler->colour == std::array<double, 4>{1, 2, 3, 4});
     CHECK(spec_of("rsm_flux", "address = \"wrap\"\n").sampler->address == SamplerSpec::wrap);
 
+    CHECK(spec_of("rsm_position", "along_normal = -0.25\n").along_normal == -0.25);
+    CHECK(spec_of("pattern", "beyond = \"skip\"\n").skips_beyond);
+    CHECK_FALSE(spec_of("pattern", "beyond = \"read\"\n").skips_beyond);
+
     const DumpSpec pattern = spec_of("pattern", "y = \"up\"\ntile = [4, 2]\nunit = \"map\"\n");
     CHECK(pattern.y_up);
     CHECK(pattern.tile == std::array{4, 2});
@@ -70,9 +74,32 @@ TEST_CASE("manifest: samplers, patterns, a fourth component, and a matrix to inv
         {"position", "tile = [4, 4]\n", "unknown key 'tile'"},
         {"pattern", "tile = [4]\n", "expected [width, height] in pixels, each 1 to 256"},
         {"pattern", "y = \"left\"\n", "expected down, up"},
-        {"pattern", "filter = \"linear\"\n", "unknown key 'filter'"}};
+        {"pattern", "filter = \"linear\"\n", "unknown key 'filter'"},
+        {"rsm_position", "along_normal = \"n\"\n", "along_normal"},
+        {"position", "clamp = [0, 1]\n", "unknown key 'clamp'"},
+        {"pattern", "beyond = \"wrap\"\n", "expected read, skip"}};
     for (const auto& [input, lines, message] : faults) {
         INFO(lines);
         CHECK_THROWS_WITH(read_input(folder, input, lines), Contains(message) && Contains("m.toml: line "));
     }
+}
+
+TEST_CASE("manifest: what a shader does with a result before it writes it", "[io][manifest]") {
+    const Folder folder;
+    const auto spec_of = [&](const std::string& lines) {
+        const Manifest m = read_manifest(folder.put("m.toml", "[[stage]]\nstage = \"direct\"\nsize = [4, 2]\n[stage.output.irradiance]\n"
+                                                              "file = \"a.exr\"\n" + lines));
+        const std::string text = manifest_text(m);
+        INFO(text);
+        CHECK(manifest_text(read_manifest(folder.put("back.toml", text))) == text);
+        return read_manifest(folder / "back.toml").stages.at(0).outputs.at("irradiance");
+    };
+    CHECK(spec_of("").clamp.empty());
+    const DumpSpec all = spec_of("scale = [1, 2, 3]\nclamp = [0, 1]\nfactor = [\"b.exr\", { file = \"c.raw\", vk_format = \"R8_UNORM\" }]\n");
+    CHECK(all.scale == std::vector<double>{1, 2, 3});
+    CHECK(all.clamp == std::vector<double>{0, 1});
+    REQUIRE(all.factors.size() == 2);
+    CHECK(all.factors[1].vk_format == "R8_UNORM");
+    for (const char* lines : {"clamp = 1\n", "clamp = [1, 1]\n", "clamp = [0, 1, 2]\n", "scale = [1, 2]\n", "factor = []\n"})
+        CHECK_THROWS_WITH(spec_of(lines), Contains("expected"));
 }

@@ -198,6 +198,11 @@ void complete_uniforms(const io::ManifestStage& stage, const StageBinding& bindi
     std::vector<std::string> given = {"width", "height"};
     for (const auto& [name, value] : stage.uniforms) given.push_back(name);
     if (pattern) given.insert(given.end(), {"samples", "rotations", "reach"});
+    // Which of a tile's patterns a pixel has follows from its place, and not from the hash.
+    if (pattern && stage.inputs.at("pattern").tile[0] > 0 && has_uniform(binding, "seed")) {
+        set_uniform(binding, data, "seed", std::vector<double>{0}, stage.place);
+        given.push_back("seed");
+    }
     for (const auto& [name, spec] : stage.views) {
         const std::vector<std::string> set = set_view(stage, name, spec, binding, data);
         given.insert(given.end(), set.begin(), set.end());

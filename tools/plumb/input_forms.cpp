@@ -14,6 +14,7 @@
 #include "core/inexact_inputs.h"
 #include "core/parallel.h"
 #include "io/file.h"
+#include "tools/plumb/case_sampling.h"
 #include "tools/plumb/input_decoding.h"
 
 namespace plumb::cli {
@@ -63,6 +64,7 @@ class Former {
   public:
     Former(const io::DumpSpec& spec, const Slot& slot, const io::DumpedImage& dump, const std::string& place, glm::ivec2 size)
         : spec_(spec), decoding_(spec, dump), place_(place), size_(size) {
+        normalises_ = spec.normalized && !is_unit_once_filtered(spec);
         if (spec.matrix) find_matrix(slot);
         for (const io::DumpSpec& factor : spec.factors) {
             const io::DumpedImage image = read_image("factor", factor);
@@ -84,7 +86,7 @@ class Former {
         if (spec_.from_depth && !unproject(pixel, from[0], v)) return;
         if (spec_.matrix) turn(v);
         multiply(pixel, v);
-        if (spec_.normalized) normalise(v);
+        if (normalises_) normalise(v);
         if (fourth_) read_fourth(pixel, known, v);
     }
 
@@ -192,7 +194,7 @@ class Former {
     const std::string& place_;
     glm::ivec2 size_;
     io::MatrixRows matrix_{};
-    bool moves_ = false, divides_ = false;
+    bool moves_ = false, divides_ = false, normalises_ = false;
     std::array<Bounded, 16> inverse_{};
     bool parallel_ = false;  // clip space has no perspective
     std::optional<io::DumpedImage> fourth_;

@@ -19,6 +19,7 @@
 #include "tools/plumb/case_uniforms.h"
 #include "tools/plumb/coverage.h"
 #include "tools/plumb/input_forms.h"
+#include "tools/plumb/output_forms.h"
 #include "tools/plumb/slot_array.h"
 #include "tools/shared/options.h"
 
@@ -281,7 +282,7 @@ std::string face_of(const StageData& data) {
     return "";
 }
 
-CaseReader::CaseReader(const io::Manifest& manifest, const Precision& precision) : precision_(precision) {
+CaseReader::CaseReader(const io::Manifest& manifest, const DeviceProfile& profile) : profile_(profile) {
     if (!manifest.scene.empty()) scene_ = io::load_scene(manifest.scene.string(), frame::method_tables());
 }
 
@@ -375,15 +376,16 @@ StageCase CaseReader::read(const io::ManifestStage& stage) const {
     if (!scene_ && !stage.light.empty() && stage.label.empty())
         out.notes.push_back("light: there is no scene, so that \"" + stage.light + "\" is no more than a name");
 
-    out.binding = &sampled_binding(stage, *out.binding, out.data);
+    out.binding = &sampled_binding(stage, *out.binding, profile_, out.data);
     const StageBinding& binding = *out.binding;
     const bool whole = !out.data.uniforms.empty() || !stage.uniforms_file.empty();
     const bool pattern = pattern_slot(binding) && stage.inputs.count("pattern") > 0;
     set_uniforms(stage, binding, out.data);
     out.covered = read_coverage(stage, binding, out.data.size);
-    set_inputs(stage, binding, scene_ ? &*scene_ : nullptr, precision_, out);
+    set_inputs(stage, binding, scene_ ? &*scene_ : nullptr, profile_.precision, out);
     complete_uniforms(stage, binding, whole, pattern, out.data, out.notes);
     read_outputs(stage, binding, out);
+    out.binding = &formed_binding(stage, binding, profile_.precision, out.data);
     apply_coverage(stage, out);
     note_not_finite(stage, out);
     read_choices(stage, out);

@@ -24,9 +24,9 @@ struct StageCase {
 // Reads the stages of one manifest, and its scene once.
 class CaseReader {
   public:
-    // What a device makes of its inputs before it reads them errs as much as `precision` grants. Throws InputError where
+    // What a device makes of its inputs before it reads them errs as much as the profile grants. Throws InputError where
     // there is a scene that cannot be read.
-    explicit CaseReader(const io::Manifest& manifest, const Precision& precision = {});
+    explicit CaseReader(const io::Manifest& manifest, const DeviceProfile& profile = {});
 
     // Throws InputError of one line that begins with the stage's place and names what is missing, has the wrong size or
     // is not known.
@@ -36,7 +36,7 @@ class CaseReader {
     StageData data_of_scene(const io::ManifestStage& stage, const StageBinding& binding) const;
 
     std::optional<Scene> scene_;
-    Precision precision_;
+    DeviceProfile profile_;
 };
 
 // The stage's data as the frame of a scene would bind it, with images of zeros where `frame` was not executed; one for

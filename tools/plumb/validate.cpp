@@ -12,6 +12,7 @@
 #include "io/file.h"
 #include "io/image_file.h"
 #include "io/manifest.h"
+#include "tools/plumb/output_forms.h"
 #include "tools/plumb/cli.h"
 #include "tools/plumb/diagnosis_dumps.h"
 #include "tools/plumb/diagnosis_mutants.h"
@@ -106,7 +107,7 @@ int run_validate(const ValidateOptions& given) {
     ValidationReport report{manifest, options.profile.name, options.max_ambiguous, {}};
     const std::unique_ptr<TwinMutants> mutants =
         given.mutants.empty() ? nullptr : std::make_unique<TwinMutants>(given.mutants);
-    const CaseReader reader(manifest, options.profile.precision);
+    const CaseReader reader(manifest, options.profile);
     for (const io::ManifestStage& stage : manifest.stages) {
         StageCase one = reader.read(stage);
         options.choices = std::move(one.choices);
@@ -114,7 +115,7 @@ int run_validate(const ValidateOptions& given) {
         options.covered = std::move(one.covered);
         const auto guesses = [&] {
             std::vector<parity::Hypothesis> all = other_dumps(manifest, stage, *one.binding);
-            if (mutants && !rsm::is_sampled(*one.binding))
+            if (mutants && !rsm::is_sampled(*one.binding) && !is_formed(*one.binding))
                 for (parity::Hypothesis& h : mutants->of(*one.binding, one.data)) all.push_back(std::move(h));
             return all;
         };

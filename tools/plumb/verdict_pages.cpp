@@ -49,7 +49,10 @@ std::vector<Cell> head(const std::vector<std::string>& texts, const std::vector<
     return cells;
 }
 
-std::string bound_text(double bound) { return std::isfinite(bound) ? fmt::format("{:.4g}", bound) : "none"; }
+// Infinity: nothing is known.
+std::string bound_text(double bound) {
+    return std::isfinite(bound) ? fmt::format("{:.4g}", bound) : std::isinf(bound) ? "anything" : "none";
+}
 
 void table_of_stages(Page& page, const ValidationReport& report) {
     std::vector<std::vector<Cell>> rows{

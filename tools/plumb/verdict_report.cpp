@@ -23,9 +23,12 @@ Json number_json(double value) { return std::isfinite(value) ? Json(value) : Jso
 
 std::string number_text(double value) { return std::isfinite(value) ? fmt::format("{:.3g}", value) : "none"; }
 
+// Infinity: nothing is known, as of light from a sample that may lie at the point itself.
+std::string bound_text(double value) { return std::isinf(value) ? "anything" : number_text(value); }
+
 std::string worst_text(const WorstPixel& w) {
     return fmt::format("{},{} {}: expected {}, got {}, may differ by {}", w.pixel.x, w.pixel.y, component_text(w),
-                       exact_text(w.expected), exact_text(w.got), number_text(w.bound));
+                       exact_text(w.expected), exact_text(w.got), bound_text(w.bound));
 }
 
 // The worst pixel of a stage on which not all is equal; else null.
@@ -49,7 +52,7 @@ std::string worst_table(const StageVerdict& v) {
         if (w.verdict == Verdict::equal) continue;
         rows.push_back({fmt::format("{},{}", w.pixel.x, w.pixel.y), parity::verdict_name(w.verdict), component_text(w),
                         exact_text(w.expected), exact_text(w.got), number_text(std::abs(w.got - w.expected)),
-                        number_text(w.bound)});
+                        bound_text(w.bound)});
     }
     return format_table({{"pixel"},
                          {"verdict"},
