@@ -58,6 +58,8 @@ class InputHypotheses {
         for (const Slot& slot : binding_.inputs) {
             const Array* array = find(data_.inputs, slot.name);
             if (!array || array->bytes.empty()) continue;
+            // A list of flags and whole numbers alone is no quantity.
+            if (slot.kind == SlotKind::buffer && slot.fixed == (1u << slot.channels) - 1) continue;
             if (slot.dtype == DType::f32) {
                 const Texels texels = texels_of(slot, *array);
                 if (slot.kind != SlotKind::buffer) add_places(slot, texels);

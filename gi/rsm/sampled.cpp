@@ -79,7 +79,7 @@ const StageBinding& bound_sampled() {
     static const StageBinding binding = [] {
         StageBinding b = stage<DiscKernel<continuous>>();
         for (Slot& slot : b.inputs) slot.instead.clear();
-        b.inputs.insert(b.inputs.begin(), Slot{.name = "sampling", .kind = SlotKind::buffer, .channels = 1, .frame = false});
+        b.inputs.insert(b.inputs.begin(), Slot{.name = "sampling", .kind = SlotKind::buffer, .channels = 1, .frame = false, .fixed = 1});
         b.bind = [](const StageData& data) -> std::unique_ptr<BoundStage> {
             check_sampling(data);
             return std::make_unique<KernelStage<SampledDisc<continuous>>>(bound_sampled<continuous>(), description, data);
@@ -95,6 +95,39 @@ const StageBinding* sampled_stage(const std::string& name) {
     for (const auto bound : {bound_sampled<false>, bound_sampled<true>})
         if (bound().info.name == name) return &bound();
     return nullptr;
+}
+
+std::vector<SamplingGuess> sampling_guesses() {
+    std::vector<SamplingGuess> all;
+    const auto add = [&](const std::string& text, std::function<void(Sampling&)> change) {
+        all.push_back({text, [change](StageData& data) {
+                           for (Array& array : data.inputs.arrays) {
+                               if (array.name != "sampling" || array.bytes.size() != sizeof(Sampling)) continue;
+                               Sampling s;
+                               std::memcpy(&s, array.bytes.data(), sizeof s);
+                               change(s);
+                               if (std::memcmp(&s, array.bytes.data(), sizeof s) == 0) return false;
+                               std::memcpy(array.bytes.data(), &s, sizeof s);
+                               return true;
+                           }
+                           return false;
+                       }});
+    };
+    const auto of_all = [](Sampling& s, auto change) { change(s.position), change(s.normal), change(s.flux); };
+    add("rsm_position not moved along its normal", [](Sampling& s) { s.along_normal = 0; });
+    add("rsm_position moved along its normal the other way", [](Sampling& s) { s.along_normal = -s.along_normal; });
+    add("rsm_normal not made unit once it is filtered", [](Sampling& s) { s.unit_normal = 0; });
+    add("rsm_normal made unit once it is filtered", [](Sampling& s) { s.unit_normal = 1; });
+    add("samples beyond the map not skipped", [](Sampling& s) { s.skips_beyond = 0; });
+    add("samples beyond the map skipped", [](Sampling& s) { s.skips_beyond = 1; });
+    add("the map read at the nearest texel", [=](Sampling& s) { of_all(s, [](MapSampler& m) { m.linear = 0; }); });
+    add("rsm_position read at the nearest texel", [](Sampling& s) { s.position.linear = 0; });
+    add("rsm_normal read at the nearest texel", [](Sampling& s) { s.normal.linear = 0; });
+    add("rsm_flux read at the nearest texel", [](Sampling& s) { s.flux.linear = 0; });
+    constexpr const char* beyond[] = {"beyond the map its border's colour", "beyond the map its edge", "beyond the map the map again"};
+    for (int address = 0; address < 3; ++address)
+        add(beyond[address], [=](Sampling& s) { of_all(s, [=](MapSampler& m) { m.address = float(address); }); });
+    return all;
 }
 
 bool is_sampled(const StageBinding& binding) { return !binding.inputs.empty() && binding.inputs.front().name == "sampling"; }

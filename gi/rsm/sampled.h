@@ -2,6 +2,10 @@
 // (sampled_kernel.h): the same stage, with one input more.
 #pragma once
 
+#include <functional>
+#include <string>
+#include <vector>
+
 #include "core/binding.h"
 
 namespace plumb::rsm {
@@ -14,6 +18,12 @@ inline constexpr float coarse_fraction = 1.0f / 256, fine_fraction = 0x1p-22f;
 // another stage.
 const StageBinding* sampled_stage(const std::string& name);
 std::vector<std::string> sampled_stages();  // their names
+// What a shader may do otherwise with its samplers, by what is said of it: changes of "sampling", false where it is so already.
+struct SamplingGuess {
+    std::string text;
+    std::function<bool(StageData&)> change;
+};
+std::vector<SamplingGuess> sampling_guesses();
 bool is_sampled(const StageBinding& binding);  // of what is named as its twin, that computes something else
 
 }  // namespace plumb::rsm

@@ -145,6 +145,30 @@ TEST_CASE("validate: normals made unit once filtered, positions moved along them
         }
 }
 
+TEST_CASE("validate: what a shader forgets to do with what it has filtered is named", "[program][vocabulary]") {
+    Exported e("vocabulary_forgotten", "key", true);
+    light_all_over(e);
+    const std::string manifest = e.manifest;
+    const Sampler s{true, "edge"};
+    const auto cause = [&](const Reading& shader, const Sampler& read) {
+        shade(e, read, shader);
+        with_words(e, manifest, s.words());
+        e.replace_input("rsm_position", "file = \"rsm_position.bin\"\nvk_format = \"R32G32B32A32_SFLOAT\"\nwidth = 48\nheight = 48\n"
+                                        "along_normal = -0.125\n" + s.words());
+        e.replace_input("rsm_normal", "file = \"rsm_normal.bin\"\nvk_format = \"R32G32B32A32_SFLOAT\"\nwidth = 48\nheight = 48\n"
+                                      "normalized = true\n" + s.words());
+        write(e.folder + "/manifest.toml", e.manifest);
+        const Result r = run({"validate", e.folder + "/manifest.toml", "--json"});
+        REQUIRE(r.exit == 1);
+        return Json::parse(r.out)["stages"][0]["diagnosis"]["causes"][0]["with"].get<std::string>();
+    };
+    CHECK(cause({true, 0}, s) == "rsm_position not moved along its normal");
+    CHECK(cause({true, 0.125f}, s) == "rsm_position moved along its normal the other way");
+    CHECK(cause({false, -0.125f}, s) == "rsm_normal not made unit once it is filtered");
+    CHECK(cause({true, -0.125f}, {false, "edge"}) == "the map read at the nearest texel");
+    CHECK(cause({true, -0.125f}, {true, "wrap"}) == "beyond the map the map again");
+}
+
 TEST_CASE("validate: where words for what was read do not stand", "[program][vocabulary]") {
     Exported e("vocabulary_filtered_refused");
     const std::string manifest = e.manifest;

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "core/error.h"
+#include "gi/rsm/sampled.h"
 #include "io/dump_encoding.h"
 #include "io/file.h"
 #include "tools/plumb/slot_array.h"
@@ -79,6 +80,12 @@ std::vector<parity::Hypothesis> other_dumps(const io::Manifest& manifest, const 
                 all.push_back(std::move(h));
             }
     }
+    if (rsm::is_sampled(binding))
+        for (rsm::SamplingGuess& guess : rsm::sampling_guesses()) {
+            parity::Hypothesis h{std::move(guess.text)};
+            h.change = std::move(guess.change);
+            all.push_back(std::move(h));
+        }
     return all;
 }
 
