@@ -47,6 +47,7 @@ PLUMB_INLINE Int gather(const std::int32_t* p, Int i) { return (Int)_mm256_i32ga
 // is in it takes the lanes out of the vector one by one, on the port that the shuffles need.
 struct Places {
     alignas(32) std::int64_t byte[8];
+    Places() = default;
     PLUMB_INLINE Places(Int i, std::int64_t bytes) {
         typedef std::int64_t Long __attribute__((vector_size(32)));
         const Long lower = (Long)_mm256_cvtepi32_epi64(_mm256_castsi256_si128((__m256i)i));
@@ -94,23 +95,37 @@ PLUMB_INLINE void load_texels(const Half* p, int stride, Int i, Real* t) {
     widen_pairs((Real)_mm256_i32gather_epi32((const int*)p, at, 4), t, t + 1);
     widen_pairs((Real)_mm256_i32gather_epi32((const int*)p + 1, at, 4), t + 2, t + 3);
 }
-PLUMB_INLINE void load_records(const float* p, Int i, Real* t) {
-    const Places places(i, 64);
+PLUMB_INLINE void load_records(const float* p, const Places& places, Real* t) {
     load_words(p, 0, places, t);
     load_words(p, 16, places, t + 4);
     load_words(p, 32, places, t + 8);
 }
-PLUMB_INLINE void load_records(const Half* p, Int i, Real* t) {
-    const Places places(i, 32);
-    Real pairs[8];
-    load_words(p, 0, places, pairs);
-    load_words(p, 16, places, pairs + 4);
-    widen_pairs(pairs[0], t, t + 1);
-    widen_pairs(pairs[1], t + 2, t + 3);
-    widen_pairs(pairs[2], t + 4, t + 5);
-    widen_pairs(pairs[3], t + 6, t + 7);
-    widen_pairs(pairs[4], t + 8, t + 9);
-    widen_pairs(pairs[5], t + 10, t + 11);
+// A record of halves is one register: a and b of it in the lower half, c in the upper. Both halves are transposed at once,
+// words of four lanes first, so that a component of all lanes is 16 bytes, which widen as they are.
+PLUMB_INLINE __m256i load_halves(const Half* p, const Places& i, int k) {
+    return _mm256_loadu_si256((const __m256i*)((const char*)p + i.byte[k]));
+}
+PLUMB_INLINE void sort_four(const Half* p, const Places& i, int k, __m256i* words) {
+    const __m256i r0 = load_halves(p, i, k), r1 = load_halves(p, i, k + 1);
+    const __m256i r2 = load_halves(p, i, k + 2), r3 = load_halves(p, i, k + 3);
+    const __m256i a = _mm256_unpacklo_epi16(r0, r1), b = _mm256_unpackhi_epi16(r0, r1);
+    const __m256i c = _mm256_unpacklo_epi16(r2, r3), d = _mm256_unpackhi_epi16(r2, r3);
+    words[0] = _mm256_unpacklo_epi32(a, c), words[1] = _mm256_unpackhi_epi32(a, c);
+    words[2] = _mm256_unpacklo_epi32(b, d), words[3] = _mm256_unpackhi_epi32(b, d);
+}
+PLUMB_INLINE Real widen_lower(__m256i words) { return _mm256_cvtph_ps(_mm256_castsi256_si128(words)); }
+PLUMB_INLINE Real widen_upper(__m256i words) { return _mm256_cvtph_ps(_mm256_extracti128_si256(words, 1)); }
+PLUMB_INLINE void load_records(const Half* p, const Places& places, Real* t) {
+    __m256i first[4], second[4];
+    sort_four(p, places, 0, first), sort_four(p, places, 4, second);
+    const __m256i x = _mm256_unpacklo_epi64(first[0], second[0]), y = _mm256_unpackhi_epi64(first[0], second[0]);
+    const __m256i z = _mm256_unpacklo_epi64(first[1], second[1]), w = _mm256_unpackhi_epi64(first[1], second[1]);
+    t[0] = widen_lower(x), t[1] = widen_lower(y), t[2] = widen_lower(z), t[3] = widen_lower(w);
+    t[4] = widen_lower(_mm256_unpacklo_epi64(first[2], second[2]));
+    t[5] = widen_lower(_mm256_unpackhi_epi64(first[2], second[2]));
+    t[6] = widen_lower(_mm256_unpacklo_epi64(first[3], second[3]));
+    t[7] = widen_lower(_mm256_unpackhi_epi64(first[3], second[3]));
+    t[8] = widen_upper(x), t[9] = widen_upper(y), t[10] = widen_upper(z), t[11] = widen_upper(w);
 }
 
 }  // namespace plumb::PLUMB_ISA::native

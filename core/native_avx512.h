@@ -47,6 +47,7 @@ PLUMB_INLINE Int gather(const std::int32_t* p, Int i) { return (Int)_mm512_i32ga
 // is in it takes the lanes out of the vector one by one, on the port that the shuffles need.
 struct Places {
     alignas(64) std::int64_t byte[16];
+    Places() = default;
     PLUMB_INLINE Places(Int i, std::int64_t bytes) {
         typedef std::int64_t Long __attribute__((vector_size(64)));
         const Long lower = (Long)_mm512_cvtepi32_epi64(_mm512_castsi512_si256((__m512i)i));
@@ -96,23 +97,38 @@ PLUMB_INLINE void load_texels(const Half* p, int stride, Int i, Real* t) {
     widen_pairs((Real)_mm512_i32gather_epi32(at, (const int*)p, 4), t, t + 1);
     widen_pairs((Real)_mm512_i32gather_epi32(at, (const int*)p + 1, 4), t + 2, t + 3);
 }
-PLUMB_INLINE void load_records(const float* p, Int i, Real* t) {
-    const Places places(i, 64);
+PLUMB_INLINE void load_records(const float* p, const Places& places, Real* t) {
     load_words(p, 0, places, t);
     load_words(p, 16, places, t + 4);
     load_words(p, 32, places, t + 8);
 }
-PLUMB_INLINE void load_records(const Half* p, Int i, Real* t) {
-    const Places places(i, 32);
-    Real pairs[8];
-    load_words(p, 0, places, pairs);
-    load_words(p, 16, places, pairs + 4);
-    widen_pairs(pairs[0], t, t + 1);
-    widen_pairs(pairs[1], t + 2, t + 3);
-    widen_pairs(pairs[2], t + 4, t + 5);
-    widen_pairs(pairs[3], t + 6, t + 7);
-    widen_pairs(pairs[4], t + 8, t + 9);
-    widen_pairs(pairs[5], t + 10, t + 11);
+// 32 bytes of lanes k and k + 4.
+PLUMB_INLINE Real load_halves(const Half* p, const Places& i, int k) {
+    const char* base = (const char*)p;
+    const __m512d r = _mm512_castpd256_pd512(_mm256_loadu_pd((const double*)(base + i.byte[k])));
+    return (Real)_mm512_insertf64x4(r, _mm256_loadu_pd((const double*)(base + i.byte[k + 4])), 1);
+}
+// Words 0 to 3 and 4 to 7 of four pairs of records: t[c] holds word c of lanes 0 to 3, word c + 4 of these, and so of 4 to 7.
+PLUMB_INLINE void load_eight(const Half* p, const Places& i, int k, Real* t) {
+    const Real r0 = load_halves(p, i, k), r1 = load_halves(p, i, k + 1);
+    const Real r2 = load_halves(p, i, k + 2), r3 = load_halves(p, i, k + 3);
+    const Real a = _mm512_unpacklo_ps(r0, r1), b = _mm512_unpackhi_ps(r0, r1);
+    const Real c = _mm512_unpacklo_ps(r2, r3), d = _mm512_unpackhi_ps(r2, r3);
+    t[0] = (Real)_mm512_unpacklo_pd((__m512d)a, (__m512d)c);
+    t[1] = (Real)_mm512_unpackhi_pd((__m512d)a, (__m512d)c);
+    t[2] = (Real)_mm512_unpacklo_pd((__m512d)b, (__m512d)d);
+    t[3] = (Real)_mm512_unpackhi_pd((__m512d)b, (__m512d)d);
+}
+PLUMB_INLINE void load_records(const Half* p, const Places& places, Real* t) {
+    Real a[4], b[4];
+    load_eight(p, places, 0, a);
+    load_eight(p, places, 8, b);
+    widen_pairs(_mm512_shuffle_f32x4(a[0], b[0], 0x88), t, t + 1);
+    widen_pairs(_mm512_shuffle_f32x4(a[1], b[1], 0x88), t + 2, t + 3);
+    widen_pairs(_mm512_shuffle_f32x4(a[2], b[2], 0x88), t + 4, t + 5);
+    widen_pairs(_mm512_shuffle_f32x4(a[3], b[3], 0x88), t + 6, t + 7);
+    widen_pairs(_mm512_shuffle_f32x4(a[0], b[0], 0xdd), t + 8, t + 9);
+    widen_pairs(_mm512_shuffle_f32x4(a[1], b[1], 0xdd), t + 10, t + 11);
 }
 
 }  // namespace plumb::PLUMB_ISA::native

@@ -69,11 +69,66 @@ PLUMB_INLINE void load_texels(const Component* p, int stride, Int i, Real* t) {
     t[3] = load4(p + stride * std::ptrdiff_t(lane[3]));
     _MM_TRANSPOSE4_PS(t[0], t[1], t[2], t[3]);
 }
-template <class Component>
-PLUMB_INLINE void load_records(const Component* p, Int i, Real* t) {
-    load_texels(p, record_stride, i, t);
-    load_texels(p + 4, record_stride, i, t + 4);
-    load_texels(p + 8, record_stride, i, t + 8);
+// Where each lane's record lies, in bytes from the first.
+struct Places {
+    alignas(16) std::int64_t byte[4];
+    Places() = default;
+    PLUMB_INLINE Places(Int i, std::int64_t bytes) {
+        typedef std::int64_t Long __attribute__((vector_size(16)));
+        const Long lower = (Long)_mm_cvtepi32_epi64((__m128i)i);
+        const Long upper = (Long)_mm_cvtepi32_epi64(_mm_unpackhi_epi64((__m128i)i, (__m128i)i));
+        _mm_store_si128((__m128i*)byte, (__m128i)(lower * bytes));
+        _mm_store_si128((__m128i*)byte + 1, (__m128i)(upper * bytes));
+        asm("" : "+m"(byte));
+    }
+};
+PLUMB_INLINE const void* at_place(const void* p, const Places& places, int k) { return (const char*)p + places.byte[k]; }
+
+PLUMB_INLINE void load_columns(const float* p, const Places& places, Real* t) {
+    t[0] = load4((const float*)at_place(p, places, 0)), t[1] = load4((const float*)at_place(p, places, 1));
+    t[2] = load4((const float*)at_place(p, places, 2)), t[3] = load4((const float*)at_place(p, places, 3));
+    _MM_TRANSPOSE4_PS(t[0], t[1], t[2], t[3]);
+}
+PLUMB_INLINE void load_records(const float* p, const Places& places, Real* t) {
+    load_columns(p, places, t), load_columns(p + 4, places, t + 4), load_columns(p + 8, places, t + 8);
+}
+PLUMB_INLINE __m128i all_words(int x) { return _mm_set1_epi16(short(x)); }
+// Eight halves, in words as far as that goes: the upper and the lower word of each float. A denormal half takes the exponent
+// of 2^-14, which is then subtracted: (2^-14 + m 2^-24) - 2^-14 is exact.
+PLUMB_INLINE void widen_eight(__m128i h, Real* first, Real* second) {
+    const __m128i zero = _mm_setzero_si128(), magnitude = _mm_and_si128(h, all_words(0x7fff));
+    const __m128i sign = _mm_and_si128(h, all_words(0x8000));
+    const __m128i special = _mm_cmpgt_epi16(magnitude, all_words(0x7bff));
+    const __m128i denormal = _mm_cmplt_epi16(magnitude, all_words(0x0400));
+    const __m128i normal = _mm_add_epi16(_mm_srli_epi16(magnitude, 3), all_words(112 << 7));
+    const __m128i upper = _mm_or_si128(_mm_add_epi16(normal, _mm_and_si128(denormal, all_words(1 << 7))),
+                                       _mm_and_si128(special, all_words(0x7f80)));
+    const __m128i lower = _mm_slli_epi16(magnitude, 13), excess = _mm_and_si128(denormal, all_words(113 << 7));
+    *first = _mm_sub_ps((Real)_mm_unpacklo_epi16(lower, upper), (Real)_mm_unpacklo_epi16(zero, excess));
+    *second = _mm_sub_ps((Real)_mm_unpackhi_epi16(lower, upper), (Real)_mm_unpackhi_epi16(zero, excess));
+    *first = _mm_or_ps(*first, (Real)_mm_unpacklo_epi16(zero, sign));
+    *second = _mm_or_ps(*second, (Real)_mm_unpackhi_epi16(zero, sign));
+}
+// 4 x 4 words: x and y of four lanes, z and w of them.
+PLUMB_INLINE void widen_columns(__m128i lanes01, __m128i lanes23, Real* t) {
+    widen_eight(_mm_unpacklo_epi32(lanes01, lanes23), t, t + 1);
+    widen_eight(_mm_unpackhi_epi32(lanes01, lanes23), t + 2, t + 3);
+}
+// Words of two lanes in turns: of components a and b the lower half, the upper half, and of c.
+PLUMB_INLINE void pair_lanes(const Half* p, const Places& places, int k, __m128i* words) {
+    const __m128i* even = (const __m128i*)at_place(p, places, k);
+    const __m128i* odd = (const __m128i*)at_place(p, places, k + 1);
+    const __m128i r0 = _mm_loadu_si128(even), r1 = _mm_loadu_si128(odd);
+    words[0] = _mm_unpacklo_epi16(r0, r1), words[1] = _mm_unpackhi_epi16(r0, r1);
+    words[2] = _mm_unpacklo_epi16(_mm_loadl_epi64(even + 1), _mm_loadl_epi64(odd + 1));
+}
+// Transposed first, since of twelve components nine are asked for.
+PLUMB_INLINE void load_records(const Half* p, const Places& places, Real* t) {
+    __m128i first[3], second[3];
+    pair_lanes(p, places, 0, first), pair_lanes(p, places, 2, second);
+    widen_columns(first[0], second[0], t);
+    widen_columns(first[1], second[1], t + 4);
+    widen_columns(first[2], second[2], t + 8);
 }
 
 }  // namespace plumb::PLUMB_ISA::native

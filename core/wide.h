@@ -135,10 +135,20 @@ struct number<PLUMB_ISA::Wide> {
         PLUMB_ISA::native::load_texels(p, 4, i.v, t);
         return {F(t[0]), F(t[1]), F(t[2]), F(t[3])};
     }
+    // The places of records i, and the records that lie there, counted from p.
+    using places = PLUMB_ISA::native::Places;
+    template <class Component>
+    static PLUMB_INLINE places record_places(index i) {
+        return places(i.v, record_stride * std::int64_t(sizeof(Component)));
+    }
     template <class Component>
     static PLUMB_INLINE Record<F> fetch_record(const Component* p, index i) {
+        return fetch_record(p, record_places<Component>(i));
+    }
+    template <class Component>
+    static PLUMB_INLINE Record<F> fetch_record(const Component* p, const places& at) {
         PLUMB_ISA::native::Real t[12];
-        PLUMB_ISA::native::load_records(p, i.v, t);
+        PLUMB_ISA::native::load_records(p, at, t);
         return {{F(t[0]), F(t[1]), F(t[2]), F(t[3])},
                 {F(t[4]), F(t[5]), F(t[6]), F(t[7])},
                 {F(t[8]), F(t[9]), F(t[10]), F(t[11])}};

@@ -84,11 +84,6 @@ struct ProjectedPoint {
     mask_t<F> near;  // where samples may meet the map
 };
 
-// The samples of a pixel that are asked for and added together: [first, end).
-struct SampleGroup {
-    int first, end;
-};
-
 template <class I>
 PLUMB_INLINE I rotation_of(const GatherUniforms& u, const I& px, const I& py) {
     return shift_right(pixel_hash(px, py, I(0), I(std::int32_t(u.seed))).x, 16) & I(u.rotations - 1);
@@ -109,28 +104,56 @@ PLUMB_INLINE ProjectedPoint<F, continuous> projected_point(const GatherInputsVie
     return {x, n, texels, rotation, texels.near(u.map.size, u.reach)};
 }
 
-// Adds samples of the disc (Dachsbacher and Stamminger 2005; LRA 4.3.3), N around the projection of x, each with the
-// number of texels that it stands for. `rotation` is the point's own or, in a packet of one rotation, that number.
+// What a sample reads.
+template <class F>
+struct MapSample {
+    mask_t<F> inside;
+    Record<F> p;
+};
+
+// The row of a sample in tables [samples][rotations], of which its own part begins at `first`.
+template <class Row>
+PLUMB_INLINE Row row_of(const Row& rotation, int first) {
+    return rotation + Row(first);
+}
+
+// Whether sample k need not be read: packets of rotation_packets.h know of some that add 0. They have functions of the same
+// names as these two.
+template <class Row>
+PLUMB_INLINE bool adds_nothing(const Row&, int) {
+    return false;
+}
+
+template <class F, class View, class Point, class Row, class Tap>
+PLUMB_INLINE MapSample<F> map_sample(const View& in, const Point& point, const Row& rotation, int k, const char* where,
+                                     Tap& tap) {
+    using I = index_t<F>;
+    const I size(in.u.map.size);
+    const ivec2<I> texel = point.texels.texel(in, row_of(rotation, k * in.u.rotations), tap);
+    tap("texel", texel, where);
+
+    // A sample outside the map contributes nothing, and the divisor stays.
+    const mask_t<F> inside = in_range(texel.x, size) & in_range(texel.y, size);
+    tap("inside", inside, "1 if the map has that texel; if not, what follows is texel 0 with weight 0");
+    return {inside, number<F>::fetch_record(in.records, select(inside, texel.y * size + texel.x, I(0)))};
+}
+
+// Adds the samples of the disc (Dachsbacher and Stamminger 2005; LRA 4.3.3), N around the projection of x, each with the
+// number of texels that it stands for. `rotation` is the point's own or what rotation_packets.h knows of it.
 //
 // differs: samples come from a table of rotations, and unless `continuous` they are whole texels away from the one rounded
 // projection (texels_kernel.h). LRA's listing also takes the receiver's normal in both cosines.
 template <class F, bool continuous, class Component, class Row, class Tap>
 PLUMB_INLINE void gather_samples(const GatherInputsView<Component>& in, const ProjectedPoint<F, continuous>& point,
-                                 const Row& rotation, SampleGroup samples, vec3<F>& sum, Tap& tap) {
-    using N = number<F>;
-    using I = index_t<F>;
+                                 const Row& rotation, vec3<F>& sum, Tap& tap) {
     const GatherUniforms& u = in.u;
-    for (int k = samples.first; k < samples.end; ++k) {
+    for (int k = 0; k < u.samples; ++k) {
+        if (adds_nothing(rotation, k)) continue;
         tap.sample(k);
-        const ivec2<I> texel = point.texels.texel(in, rotation + Row(k * u.rotations), tap);
-        tap("texel", texel, "LRA 4.3.3: p + r (xi1 sin 2 pi xi2, xi1 cos 2 pi xi2)");
-
-        // A sample outside the map contributes nothing, and the divisor stays.
-        const mask_t<F> inside = in_range(texel.x, I(u.map.size)) & in_range(texel.y, I(u.map.size));
-        tap("inside", inside, "1 if the map has that texel; if not, what follows is texel 0 with weight 0");
-        const Record<F> p = N::fetch_record(in.records, select(inside, texel.y * I(u.map.size) + texel.x, I(0)));
-        const vec3<F> x_p = xyz<F>(p.a), n_p = xyz<F>(p.b), flux = xyz<F>(p.c);
-        const F weight = select(inside, F(in.weights[k]), F(0.0f));
+        const MapSample<F> sample =
+            map_sample<F>(in, point, rotation, k, "LRA 4.3.3: p + r (xi1 sin 2 pi xi2, xi1 cos 2 pi xi2)", tap);
+        const vec3<F> x_p = xyz<F>(sample.p.a), n_p = xyz<F>(sample.p.b), flux = xyz<F>(sample.p.c);
+        const F weight = select(sample.inside, F(in.weights[k]), F(0.0f));
         tap("x_p", x_p, "world, m");
         tap("n_p", n_p, "unit normal of x_p");
         tap("flux", flux, "Phi_p, W");
@@ -154,13 +177,12 @@ PLUMB_INLINE vec3<F> irradiance_of(const GatherUniforms& u, const ProjectedPoint
     return irradiance;
 }
 
-// The whole of a pixel. rotation_packets.h puts the same parts together and asks for records ahead.
+// The whole of a pixel. rotation_packets.h puts the same parts together.
 template <class F, bool continuous = false, class Component, class Tap>
 PLUMB_INLINE vec3<F> gather_disc(const GatherInputsView<Component>& in, index_t<F> px, index_t<F> py, Tap& tap) {
     const auto point = projected_point<F, continuous>(in, px, py, tap);
     vec3<F> sum{F(0.0f), F(0.0f), F(0.0f)};
-    if (any(point.near))
-        gather_samples<F, continuous>(in, point, point.rotation, SampleGroup{0, in.u.samples}, sum, tap);
+    if (any(point.near)) gather_samples<F, continuous>(in, point, point.rotation, sum, tap);
     return irradiance_of<F, continuous>(in.u, point, sum, tap);
 }
 
@@ -206,14 +228,13 @@ template <bool continuous_texels, class Component = float>
 struct DiscKernel {
     using View = GatherInputsView<Component>;
     static constexpr bool continuous = continuous_texels;
-    static constexpr int group = 8;  // samples
+    static constexpr int band = 32;  // rows that rotation_packets.h sorts together
 
-    static int groups(const GatherUniforms& u) { return (u.samples + group - 1) / group; }
-    static SampleGroup samples(const GatherUniforms& u, int i) { return {i * group, min(u.samples, (i + 1) * group)}; }
+    static int samples(const GatherUniforms& u) { return u.samples; }
 
     template <class F, class Point, class Row, class Tap>
-    PLUMB_INLINE static void gather(const View& in, const Point& point, const Row& rotation, int i, vec3<F>& sum, Tap& tap) {
-        gather_samples<F, continuous>(in, point, rotation, samples(in.u, i), sum, tap);
+    PLUMB_INLINE static void gather(const View& in, const Point& point, const Row& rotation, vec3<F>& sum, Tap& tap) {
+        gather_samples<F, continuous>(in, point, rotation, sum, tap);
     }
     template <class F, class Tap>
     PLUMB_INLINE static vec4<F> item(const View& in, index_t<F> px, index_t<F> py, Tap& tap) {

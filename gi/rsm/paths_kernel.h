@@ -130,33 +130,29 @@ PLUMB_INLINE PathsPoint<F, continuous> projected_point(const PathsInputsView<Com
     return {{x, n, texels, rotation, texels.near(u.map.size, u.reach)}, sighted};
 }
 
-// Adds a path's samples to the sum. `rotation` is the point's own or, in a packet of one rotation, that number.
+// Adds a path's samples to the sum. `rotation` is the point's own or what rotation_packets.h knows of it.
 template <class F, bool continuous, class Component, class Row, class Tap>
 PLUMB_INLINE void gather_path(const PathsInputsView<Component>& in, const PathsPoint<F, continuous>& point,
                               const Row& rotation, int path, vec3<F>& sum, Tap& tap) {
-    using N = number<F>;
     using I = index_t<F>;
     const PathsUniforms& u = in.u;
     MicroLinearBuffer<F> met{I(-1), I(0), I(0)};
     for (int step = 0; step < u.steps; ++step) {
         const int k = path * u.steps + step;
+        if (adds_nothing(rotation, k)) continue;
         tap.sample(k);
-        const ivec2<I> texel = point.texels.texel(in, rotation + Row(k * u.rotations), tap);
-        tap("texel", texel, "VRSM Algorithm 5, line 8: proj + (u, v)");
-
-        // A sample outside the map contributes nothing, and the divisor stays.
-        const mask_t<F> inside = in_range(texel.x, I(u.map.size)) & in_range(texel.y, I(u.map.size));
-        tap("inside", inside, "1 if the map has that texel; if not, what follows is texel 0 with weight 0");
-        const Record<F> p = N::fetch_record(in.records, select(inside, texel.y * I(u.map.size) + texel.x, I(0)));
-        const vec3<F> x_p = xyz<F>(p.a), n_p = xyz<F>(p.b), flux = xyz<F>(p.c);
-        const F weight = select(inside, entry<F>(in.weights, rotation + Row(k * u.rotations)), F(0.0f));
+        const MapSample<F> sample =
+            map_sample<F>(in, point, rotation, k, "VRSM Algorithm 5, line 8: proj + (u, v)", tap);
+        const vec3<F> x_p = xyz<F>(sample.p.a), n_p = xyz<F>(sample.p.b), flux = xyz<F>(sample.p.c);
+        const F of_table = entry<F>(in.weights, row_of(rotation, k * u.rotations));
+        const F weight = select(sample.inside, of_table, F(0.0f));
         tap("x_p", x_p, "world, m");
         tap("n_p", n_p, "unit normal of x_p");
         tap("flux", flux, "Phi_p, W");
         tap("weight", weight, "texels: (2 pi rho / M) (r / K); published: rho^2, normalised");
 
         F visibility(1.0f);
-        if (u.slots > 0) visibility = visibility_of<F>(in, x_p - point.x, inside & (p.b.w > F(0.0f)), met, tap);
+        if (u.slots > 0) visibility = visibility_of<F>(in, x_p - point.x, sample.inside & (sample.p.b.w > F(0.0f)), met, tap);
         visibility = select(point.sighted, visibility, F(1.0f));
         tap("visibility", visibility, "VRSM Algorithm 5, line 12: 1 visible, 0 hidden");
 
@@ -178,7 +174,7 @@ PLUMB_INLINE vec3<F> irradiance_of(const PathsUniforms& u, const PathsPoint<F, c
     return irradiance;
 }
 
-// The whole of a pixel. rotation_packets.h puts the same parts together and asks for records ahead.
+// The whole of a pixel. rotation_packets.h puts the same parts together.
 template <class F, bool continuous = false, class Component, class Tap>
 PLUMB_INLINE vec3<F> gather_paths(const PathsInputsView<Component>& in, index_t<F> px, index_t<F> py, Tap& tap) {
     const auto point = projected_point<F, continuous>(in, px, py, tap);
@@ -194,13 +190,14 @@ struct PathsKernel {
     using View = PathsInputsView<Component>;
     static constexpr bool continuous = continuous_texels;
 
-    static int groups(const PathsUniforms& u) { return u.directions; }
-    static SampleGroup samples(const PathsUniforms& u, int path) { return {path * u.steps, (path + 1) * u.steps}; }
+    static constexpr int band = 32;  // rows that rotation_packets.h sorts together
+
+    static int samples(const PathsUniforms& u) { return u.directions * u.steps; }
 
     template <class F, class Point, class Row, class Tap>
-    PLUMB_INLINE static void gather(const View& in, const Point& point, const Row& rotation, int path, vec3<F>& sum,
-                                    Tap& tap) {
-        gather_path<F, continuous>(in, point, rotation, path, sum, tap);
+    PLUMB_INLINE static void gather(const View& in, const Point& point, const Row& rotation, vec3<F>& sum, Tap& tap) {
+        for (int path = 0; path < in.u.directions; ++path)
+            gather_path<F, continuous>(in, point, rotation, path, sum, tap);
     }
     template <class F, class Tap>
     PLUMB_INLINE static vec4<F> item(const View& in, index_t<F> px, index_t<F> py, Tap& tap) {

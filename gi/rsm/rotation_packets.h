@@ -5,12 +5,13 @@
 // texels is 2.4 MB of half records, more than the processor's second cache level holds, and hardly two samples share
 // a line.
 //
-// Here a packet is pixels of one rotation. An entry of a table is one number for all lanes; and since a step moves
-// every lane by the same distance on the map, the records of the next path, or of the disc's next samples, are asked for,
-// an instruction each, while these are summed. Pixels that fill no packet of their rotation share packets, and each lane looks up its own
-// rows.
+// Here a packet is pixels of one rotation, so that an entry of a table is one number for all lanes. Where the records of a
+// sample lie is computed eight samples ahead, and they are asked for then, an instruction each: when they are summed their
+// places have been in memory, and they themselves in the second cache level, for long. Where all of them lie outside the
+// map nothing is read. Pixels that fill no packet of their rotation share packets, and each lane looks up its own rows.
 //
-// A pixel's samples are added up as gather_disc() and gather_paths() do, whatever packet it is in: not a bit depends on any of this.
+// A pixel's samples are added up as gather_disc() and gather_paths() do, whatever packet it is in: not a bit depends on
+// any of this.
 #pragma once
 
 #include "core/kernel_rows.h"
@@ -20,58 +21,112 @@
 
 namespace plumb::rsm {
 
-// Asks for the records of samples ahead. Nothing is read, so that no place on the map or off it does harm.
-//
-// What asks is inlined all the way: a compiler takes a function that only asks for one without effect, and drops calls.
-template <class F, class Kernel>
-class RecordsAhead {
+// The places of lanes' records; core/wide.h has them of packets alone.
+template <class F, class Component>
+PLUMB_INLINE auto places_of(const index_t<F>& record) {
+    if constexpr (number<F>::width == 1)
+        return record;
+    else
+        return number<F>::template record_places<Component>(record);
+}
+
+// Whether a sample outside the map, for which the kernels take texel 0 with the weight 0, adds 0 to the sums of all lanes
+// that are near: it does, unless something there is no number or overflows.
+template <class F, class View, class Point>
+PLUMB_INLINE bool outside_adds_nothing(const View& in, const Point& point) {
+    NoTap tap;
+    const Record<F> p = number<F>::fetch_record(in.records, index_t<F>(0));
+    const F g = form(point.x, point.n, xyz<F>(p.a), xyz<F>(p.b), F(in.u.least_distance2), tap) * F(0.0f);
+    const F zero(0.0f);
+    const mask_t<F> nothing = (p.c.x * g == zero) & (p.c.y * g == zero) & (p.c.z * g == zero);
+    return !any(point.near & !nothing);
+}
+
+// The samples of a packet, each located and asked for before it is summed. It stands for `rotation` in the kernels.
+template <class F, class Kernel, bool shared>
+class SamplesAhead {
+    using N = number<F>;
+    using I = index_t<F>;
     using View = typename Kernel::View;
-    static constexpr int width = number<F>::width;
+    using Component = std::remove_cvref_t<decltype(*View::records)>;
+    using Point = ProjectedPoint<F, Kernel::continuous>;
+    using Row = std::conditional_t<shared, std::int32_t, I>;
+    using Places = decltype(places_of<F, Component>(I(0)));
+    // How many samples ahead; and how many are kept, so that one is located before another is read.
+    static constexpr int ahead = 8, kept = 2 * ahead;
 
   public:
-    PLUMB_INLINE RecordsAhead(const View& in, const ProjectedPoint<F, Kernel::continuous>& point)
-        : in_(in) {
-        using I = index_t<F>;
-        if constexpr (!Kernel::continuous) {
-            const I across = select(point.near, point.texels.centre.x, I(0));
-            const I down = select(point.near, point.texels.centre.y, I(0));
-            std::int32_t x[width], y[width];
-            std::memcpy(x, &across, sizeof x), std::memcpy(y, &down, sizeof y);
-            const std::uintptr_t first = reinterpret_cast<std::uintptr_t>(in.records);
-            for (int i = 0; i < width; ++i) record_[i] = first + distance(x[i], y[i]);
-            std::memcpy(rotation_, &point.rotation, sizeof rotation_);
-        }
+    PLUMB_INLINE SamplesAhead(const View& in, const Point& point, const Row& rotation)
+        : in_(in), point_(point), rotation_(rotation), samples_(Kernel::samples(in.u)),
+          skips_(outside_adds_nothing<F>(in, point)) {
+        for (int k = 0; k < min(ahead, samples_); ++k) locate(k);
     }
 
-    // Of lanes that share a rotation, or that have their own. The second cache level is asked to hold the records: in
-    // the first a path's lines, 160 of 512, would push out what is in use. Continuous texels are not asked for.
-    template <bool shared>
-    PLUMB_INLINE void ask(std::int32_t rotation, SampleGroup samples) const {
-        if constexpr (Kernel::continuous) return;
-        const std::int32_t* offsets = in_.offsets + std::ptrdiff_t(samples.first) * in_.u.rotations;
-        for (int k = samples.first; k < samples.end; ++k, offsets += in_.u.rotations) {
-            const std::uintptr_t moved = shared ? distance(offsets[rotation]) : 0;
-            for (int i = 0; i < width; ++i) {
-                const std::uintptr_t to = record_[i] + (shared ? moved : distance(offsets[rotation_[i]]));
-                __builtin_prefetch(reinterpret_cast<const void*>(to), 0, 2);
-            }
-        }
+    PLUMB_INLINE const Row& rotation() const { return rotation_; }
+
+    // Also locates a later sample: to be called for each, in order, before sample().
+    PLUMB_INLINE bool idle(int k) const {
+        if (k + ahead < samples_) locate(k + ahead);
+        return located_[k % kept].idle;
+    }
+    PLUMB_INLINE MapSample<F> sample(int k) const {
+        const Located& at = located_[k % kept];
+        return {at.inside, N::fetch_record(in_.records, at.places)};
     }
 
   private:
-    // Bytes from a texel to the one dx to the right and dy below.
-    PLUMB_INLINE std::uintptr_t distance(std::int32_t dx, std::int32_t dy) const {
-        const std::int64_t texels = std::int64_t(dy) * in_.u.map.size + dx;
-        return std::uintptr_t(texels * record_stride * std::int64_t(sizeof *in_.records));
+    struct Located {
+        Places places;
+        mask_t<F> inside;
+        bool idle;
+    };
+
+    PLUMB_INLINE void locate(int k) const {
+        Located& to = located_[k % kept];
+        NoTap tap;
+        const I size(in_.u.map.size);
+        const ivec2<I> texel = point_.texels.texel(in_, row_of(rotation_, k * in_.u.rotations), tap);
+        to.inside = in_range(texel.x, size) & in_range(texel.y, size);
+        to.places = places_of<F, Component>(select(to.inside, texel.y * size + texel.x, I(0)));
+        to.idle = skips_ && !any(to.inside);
+        if (!to.idle) ask(to.places);
     }
-    PLUMB_INLINE std::uintptr_t distance(std::int32_t offset) const {
-        return distance(std::int16_t(offset & 0xffff), offset >> 16);
+
+    // The second cache level is asked to hold the records: the first is too small for those of so many samples. What asks
+    // is inlined all the way: a compiler takes a function that only asks for one without effect, and drops calls.
+    PLUMB_INLINE void ask(const Places& at) const {
+#pragma GCC unroll 16
+        for (int i = 0; i < N::width; ++i) {
+            std::ptrdiff_t byte;
+            if constexpr (N::width == 1)
+                byte = std::ptrdiff_t(at) * record_stride * std::ptrdiff_t(sizeof(Component));
+            else
+                byte = at.byte[i];
+            __builtin_prefetch(reinterpret_cast<const char*>(in_.records) + byte, 0, 2);
+        }
     }
 
     const View& in_;
-    std::uintptr_t record_[width];  // of the projection
-    std::int32_t rotation_[width];
+    const Point& point_;
+    const Row rotation_;
+    const int samples_;
+    const bool skips_;
+    mutable Located located_[kept];
 };
+
+template <class F, class Kernel, bool shared>
+PLUMB_INLINE auto row_of(const SamplesAhead<F, Kernel, shared>& samples, int first) {
+    return row_of(samples.rotation(), first);
+}
+template <class F, class Kernel, bool shared>
+PLUMB_INLINE bool adds_nothing(const SamplesAhead<F, Kernel, shared>& samples, int k) {
+    return samples.idle(k);
+}
+template <class F, class View, class Point, class Kernel, bool shared, class Tap>
+PLUMB_INLINE MapSample<F> map_sample(const View&, const Point&, const SamplesAhead<F, Kernel, shared>& samples, int k,
+                                     const char*, Tap&) {
+    return samples.sample(k);
+}
 
 // Shades a pixel a lane: py << 16 | px. `shared`: all have the same rotation.
 template <class F, class Kernel, bool shared>
@@ -80,18 +135,18 @@ PLUMB_INLINE void shade_packet(const typename Kernel::View& in, const std::int32
     I place;
     std::memcpy(&place, pixels, sizeof place);
     const I px = place & I(0xffff), py = place >> 16;
-    const std::int32_t rotation = rotation_of<std::int32_t>(in.u, pixels[0] & 0xffff, pixels[0] >> 16);
     NoTap tap;
     const auto point = projected_point<F, Kernel::continuous>(in, px, py, tap);
-    const RecordsAhead<F, Kernel> ahead(in, point);
     vec3<F> sum{F(0.0f), F(0.0f), F(0.0f)};
-    const int groups = any(point.near) ? Kernel::groups(in.u) : 0;
-    for (int i = 0; i < groups; ++i) {
-        if (i + 1 < groups) ahead.template ask<shared>(rotation, Kernel::samples(in.u, i + 1));
-        if constexpr (shared)
-            Kernel::template gather<F>(in, point, rotation, i, sum, tap);
-        else
-            Kernel::template gather<F>(in, point, point.rotation, i, sum, tap);
+    if (any(point.near)) {
+        if constexpr (shared) {
+            const SamplesAhead<F, Kernel, true> samples(
+                in, point, rotation_of<std::int32_t>(in.u, pixels[0] & 0xffff, pixels[0] >> 16));
+            Kernel::template gather<F>(in, point, samples, sum, tap);
+        } else {
+            const SamplesAhead<F, Kernel, false> samples(in, point, point.rotation);
+            Kernel::template gather<F>(in, point, samples, sum, tap);
+        }
     }
     const vec3<F> irradiance = irradiance_of<F, Kernel::continuous>(in.u, point, sum, tap);
     number<F>::store4(in.irradiance, py * I(in.u.width) + px, vec4<F>(irradiance, F(0.0f)), I(0) < I(1));
@@ -100,7 +155,7 @@ PLUMB_INLINE void shade_packet(const typename Kernel::View& in, const std::int32
 // The pixels of a block by rotation: those that fill packets first, the others behind them.
 template <class F>
 struct SortedBlock {
-    static constexpr int width = number<F>::width, rows = 16, columns = 256, most_rotations = 4096;
+    static constexpr int width = number<F>::width, rows = 32, columns = 128, most_rotations = 4096;
     static constexpr int most = rows * columns + width;
     std::int32_t pixels[most];  // py << 16 | px
     int shared = 0, all = 0;    // pixels in packets of one rotation, and in all; both fill packets

@@ -1,6 +1,8 @@
 // The promise of equal bits: every kernel of gi/, by every instruction set and number of threads, from the same inputs.
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <cstring>
+#include <limits>
 
 #include "core/hash.h"
 #include "gi/compose/compose.h"
@@ -138,6 +140,35 @@ TEST_CASE("rsm: a map of halves and the same map widened give the same bits", "[
         CHECK(std::memcmp(from_halves.data(), from_floats.data(), from_floats.size() * sizeof(glm::vec4)) == 0);
         CHECK(std::any_of(from_floats.texels.begin(), from_floats.texels.end(),
                           [](const glm::vec4& e) { return e.x > 0; }));
+    }
+}
+
+// A sample outside the map is texel 0 with the weight 0: packets that leave such samples out must not do so where that is no 0.
+TEST_CASE("rsm: an infinite flux in texel 0 reaches every point with a sample outside the map", "[rsm][bits][extreme]") {
+    raster::Rsm map = noise_map(24, false);
+    set_texel(map, 0, 0, {-0.9f, 0.9f, 0}, {0, 0, 1}, glm::vec3(std::numeric_limits<float>::infinity()));
+    Points points(33, 9);
+    points.position = noise_image(33, 9, 0, -1.5f, 1.5f);
+    points.normal = noise_normals(33, 9, 1);
+    for (const rsm::GatherParams& params : gathers()) {
+        if (params.gather == rsm::Gather::all) continue;
+        CAPTURE(int(params.gather), int(params.texels), int(params.visibility));
+        const rsm::Pattern pattern = rsm::pattern_of(params, map.size, 1);
+        const auto run = [&](const RunOptions& options, Image4& out) {
+            out = gather(params, points, map, &pattern, options);
+        };
+        require_same_bits(run);
+        Image4 image;
+        run({}, image);
+        int nan = 0;
+        for (int x = 0; x < 33; ++x) {
+            const auto in = rsm::GatherInputs{&points.position, &points.normal, &map, &pattern, 1};
+            const float one = float(rsm::explain(params, in, {x, 4}).back().value[0]);
+            CHECK(std::isnan(one) == std::isnan(image(x, 4).x));
+            nan += std::isnan(one);
+        }
+        CHECK(nan > 0);
+        CHECK(nan < 33);
     }
 }
 
