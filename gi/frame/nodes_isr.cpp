@@ -89,7 +89,8 @@ class Adder {
         if (what == isr::Coarse::reflectance) return c.frame.isr.reflectance;
         return what == isr::Coarse::surface ? surface(c, view) : radiosity(c, view);
     }
-    isr::Pattern gather_pattern() const { return isr::gather_pattern(params_); }
+    // height: of the image that the samples lie in, without a guard band.
+    isr::Pattern gather_pattern(int height) const { return isr::gather_pattern(params_, height); }
 
     void add_downsample(const std::string& form, isr::Coarse what, const std::string& work, int view) {
         PlannedNode node = begin<isr::DownsampleKernel>(work, "gathers read it", "mean", coarse_of(view));
@@ -176,7 +177,7 @@ class Adder {
         const bool first = view == sources_.front();
         const int before = first ? -1 : c_.isr_gathers - 1;
         push_gather(begin_gather(stage<isr::GatherKernel>()), bounce, view,
-                    [=, &c = c_, pattern = std::make_shared<const isr::Pattern>(gather_pattern()), eye = frame_camera(),
+                    [=, &c = c_, pattern = std::make_shared<const isr::Pattern>(gather_pattern(coarse().y)), eye = frame_camera(),
                      margin = c_.views[std::size_t(view)].margin] {
                         isr::GatherInputs in;
                         in.surface = &c.frame.isr.surface;
@@ -195,7 +196,7 @@ class Adder {
     void add_gather_camera(int bounce, int view) {
         const int before = c_.isr_gathers - 1, unseen = last_unseen_.at(view);
         push_gather(begin_gather(stage<isr::GatherCameraKernel>()), bounce, view,
-                    [=, &c = c_, pattern = std::make_shared<const isr::Pattern>(gather_pattern()), eye = frame_camera(),
+                    [=, &c = c_, pattern = std::make_shared<const isr::Pattern>(gather_pattern(coarse_of(view).y)), eye = frame_camera(),
                      source = camera_of(view)] {
                         isr::CameraGatherInputs in;
                         in.surface = &c.frame.isr.surface;

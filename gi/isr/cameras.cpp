@@ -29,8 +29,10 @@ ViewProjection projection_of(const glm::dvec3& from, const CoarseCamera& camera,
 }
 
 // The uniforms of gathering from a camera's own image.
-SampleUniforms own_uniforms(const IsrParams& params, const Image4& surface, const CoarseCamera& camera) {
+SampleUniforms own_uniforms(const IsrParams& params, const Image4& surface, const CoarseCamera& camera,
+                            const Pattern* pattern) {
     GatherInputs own;
+    own.pattern = pattern;
     own.surface = own.source_surface = &surface;
     own.camera = camera;
     return uniforms(params, own);
@@ -38,7 +40,7 @@ SampleUniforms own_uniforms(const IsrParams& params, const Image4& surface, cons
 
 UnseenUniforms uniforms(const IsrParams& params, const UnseenInputs& in) {
     UnseenUniforms u{};
-    u.u = own_uniforms(params, *in.surface, in.camera);
+    u.u = own_uniforms(params, *in.surface, in.camera, nullptr);
     u.view = projection_of(in.camera.eye, in.view, *in.view_surface, in.margin);
     u.reach = float(1 + tolerance);
     return u;
@@ -48,9 +50,9 @@ GatherCameraUniforms uniforms(const IsrParams& params, const CameraGatherInputs&
     GatherCameraUniforms u{};
     GatherInputs receivers;
     receivers.surface = in.surface, receivers.source_surface = in.source_surface;
-    receivers.camera = in.camera, receivers.seed = in.seed;
+    receivers.camera = in.camera, receivers.seed = in.seed, receivers.pattern = in.pattern;
     u.u = uniforms(params, receivers);
-    u.camera = own_uniforms(params, *in.source_surface, in.source_camera);
+    u.camera = own_uniforms(params, *in.source_surface, in.source_camera, in.pattern);
     u.view = projection_of(in.camera.eye, in.source_camera, *in.source_surface, 0);
     u.camera_eye = glm::vec4(glm::vec3(in.source_camera.eye - in.camera.eye), 0.0f);
     return u;
@@ -78,7 +80,8 @@ StageData data_of(const IsrParams& params, const CameraGatherInputs& in) {
     StageData d = begin_data<GatherCameraKernel>(size, uniforms(params, in));
     lend(d, {{"surface", in.surface}, {"source_surface", in.source_surface}, {"source_radiosity", in.source_radiosity}});
     if (in.before) lend(d, {{"before", in.before}});
-    lend_offsets(d, stage, in.pattern, params.rings, params.rotations);
+    lend_offsets(d, stage, in.pattern, params.rings, params);
+    lend(d.inputs, "weights", {std::int64_t(in.pattern->weights.size())}, in.pattern->weights.data());
     lend_tiles(d, in.tiles);
     return d;
 }

@@ -13,7 +13,8 @@ layout(binding = 2) uniform sampler2D source_surface_image;
 layout(binding = 3) uniform sampler2D source_radiosity_image;  // xyz W/m2, w radiation mask
 layout(binding = 4) uniform sampler2D before_image;            // what other sources sent
 layout(std430, binding = 5) readonly buffer Offsets { int offsets[]; };  // [samples][rotations]
-layout(binding = 6, rgba32f) uniform writeonly image2D gathered_image;
+layout(std430, binding = 6) readonly buffer Weights { float weights[]; };  // [samples]
+layout(binding = 7, rgba32f) uniform writeonly image2D gathered_image;
 
 #include "gi/isr/source.glsl"
 
@@ -27,7 +28,7 @@ Source source_at(ivec2 pixel, int rotation, int k, Surface p) {
     vec4 surface = inside ? texelFetch(source_surface_image, fetched, 0) : vec4(0.0);
     Surface s = surface_of(u, pixel + offset, surface);
     vec3 step = step_of(float(offset.x), float(offset.y));
-    return Source(between(p, step, s.depth), area_of(u, s), s.normal,
+    return Source(between(p, step, s.depth), area_of(u, s), weights[k], s.normal,
                   light_of(s, texelFetch(source_radiosity_image, fetched, 0).xyz));
 }
 

@@ -31,17 +31,19 @@ SampleUniforms sample_uniforms(const IsrParams& params, const Image4& surface, c
     u.width = surface.width, u.height = surface.height;
     u.source_width = sources.width, u.source_height = sources.height;
     u.margin = margin;
-    u.rotations = params.rotations, u.seed = seed;
+    u.rotations = resolved(params).rotations, u.seed = seed;
     u.published = params.variant == Variant::published;
     u.inverse_matrix = params.position == Position::inverse_matrix;
     u.least_cosine = params.least_cosine;
     return u;
 }
 
-void check_pattern(const char* stage, const Pattern* pattern, int rings, int rotations) {
+void check_pattern(const char* stage, const Pattern* pattern, int rings, const IsrParams& params) {
     if (!pattern) throw InputError(fmt::format("{}: pattern must be bound", stage));
+    const int rotations = resolved(params).rotations;
     const std::size_t offsets = std::size_t(sample_count(rings)) * std::size_t(rotations);
-    if (pattern->samples != sample_count(rings) || pattern->rotations != rotations || pattern->offsets.size() != offsets)
+    if (pattern->samples != sample_count(rings) || pattern->rotations != rotations || pattern->offsets.size() != offsets ||
+        pattern->weights.size() != std::size_t(pattern->samples))
         throw InputError(fmt::format("{}: pattern has {} samples in {} rotations: expected {} in {}", stage,
                                      pattern->samples, pattern->rotations, sample_count(rings), rotations));
 }
@@ -60,7 +62,7 @@ SampleUniforms uniforms(const IsrParams& params, const SsaoInputs& in) {
 
 SampleUniforms uniforms(const IsrParams& params, const GatherInputs& in) {
     SampleUniforms u = sample_uniforms(params, *in.surface, *in.source_surface, in.margin, in.camera, in.seed);
-    const double side = in.camera.footprint * double(params.spacing);
+    const double side = in.camera.footprint * (in.pattern ? in.pattern->side : 0);
     u.rings = params.rings;
     u.far_rings = params.far_rings;
     u.full_reach = params.far_rings > 0 ? float(params.rings * double(params.full_depth)) : 3.4e38f;
@@ -69,8 +71,8 @@ SampleUniforms uniforms(const IsrParams& params, const GatherInputs& in) {
     return u;
 }
 
-void lend_offsets(StageData& data, const char* stage, const Pattern* pattern, int rings, int rotations) {
-    check_pattern(stage, pattern, rings, rotations);
+void lend_offsets(StageData& data, const char* stage, const Pattern* pattern, int rings, const IsrParams& params) {
+    check_pattern(stage, pattern, rings, params);
     lend(data.inputs, "offsets", {std::int64_t(pattern->offsets.size())}, pattern->offsets.data());
 }
 
@@ -82,7 +84,8 @@ StageData data_of(const IsrParams& params, const GatherInputs& in) {
     StageData d = begin_data<GatherKernel>(size, uniforms(params, in));
     lend(d, {{"surface", in.surface}, {"source_surface", in.source_surface}, {"source_radiosity", in.source_radiosity}});
     if (in.before) lend(d, {{"before", in.before}});
-    lend_offsets(d, stage, in.pattern, params.rings, params.rotations);
+    lend_offsets(d, stage, in.pattern, params.rings, params);
+    lend(d.inputs, "weights", {std::int64_t(in.pattern->weights.size())}, in.pattern->weights.data());
     lend_tiles(d, in.tiles);
     return d;
 }
@@ -95,7 +98,7 @@ StageData data_of(const IsrParams& params, const SsaoInputs& in) {
     StageData d = begin_data<SsaoKernel>(size, uniforms(params, in));
     lend(d, {{"surface", in.surface}, {"source_surface", in.source_surface}});
     if (in.gathered) lend(d, {{"gathered", in.gathered}});
-    lend_offsets(d, stage, in.pattern, params.ssao_rings, params.rotations);
+    lend_offsets(d, stage, in.pattern, params.ssao_rings, params);
     lend_tiles(d, in.tiles);
     return d;
 }

@@ -34,7 +34,7 @@ vec4 gather_by(Surface p, vec4 before, float mask, ivec2 pixel, int rotation) {
             TAP(n_x, x.normal);
             TAP(area, x.area);
             TAP(radiosity, x.radiosity);
-            precise float form = form_factor(p.normal, x);
+            precise float form = x.weight * form_factor(p.normal, x);
             sum.x += form * x.radiosity.x;
             sum.y += form * x.radiosity.y;
             sum.z += form * x.radiosity.z;

@@ -19,7 +19,8 @@ layout(binding = 2) uniform sampler2D source_surface_image;
 layout(binding = 3) uniform sampler2D source_radiosity_image;  // xyz W/m2
 layout(binding = 4) uniform sampler2D before_image;            // what other sources sent
 layout(std430, binding = 5) readonly buffer Offsets { int offsets[]; };  // [samples][rotations]
-layout(binding = 6, rgba32f) uniform writeonly image2D gathered_image;
+layout(std430, binding = 6) readonly buffer Weights { float weights[]; };  // [samples]
+layout(binding = 7, rgba32f) uniform writeonly image2D gathered_image;
 
 #include "gi/isr/source.glsl"
 
@@ -46,7 +47,7 @@ Source source_at(ivec2 pixel, int rotation, int k, Surface p) {
     Surface s = surface_of(camera, texel, surface);
     precise vec3 x = s.position + camera_eye.xyz;
     precise vec3 to = x - p.position;
-    return Source(to, area_of(camera, s), s.normal,
+    return Source(to, area_of(camera, s), weights[k], s.normal,
                   light_of(s, texelFetch(source_radiosity_image, fetched, 0).xyz));
 }
 

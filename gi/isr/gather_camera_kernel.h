@@ -24,6 +24,7 @@ struct GatherCameraInputsView {
     const float* source_radiosity;  // xyz W/m2
     const float* before;            // [u.height][u.width] rgba32f; null: all 0
     const std::int32_t* offsets;    // [samples][rotations]
+    const float* weights;           // [samples]
     float* gathered;                // out: [u.height][u.width] rgba32f
 };
 
@@ -64,7 +65,8 @@ struct CameraImages {
         const Surface<F> s = surface_of<F>(c, texel.x, texel.y, surface);
         const glm::vec4& e = in.u.camera_eye;
         const vec3<F> x{s.position.x + F(e.x), s.position.y + F(e.y), s.position.z + F(e.z)};
-        return {x - p.position, area_of(c, s), s.normal, light_of(s, xyz<F>(N::fetch4(in.source_radiosity, i)))};
+        return {x - p.position, area_of(c, s), F(in.weights[k]), s.normal,
+                light_of(s, xyz<F>(N::fetch4(in.source_radiosity, i)))};
     }
 };
 

@@ -32,6 +32,7 @@ struct PlaneSamples {
 
 struct PlaneSources : PlaneSamples {
     const SampleUniforms& u;
+    const float* weights;
 
     template <class Tap>
     PLUMB_INLINE Source<F> at(int k, const Surface<F>& p, Tap&) const {
@@ -39,7 +40,7 @@ struct PlaneSources : PlaneSamples {
         const ivec2<int> offset = offset_of(offsets[k]);
         const vec3<float> step = step_of<float>(u, float(offset.x), float(offset.y));
         return {between(p, vec3<F>{F(step.x), F(step.y), F(step.z)}, load(at, SourcePlanes::depth)),
-                load(at, SourcePlanes::source_area), load3(at, SourcePlanes::normal_x), load3(at, SourcePlanes::red)};
+                load(at, SourcePlanes::source_area), F(weights[k]), load3(at, SourcePlanes::normal_x), load3(at, SourcePlanes::red)};
     }
 };
 
@@ -115,7 +116,7 @@ void Rows<GatherKernel, Isa::PLUMB_ISA>::run(const GatherInputsView& in, int fir
     const SourcePlanes planes(u, SourcePlanes::of_gather, in.reach, first, last, scratch);
     take_apart(in, planes);
     shade_packets<F>(u.width, first, last, tiles, in.gathered, [&](int x, I px, int y, NoTap& tap) {
-        const PlaneSources sources{{planes, in.offsets, x + u.margin, y + u.margin, u.source_width}, u};
+        const PlaneSources sources{{planes, in.offsets, x + u.margin, y + u.margin, u.source_width}, u, in.weights};
         return isr::gather<F>(in, px, I(y), sources, tap);
     });
 }

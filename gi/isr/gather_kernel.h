@@ -2,10 +2,11 @@
 //
 // Every coarse pixel is a small patch (ISR fig. 4.4). A pixel p gathers from N others X:
 //
-//     E = sum_X F_pX B_X,    F_pX = cos_p cos_X A_X / (pi d^2 + A_X)                        ISR (25), (6), corrected
+//     E = sum_X w_X F_pX B_X,    F_pX = cos_p cos_X A_X / (pi d^2 + A_X)                    ISR (25), (6), corrected
 //
-// with d from p to X and A_X the area that the sample stands for. Written out, the cosines are max(0, n_p.d) / |d| and
-// max(0, -n_X.d) / |d|. Where the samples' form factors sum to more than 1, the sum of the light is divided by theirs.
+// with d from p to X, A_X the area of X's patch, and w_X such patches for which the sample stands: 1 on the grid, whose patches
+// are squares of its spacing; of rings, whose patches are single pixels, as many pixels as its annulus has (README). Written
+// out, the cosines are max(0, n_p.d) / |d| and max(0, -n_X.d) / |d|. Where the samples' form factors sum to more than 1, the sum of the light is divided by theirs.
 //
 // differs: ISR (25) multiplies F by the receiver's scalar reflectance and by 2 pi / N, has the unlit colour for B, and
 // (6) no + A_X (variant `published`).
@@ -23,6 +24,7 @@ struct GatherInputsView {
     const float* source_radiosity;  // xyz W/m2, w radiation mask
     const float* before;            // [height][width] rgba32f; null: all 0
     const std::int32_t* offsets;    // [samples][rotations]: dx in the lower 16 bits, dy in the upper 16
+    const float* weights;           // [samples]: how many such form factors a sample stands for
     float* gathered;                // out: [height][width] rgba32f
     int reach;                      // of the offsets, pixels
 };
@@ -32,6 +34,7 @@ template <class F>
 struct Source {
     vec3<F> to;         // X - P, m
     F area;             // A_X, m2
+    F weight;           // w_X
     vec3<F> normal;
     vec3<F> radiosity;  // W/m2
 };
@@ -105,11 +108,11 @@ PLUMB_INLINE vec4<F> gather_by(const SampleUniforms& u, const Surface<F>& p, con
             tap("n_x", x.normal, "unit normal of X");
             tap("area", x.area, "A_X, m2");
             tap("radiosity", x.radiosity, "B_X, W/m2");
-            const F form = form_factor<F, published>(n_p, x, tap);
+            const F form = x.weight * form_factor<F, published>(n_p, x, tap);
             sum.x += form * x.radiosity.x;
             sum.y += form * x.radiosity.y;
             sum.z += form * x.radiosity.z;
-            forms += form;                                        tap("forms", forms, "sum so far of F_pX");
+            forms += form;                                        tap("forms", forms, "sum so far of w_X F_pX");
         }
     }
     tap.sample(-1);
@@ -117,7 +120,7 @@ PLUMB_INLINE vec4<F> gather_by(const SampleUniforms& u, const Surface<F>& p, con
     vec3<F> light = sum * share;
     if (published) light = light + xyz<F>(before);
     const vec3<F> irradiance = select3<F>(covered, light, none);
-    tap("irradiance", irradiance, "sum F_pX B_X / max(1, sum F_pX), W/m2; ISR (25): rho_p 2 pi / N sum F_pX B_X");
+    tap("irradiance", irradiance, "sum w_X F_pX B_X / max(1, sum w_X F_pX), W/m2; ISR (25): rho_p 2 pi / N sum F_pX B_X");
     return vec4<F>(irradiance, select(covered, forms, zero));
 }
 
@@ -144,7 +147,7 @@ struct SourceImages {
                               select(inside, fetched.z, zero), select(inside, fetched.w, zero)};
         const Surface<F> s = surface_of<F>(u, px + offset.x, py + offset.y, surface);
         const vec3<F> step = step_of<F>(u, N::from_index(offset.x), N::from_index(offset.y));
-        return {between(p, step, s.depth), area_of(u, s), s.normal,
+        return {between(p, step, s.depth), area_of(u, s), F(in.weights[k]), s.normal,
                 light_of(s, xyz<F>(N::fetch4(in.source_radiosity, i)))};
     }
 };

@@ -16,16 +16,20 @@ enum class Mode : int { f2, f3, f4, f5 };
 enum class Blur : int { none, gaussian, edge_aware };
 enum class Upsample : int { bilateral, bilinear };
 enum class Ambient : int { none, environment };
+enum class PatternKind : int { automatic, rings, grid };
 
 // The table [isr] of a scene file; fields() says what each means.
 struct IsrParams {
     Variant variant = Variant::corrected;
     Mode mode = Mode::f2;
+    PatternKind pattern = PatternKind::automatic;
     int rings = 4;
-    float spacing = 8;
+    float reach = 1.25f;
+    float growth = 3;
+    float spacing = 0;
     int ssao_rings = 2;
     float ssao_spacing = 2;
-    int rotations = 1;
+    int rotations = 0;
     int bounces = 1;
     int far_rings = 0;
     float full_depth = 0;
@@ -50,6 +54,9 @@ std::vector<ParamInfo> params_of(const std::vector<std::string>& names);
 
 // Throws InputError that names the parameter: what no range of one says.
 void validate(const IsrParams& params);
+
+// With what `pattern`, `rotations` and `spacing` leave open: never automatic, never 0 rotations.
+IsrParams resolved(const IsrParams& params);
 
 // (2 k + 1)^2 - 1
 inline int sample_count(int rings) { return (2 * rings + 1) * (2 * rings + 1) - 1; }
@@ -80,13 +87,17 @@ FrustumVectors frustum_vectors(const Camera& camera, glm::ivec2 size, Convention
 
 // ---- Patterns ----------------------------------------------------------------------------------------------------------
 
-// Where samples lie around a pixel: rings of a square grid, the nearest first; in each rotation whole coarse pixels away.
+// Where samples lie around a pixel, the nearest first, in each rotation whole coarse pixels away; and the area for which
+// each stands: weights[k] squares of `side`. Ring r has 8 r samples.
 struct Pattern {
     Buffer<std::int32_t> offsets;  // [samples][rotations]: dx in the lower 16 bits, dy in the upper 16
+    Buffer<float> weights;         // [samples]
     int samples = 0, rotations = 1;
     int reach = 0;                 // coarse pixels: the largest |dx| or |dy|
+    double side = 1;               // coarse pixels
 };
-Pattern gather_pattern(const IsrParams& params);
+// height: of the frame that the samples lie in, without its guard band, coarse pixels.
+Pattern gather_pattern(const IsrParams& params, int height);
 Pattern ssao_pattern(const IsrParams& params);
 
 }  // namespace plumb::isr

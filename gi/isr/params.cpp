@@ -16,12 +16,23 @@ std::vector<Field> fields(IsrParams& p) {
         {"rings", &p.rings, "",
          "k: (2 k + 1)^2 - 1 samples of indirect light a pixel; 2, 3 and 4 are ISR 5.3.1's 24, 48 and 80", 1, 127, {}, false,
          {SweepRange::Role::along, {1, 2, 3, 4, 6, 8}, "", ""}},
-        {"spacing", &p.spacing, "coarse pixels", "between samples of indirect light; ours", 1, 255, {}, true,
-         {SweepRange::Role::curves, {8, 16, 32}, "", ""}},
+        {"pattern", as_int(p.pattern), "",
+         "where samples of indirect light lie: in rings of growing radius (ours), or on the square grid of Listing 6; automatic: "
+         "on the grid where spacing is set or variant is published, else in rings",
+         0, 2, {"automatic", "rings", "grid"}, false},
+        {"reach", &p.reach, "heights of the frame",
+         "how far away the area ends for which samples of indirect light stand: the radius of the rings, half a side of the grid; "
+         "ours", 0.01, 1.5, {}, false, {SweepRange::Role::curves, {0.5, 1}, "spacing", "0"}},
+        {"growth", &p.growth, "", "the outer radius of ring r of n is reach (r / n)^growth; ours", 1, 4, {}, false,
+         {SweepRange::Role::curves, {}, "spacing", "0"}},
+        {"spacing", &p.spacing, "coarse pixels",
+         "between samples of indirect light on the grid, in place of reach; 0: by reach, and as published 8; ours", 0, 255, {}, true,
+         {SweepRange::Role::curves, {}, "", ""}},
         {"ssao_rings", &p.ssao_rings, "", "k of the samples of ambient occlusion", 1, 127, {}, false},
         {"ssao_spacing", &p.ssao_spacing, "coarse pixels", "between samples of ambient occlusion; ours", 1, 255, {}, true},
-        {"rotations", &p.rotations, "", "rotations of the samples, of which each pixel has one; a power of two, 1: none; ours",
-         1, 1024, {}, true, {SweepRange::Role::curves, {}, "", ""}},
+        {"rotations", &p.rotations, "",
+         "rotations of the samples, of which each pixel has one; a power of two, 1: none; 0: 16 of rings, 1 of the grid; ours",
+         0, 1024, {}, true, {SweepRange::Role::curves, {}, "", ""}},
         {"bounces", &p.bounces, "", "of indirect light (ISR chapter 6)", 1, 64, {}, false, {SweepRange::Role::curves, {1, 2}, "", ""}},
         {"far_rings", &p.far_rings, "",
          "rings of samples that remain for pixels far away (ISR chapter 6: fewer than for near ones); 0: all rings everywhere",
@@ -63,6 +74,14 @@ std::vector<Field> fields(IsrParams& p) {
 void validate(const IsrParams& params) {
     IsrParams copy = params;
     validate_fields("isr", fields(copy));
+    if (params.spacing != 0 && !(params.spacing >= 1))
+        throw InputError(fmt::format("isr: spacing = {}: expected 0, or 1 to 255", params.spacing));
+    if (params.pattern == PatternKind::rings && params.spacing != 0)
+        throw InputError(fmt::format("isr: spacing = {} with pattern = rings: expected pattern = grid, whose it is, or reach in "
+                                     "its place", params.spacing));
+    if (params.pattern == PatternKind::rings && params.variant == Variant::published)
+        throw InputError("isr: pattern = rings with variant = published: ISR (25) takes all samples for equal areas, which rings "
+                         "are not: expected pattern = grid");
     if ((params.rotations & (params.rotations - 1)) != 0)
         throw InputError(fmt::format("isr: rotations = {}: expected a power of two", params.rotations));
     if (params.guard % 2 != 0) throw InputError(fmt::format("isr: guard = {}: expected an even number", params.guard));
@@ -80,6 +99,17 @@ void validate(const IsrParams& params) {
         throw InputError(fmt::format("isr: far_rings = {}: expected a full_depth above 0", params.far_rings));
     if (params.far_rings > params.rings)
         throw InputError(fmt::format("isr: far_rings = {}: expected at most rings = {}", params.far_rings, params.rings));
+}
+
+IsrParams resolved(const IsrParams& params) {
+    IsrParams p = params;
+    const bool published = p.variant == Variant::published;
+    if (p.pattern == PatternKind::automatic) {
+        p.pattern = p.spacing != 0 || published ? PatternKind::grid : PatternKind::rings;
+        if (published && p.spacing == 0) p.spacing = 8;
+    }
+    if (p.rotations == 0) p.rotations = p.pattern == PatternKind::rings ? 16 : 1;
+    return p;
 }
 
 std::vector<ParamInfo> params_of(const std::vector<std::string>& names) {

@@ -8,6 +8,6 @@ namespace plumb::isr {
 SampleUniforms uniforms(const IsrParams& params, const GatherInputs& in);
 
 // Lends the pattern's offsets; throws InputError for a pattern of other parameters.
-void lend_offsets(StageData& data, const char* stage, const Pattern* pattern, int rings, int rotations);
+void lend_offsets(StageData& data, const char* stage, const Pattern* pattern, int rings, const IsrParams& params);
 
 }  // namespace plumb::isr

@@ -3,6 +3,7 @@
 struct Source {
     vec3 to;
     float area;
+    float weight;
     vec3 normal;
     vec3 radiosity;
 };

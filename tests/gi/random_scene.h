@@ -200,6 +200,9 @@ inline void add_isr(Dice& dice, isr::IsrParams& p) {
     p.k_isr = dice.one_in(2) ? 0 : dice.unit();
     p.k_ssao = dice.one_in(2) ? 0 : dice.unit();
     if (dice.one_in(3)) p.ambient = isr::Ambient::none;
+    // Without dice: what the others say stays as it was.
+    const bool rings = p.variant == isr::Variant::corrected && (p.blur_radius + p.ssao_rings) % 2 == 0;
+    if (rings) p.reach = 0.25f * p.spacing, p.spacing = 0;
 }
 
 inline frame::Settings random_settings(std::uint32_t seed) {

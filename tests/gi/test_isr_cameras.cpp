@@ -111,7 +111,7 @@ TEST_CASE("isr.unseen: what another view sees at its place is left out, what it 
 TEST_CASE("isr.gather_camera: one patch that only the camera sees sends its form factor's light", "[isr][cameras]") {
     IsrParams params;
     params.rings = 3, params.spacing = 2;
-    const Pattern pattern = gather_pattern(params);
+    const Pattern pattern = gather_pattern(params, 18);
     int tried = 0;
     for (std::uint32_t seed = 0; seed < 600; ++seed) {
         CAPTURE(seed);
@@ -189,7 +189,7 @@ TEST_CASE("isr.unseen, isr.gather_camera: the same bits by every instruction set
     const Image4 surface = noise(size, 3, 7), sources = noise(extra_size, 3, 7), light = noise(extra_size, 0, 1);
     IsrParams params;
     params.rings = 3, params.spacing = 1, params.rotations = 4;
-    const Pattern pattern = gather_pattern(params);
+    const Pattern pattern = gather_pattern(params, 18);
     UnseenInputs unseen;
     unseen.surface = &sources, unseen.camera = extra.coarse(), unseen.view_surface = &surface, unseen.view = eye.coarse();
     CameraGatherInputs gather;

@@ -52,7 +52,7 @@ Image4 receiver(const CoarseView& view, glm::ivec2 p, double z, const glm::dvec3
 glm::vec4 gathered_at(const CoarseView& view, const Image4& receivers, glm::ivec2 p, float least_cosine = 1e-3f) {
     IsrParams params = every_pixel(view.surface.width);
     params.least_cosine = least_cosine;
-    const Pattern pattern = gather_pattern(params);
+    const Pattern pattern = gather_pattern(params, view.surface.height);
     GatherInputs in;
     in.surface = &receivers, in.source_surface = &view.surface, in.source_radiosity = &view.radiosity;
     in.camera = view.camera, in.pattern = &pattern;
@@ -61,26 +61,35 @@ glm::vec4 gathered_at(const CoarseView& view, const Image4& receivers, glm::ivec
     return out(p.x, p.y);
 }
 
-// The kernel at one pixel, with every other pixel as a sample: more rings than parameters allow.
+// The kernel at one pixel in double, the mean over the rotations of its samples: a float sum of a million samples has an error of its own.
+double gathered_in_double(const CoarseView& view, glm::ivec2 p, const IsrParams& params, const Pattern& pattern, int rings) {
+    GatherInputs in;
+    in.surface = in.source_surface = &view.surface, in.source_radiosity = &view.radiosity;
+    in.camera = view.camera, in.pattern = &pattern;
+    GatherInputsView inputs{};
+    inputs.u = uniforms(params, in);
+    inputs.u.rings = rings;
+    inputs.surface = inputs.source_surface = &view.surface.data()->x, inputs.source_radiosity = &view.radiosity.data()->x;
+    inputs.offsets = pattern.offsets.data(), inputs.weights = pattern.weights.data();
+    double sum = 0;
+    NoTap tap;
+    for (int turn = 0; turn < pattern.rotations; ++turn)
+        sum += gather<double>(inputs, p.x, p.y, SourceImages<double>{inputs, p.x, p.y, turn}, tap).x;
+    return sum / pattern.rotations;
+}
+
+// With every other pixel as a sample: more rings than parameters allow.
 double gathered_from_all(const CoarseView& view, glm::ivec2 p) {
     const int n = view.surface.width;
     IsrParams params;
     params.rings = 1, params.spacing = 1, params.least_cosine = 1e-3f;
-    const Pattern one = gather_pattern(params);
-    GatherInputs in;
-    in.surface = in.source_surface = &view.surface, in.source_radiosity = &view.radiosity;
-    in.camera = view.camera, in.pattern = &one;
-    GatherInputsView inputs{uniforms(params, in), &view.surface.data()->x, &view.surface.data()->x,
-                            &view.radiosity.data()->x, nullptr, nullptr, nullptr, 0};
-    inputs.u.rings = n;
-    std::vector<std::int32_t> offsets;
+    Pattern all = gather_pattern(params, n);
+    all.offsets.clear();
     for (int dy = -n; dy <= n; ++dy)
         for (int dx = -n; dx <= n; ++dx)
-            if (dx != 0 || dy != 0) offsets.push_back(std::int32_t((unsigned(dx) & 0xffffu) | unsigned(dy) << 16));
-    inputs.offsets = offsets.data();
-    NoTap tap;
-    // In double: a float sum of a million samples has an error of its own.
-    return gather<double>(inputs, p.x, p.y, SourceImages<double>{inputs, p.x, p.y, 0}, tap).x;
+            if (dx != 0 || dy != 0) all.offsets.push_back(std::int32_t((unsigned(dx) & 0xffffu) | unsigned(dy) << 16));
+    all.weights.assign(all.offsets.size(), 1.0f);
+    return gathered_in_double(view, p, params, all, n);
 }
 
 double occlusion_at(const CoarseView& view, const Image4& receivers, glm::ivec2 p) {
@@ -113,9 +122,13 @@ CoarseView floor_and_wall(const CoarseCamera& c) {
     });
 }
 
-// The form factor from the wall, `height` above the floor's edge, to the floor; image of n x n coarse pixels. The camera
+// The floor and the wall in n x n coarse pixels, and the pixel of the wall, in the middle, `height` above the floor's edge. The camera
 // is moved so that a pixel lies there exactly.
-double wall_to_floor(int n, double height) {
+struct Corner {
+    CoarseView view;
+    glm::ivec2 pixel;
+};
+Corner corner(int n, double height) {
     Camera camera = above_the_corner();
     const glm::ivec2 size(2 * n);
     const glm::dvec3 target(0, height, 0);
@@ -126,8 +139,19 @@ double wall_to_floor(int n, double height) {
     const glm::ivec2 p(int(std::lround(glm::dot(d, c.f_u) / footprint2)), int(std::lround(glm::dot(d, c.f_v) / footprint2)));
     const glm::dvec3 moved = target - (c.f_o + double(p.x) * c.f_u + double(p.y) * c.f_v) * z - c.eye;
     camera.position += moved, camera.look_at += moved;
-    const CoarseView view = floor_and_wall(coarse_camera(camera, size));
-    return gathered_from_all(view, p);
+    return {floor_and_wall(coarse_camera(camera, size)), p};
+}
+
+// The form factor from there to the floor.
+double wall_to_floor(int n, double height) {
+    const Corner c = corner(n, height);
+    return gathered_from_all(c.view, c.pixel);
+}
+// The same by a pattern's samples alone.
+double wall_to_floor(const Corner& c, PatternKind kind, int rings, int rotations, float reach) {
+    IsrParams params;
+    params.pattern = kind, params.rings = rings, params.rotations = rotations, params.reach = reach, params.least_cosine = 1e-3f;
+    return gathered_in_double(c.view, c.pixel, params, gather_pattern(params, c.view.surface.height), rings);
 }
 
 // The camera is 100 m away and sees a disc of radius 0.5 m, or a unit square on the xy plane, head-on.
@@ -164,6 +188,32 @@ TEST_CASE("isr.gather: a wall next to a lit floor, form factors against the clos
         CHECK(std::abs(half / expected_half - 1) <= allowed_half[i]);
         CHECK(std::abs(near / expected_near - 1) <= allowed_near[i]);
         ++i;
+    }
+}
+
+TEST_CASE("isr.gather: rings and grid gather what the screen sees within their reach, the closer the more samples there are",
+          "[isr][pattern][analytic]") {
+    const double closed = 2 * reference::to_perpendicular_rectangle(0.5, 1, 0.5);
+    const Corner c = corner(256, 0.5);
+    const double off_rings[] = {0.02, 0.006, 0.0015, 0.0005}, off_grid[] = {0.06, 0.06, 0.03, 0.006};
+    int i = 0;
+    for (const int rings : {4, 8, 16, 32}) {
+        const double in_rings = wall_to_floor(c, PatternKind::rings, rings, 16, 1.25f), on_grid = wall_to_floor(c, PatternKind::grid, rings, 16, 1.25f);
+        INFO(rings << " rings: " << in_rings / closed - 1 << " in rings, " << on_grid / closed - 1 << " on the grid");
+        CHECK(std::abs(in_rings / closed - 1) <= off_rings[i]);
+        CHECK(std::abs(on_grid / closed - 1) <= off_grid[i]);
+        ++i;
+    }
+    // What lies beyond the reach is not gathered: the share of the frame's height decides, and not its pixels.
+    for (const float reach : {0.2f, 0.4f, 1.25f}) {
+        CAPTURE(reach);
+        const double large = wall_to_floor(corner(512, 0.5), PatternKind::rings, 8, 16, reach) / closed;
+        CHECK(large == Approx(reach == 0.2f ? 0 : reach == 0.4f ? 0.539 : 1).margin(2e-3));
+        for (const int n : {64, 128, 256}) {
+            const double in_rings = wall_to_floor(corner(n, 0.5), PatternKind::rings, 8, 16, reach) / closed;
+            INFO(n << " pixels: " << in_rings << ", 512 pixels: " << large);
+            CHECK(std::abs(in_rings - large) <= 1.0 / n);
+        }
     }
 }
 

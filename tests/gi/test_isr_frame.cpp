@@ -152,7 +152,7 @@ TEST_CASE("isr: a guard band sends light to the border, and leaves what is out o
     const frame::Frame with = render(scene, settings);
     const Image4 &a = without.isr.gathered.back(), &b = with.isr.gathered.back();
     REQUIRE(a.width == b.width);
-    const int reach = isr::gather_pattern(settings.isr).reach;
+    const int reach = isr::gather_pattern(settings.isr, a.height).reach;
     double border_gain = 0, middle_change = 0, middle = 0;
     for (int y = 0; y < a.height; ++y)
         for (int x = 0; x < a.width; ++x) {

@@ -61,7 +61,7 @@ inline StageData isr_gather_case(glm::ivec2 size, const isr::IsrParams& params, 
     const Image4 sources = isr_surface(size + 2 * margin, 61, params.position, camera);
     const Image4 surface = margin > 0 ? isr_surface(size, 62, params.position, camera) : sources;
     const Image4 radiosity = noise_image(size + 2 * margin, 63, 0, 3), other = noise_image(size, 64, 0, 1.5f);
-    const isr::Pattern pattern = isr::gather_pattern(params);
+    const isr::Pattern pattern = isr::gather_pattern(params, size.y);
     isr::GatherInputs in;
     in.surface = &surface, in.source_surface = &sources, in.source_radiosity = &radiosity;
     in.before = before ? &other : nullptr;
@@ -108,7 +108,7 @@ inline StageData isr_gather_camera_case(glm::ivec2 size, const isr::IsrParams& p
     const Image4 surface = isr_surface(size, 61, params.position, camera),
                  source_surface = isr_surface(sources, 73, params.position, other_camera),
                  radiosity = noise_image(sources, 74, 0, 3), other = noise_image(size, 64, 0, 1.5f);
-    const isr::Pattern pattern = isr::gather_pattern(params);
+    const isr::Pattern pattern = isr::gather_pattern(params, sources.y);
     isr::CameraGatherInputs in;
     in.surface = &surface, in.camera = isr::coarse_camera(camera, 2 * size);
     in.source_surface = &source_surface, in.source_radiosity = &radiosity;
@@ -151,9 +151,10 @@ inline StageData isr_compose_case(glm::ivec2 size, isr::Variant variant, const s
 inline std::vector<StageData> isr_cases(glm::ivec2 size) {
     using namespace isr;
     const IsrParams plain = isr_params();
-    IsrParams printed = plain, inverse = plain, turned = plain, fewer = plain;
+    IsrParams printed = plain, inverse = plain, turned = plain, fewer = plain, ringed = plain;
     printed.variant = Variant::published, inverse.position = Position::inverse_matrix, turned.rotations = 8;
     fewer.far_rings = 1, fewer.full_depth = 1, fewer.rotations = 2;
+    ringed.spacing = 0, ringed.reach = 0.5f, ringed.rotations = 8;
     const auto horizontal = Direction::horizontal, vertical = Direction::vertical;
     const auto corrected = Variant::corrected, published = Variant::published;
     const auto linear = Position::linear, inverse_matrix = Position::inverse_matrix;
@@ -167,6 +168,7 @@ inline std::vector<StageData> isr_cases(glm::ivec2 size) {
         isr_gather_case(size, plain, "isr.gather"),
         isr_gather_case(size, turned, "isr.gather.turned", 3, true),
         isr_gather_case(size, fewer, "isr.gather.fewer"),
+        isr_gather_case(size, ringed, "isr.gather.rings", 3, true),
         isr_gather_case(size, inverse, "isr.gather.inverse", 2),
         isr_gather_case(size, printed, "isr.gather.published", 2, true),
         isr_bounce_case(size, 0, "isr.bounce"),
@@ -174,6 +176,7 @@ inline std::vector<StageData> isr_cases(glm::ivec2 size) {
         isr_unseen_case(size, 0, linear, "isr.unseen"),
         isr_unseen_case(size, 3, inverse_matrix, "isr.unseen.inverse"),
         isr_gather_camera_case(size, turned, "isr.gather_camera", true),
+        isr_gather_camera_case(size, ringed, "isr.gather_camera.rings", true),
         isr_gather_camera_case(size, inverse, "isr.gather_camera.inverse"),
         isr_ssao_case(size, plain, "isr.ssao"),
         isr_ssao_case(size, turned, "isr.ssao.turned", 3),

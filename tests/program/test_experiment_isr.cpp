@@ -55,8 +55,8 @@ TEST_CASE("experiment isr: the same numbers in CSV, JSON and page, and a second 
     }
     CHECK(std::count(csv.begin(), csv.end(), '\n') == std::ptrdiff_t(json["numbers"].size() + 1));
     CHECK(tables["summary"] == 8 * 17);  // all and one list, four settings
-    CHECK(tables["reach"] == 4);
-    CHECK(tables["5.7"] == 4 * 6);
+    CHECK(tables["reach"] == 2);
+    CHECK(tables["5.7"] == 4 * 4);
     CHECK(tables["views"] == 2 * (10 + 4 * 7));
 
     // The gain is what the errors say, and the mean that of the views.
@@ -72,14 +72,11 @@ TEST_CASE("experiment isr: the same numbers in CSV, JSON and page, and a second 
     CHECK(numbers.at("summary/all/corrected, ambient = environment/gain, mean") == Approx(sum / 2).epsilon(1e-9));
 
     // Figure 5.7's samples reach the same share of the height as the views', at twice the size.
-    CHECK(numbers.at("reach//views, 32 x 24/reach, coarse pixels") == 32);
-    CHECK(numbers.at("reach//views, 32 x 24/reach, over the height") == Approx(100 * 64 / 24.0));
-    const std::string timed = "5.7/two_simple_front/80 samples/";
-    CHECK(numbers.at(timed + "spacing") == 16);
-    CHECK(numbers.at(timed + "reach, over the height") == Approx(100 * 64 / 24.0));
-    CHECK(numbers.at("5.7/two_simple_front/24 samples/reach, coarse pixels") == 32);
-    CHECK(numbers.count("5.7/two_simple_front/direct light/spacing") == 0);
-    CHECK_THAT(html, Contains("4 rings x 8 coarse pixels = 32 coarse pixels") && Contains("266.7 %"));
+    CHECK(numbers.at("reach//views, 32 x 24/reach, over the height") == 125);
+    CHECK(numbers.at("5.7/two_simple_front/80 samples/reach, over the height") == 125);
+    CHECK(numbers.at("5.7/two_simple_front/24 samples/reach, over the height") == 125);
+    CHECK(numbers.count("5.7/two_simple_front/direct light/reach, over the height") == 0);
+    CHECK_THAT(html, Contains("4 rings of growing radius, out to 125.0 %"));
 
     // View dependency: sums over sums of what was kept, no means of ratios. At this size ISR alone reaches nothing.
     const std::string turned =

@@ -91,18 +91,16 @@ struct IsrTurningView {
     std::vector<IsrTurning> settings;
 };
 
-// How far ISR's samples reach, upwards and sideways: rings x spacing coarse pixels, two pixels of the frame each.
+// How far ISR's samples reach: a share of the frame's height, the same at every size.
 struct IsrReach {
     int rings = 0;
-    double spacing = 0;  // coarse pixels
-    double coarse_pixels() const { return rings * spacing; }
-    double of_height(int height) const { return 2 * coarse_pixels() / height; }
+    double of_height = 0;
 };
 
 struct IsrTime {
     int samples = 0;  // 0: direct light alone
     double frame_ms = 0, isr_ms = 0;
-    IsrReach reach = {};  // at the size of figure 5.7
+    IsrReach reach = {};
 };
 
 // A view that POV-Ray rendered, and how far direct light and ISR are from it.
@@ -122,7 +120,7 @@ struct IsrResult {
     double load_before = 0, load_after = 0;
     std::vector<IsrViewResult> views;
     IsrK best;       // least mean error over all views, corrected, with ambient light or without
-    IsrReach reach;  // at the size of the views; of table 2 as well
+    IsrReach reach;
     std::string time_view;
     std::size_t time_triangles = 0;
     std::vector<IsrTime> times;  // figure 5.7
@@ -179,8 +177,6 @@ IsrMeasure isr_compare(const IsrModel& model, const Image4& direct_display, cons
                        const RunOptions& options);
 
 // isr_times.cpp
-// The spacing, whole coarse pixels in 1..255, whose reach at this height is the same share of it.
-int isr_scaled_spacing(double spacing, int height, int time_height);
 void isr_times(const IsrCommon& common, const std::vector<BatchView>& views, IsrResult& result);
 std::vector<IsrPov> isr_pov(const IsrCommon& common, const std::vector<BatchView>& views);
 

@@ -88,9 +88,10 @@ std::vector<IsrBeyond> isr_candidates() {
     std::vector<IsrBeyond> all{{"ISR", {}}};
     auto add = [&](const char* family, std::vector<std::string> sets) { all.push_back({family, std::move(sets)}); };
     for (const int rings : {2, 3, 6, 8}) add("rings", {fmt::format("isr.rings={}", rings)});
-    for (const int spacing : {2, 4, 16, 32}) add("spacing", {fmt::format("isr.spacing={}", spacing)});
-    add("rotations", {"isr.rotations=16"});
-    add("rotations", {"isr.spacing=16", "isr.rotations=16"});
+    for (const char* reach : {"0.25", "0.5", "1"}) add("reach", {fmt::format("isr.reach={}", reach)});
+    for (const int spacing : {8, 16}) add("grid", {fmt::format("isr.spacing={}", spacing)});
+    add("grid", {"isr.pattern=grid", "isr.rotations=16"});
+    for (const int rotations : {1, 64}) add("rotations", {fmt::format("isr.rotations={}", rotations)});
     for (const int bounces : {2, 3}) add("bounces", {fmt::format("isr.bounces={}", bounces)});
     for (const int depth : {2, 4, 8})
         add("samples by depth", {"isr.far_rings=1", fmt::format("isr.full_depth={}", depth)});

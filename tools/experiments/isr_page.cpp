@@ -118,11 +118,6 @@ class IsrPage {
         page_.table(rows, caption);
     }
 
-    static std::string reach_text(const IsrReach& reach) {
-        return fmt::format("{} rings x {:g} coarse pixels = {:g} coarse pixels", reach.rings, reach.spacing,
-                           reach.coarse_pixels());
-    }
-
     void introduce() {
         const IsrRequest& r = result_.request;
         page_.paragraph(fmt::format(
@@ -134,10 +129,9 @@ class IsrPage {
             "a middle grey.",
             result_.views.size(), r.size.x, r.size.y, r.samples));
         page_.paragraph(fmt::format(
-            "The samples' spacing is in coarse pixels, two of the frame's each, so that what they reach depends on the "
-            "frame's size. Here, at {} x {} pixels and upwards and sideways: {} = {:.1f} % of the frame's height. The "
-            "same settings reach a smaller share of a larger frame.",
-            r.size.x, r.size.y, reach_text(result_.reach), 100 * result_.reach.of_height(r.size.y)));
+            "The samples lie in {} rings of growing radius, out to {:.1f} % of the frame's height: the same share of a "
+            "frame of any size.",
+            result_.reach.rings, 100 * result_.reach.of_height));
         page_.raw(
             "<p><a href=\"#summary\">Summary</a>, <a href=\"#times\">times</a>, <a href=\"#figures\">figures 5.8 to "
             "5.10</a>, <a href=\"#cases\">best and worst cases</a>, <a href=\"#modes\">modes</a>, <a "
@@ -202,16 +196,9 @@ class IsrPage {
                              result_.time_view, result_.time_triangles, result_.request.time_size.x,
                              result_.request.time_size.y));
         const IsrRequest& request = result_.request;
-        if (!result_.times.empty()) {
-            const IsrReach& reach = result_.times.back().reach;
+        if (!result_.times.empty())
             page_.paragraph(fmt::format(
-                "So that the samples reach the same share of the frame's height as in the views, the spacing of figure "
-                "5.7 is {:g} x {} / {} = {:g} coarse pixels, rounded and at most 255: {} = {:.1f} % of its height, in "
-                "the views {:.1f} %; fewer rings reach less. Table 2 is of the views themselves, at {} x {} pixels.",
-                result_.reach.spacing, request.time_size.y, request.size.y, reach.spacing, reach_text(reach),
-                100 * reach.of_height(request.time_size.y), 100 * result_.reach.of_height(request.size.y),
-                request.size.x, request.size.y));
-        }
+                "Fewer rings reach as far. Table 2 is of the views themselves, at {} x {} pixels.", request.size.x, request.size.y));
         page::Chart chart{"Figure 5.7: time by the number of samples", "samples", "ms", false, false, {}};
         page::ChartLine frame{"frame"}, own{"stages of ISR"};
         for (const IsrTime& t : result_.times)

@@ -146,24 +146,21 @@ void add_views(Numbers& n, const IsrResult& result) {
     }
 }
 
-void add_reach(Numbers& n, const IsrReach& reach, int height) {
-    auto of_isr = [&](double v) { return reach.rings > 0 ? Optional(v) : std::nullopt; };
-    n.add("spacing", "coarse pixels", of_isr(reach.spacing));
-    n.add("reach, coarse pixels", "", of_isr(reach.coarse_pixels()));
-    n.add("reach, over the height", "%", of_isr(100 * reach.of_height(height)));
+void add_reach(Numbers& n, const IsrReach& reach) {
+    n.add("reach, over the height", "%", reach.rings > 0 ? Optional(100 * reach.of_height) : std::nullopt);
 }
 
 void add_times(Numbers& n, const IsrResult& result) {
     const IsrRequest& r = result.request;
     n.at("reach", "", fmt::format("views, {} x {}", r.size.x, r.size.y));
     n.add("rings", "", result.reach.rings);
-    add_reach(n, result.reach, r.size.y);
+    add_reach(n, result.reach);
     for (const IsrTime& t : result.times) {
         n.at("5.7", result.time_view, t.samples == 0 ? "direct light" : fmt::format("{} samples", t.samples));
         n.add("samples", "", t.samples);
         n.add("frame", "ms", t.frame_ms);
         n.add("stages of ISR", "ms", t.isr_ms);
-        add_reach(n, t.reach, r.time_size.y);
+        add_reach(n, t.reach);
     }
     double direct = 0, isr = 0, truth = 0, pov = 0;
     int rendered = 0;

@@ -65,10 +65,6 @@ IsrPov render_pov(const IsrCommon& common, const BatchView& view) {
 
 }  // namespace
 
-int isr_scaled_spacing(double spacing, int height, int time_height) {
-    return int(std::clamp(std::round(spacing * time_height / height), 1.0, 255.0));
-}
-
 void isr_times(const IsrCommon& common, const std::vector<BatchView>& views, IsrResult& result) {
     // A medium complex scene of about 20 thousand triangles, as ISR 5.3.1's.
     const BatchView* chosen = &views.front();
@@ -83,11 +79,10 @@ void isr_times(const IsrCommon& common, const std::vector<BatchView>& views, Isr
     const Scene scene = common.scenes.scene(*chosen, common.request.time_size);
     result.time_view = chosen->name, result.time_triangles = common.scenes.triangles();
     const isr::IsrParams params = isr_settings(scene, "isr", {}).isr;
-    result.reach = {params.rings, double(params.spacing)};
-    const int spacing = isr_scaled_spacing(double(params.spacing), common.request.size.y, common.request.time_size.y);
+    result.reach = {params.rings, double(params.reach)};
     ContentHasher key;
     key.add(program_hash(), common.scenes.content(*chosen, common.request.time_size), common.request.repeats,
-            std::int32_t(common.options.threads), std::int32_t(spacing));
+            std::int32_t(common.options.threads));
     if (const std::optional<Json> found = common.results.find("times", key.hash)) {
         for (const Json& t : *found) result.times.push_back({t.at(0), t.at(1), t.at(2), {t.at(3), t.at(4)}});
         return;
@@ -95,9 +90,7 @@ void isr_times(const IsrCommon& common, const std::vector<BatchView>& views, Isr
     std::vector<std::unique_ptr<IsrTimedFrame>> frames;
     frames.push_back(std::make_unique<IsrTimedFrame>(scene, isr_settings(scene, "direct", {})));
     for (const int rings : {2, 3, 4})
-        frames.push_back(std::make_unique<IsrTimedFrame>(
-            scene,
-            isr_settings(scene, "isr", {fmt::format("isr.rings={}", rings), fmt::format("isr.spacing={}", spacing)})));
+        frames.push_back(std::make_unique<IsrTimedFrame>(scene, isr_settings(scene, "isr", {fmt::format("isr.rings={}", rings)})));
     // Once to warm up, then in turns.
     for (int r = -1; r < std::max(3, common.request.repeats); ++r)
         for (auto& f : frames) {
@@ -106,11 +99,11 @@ void isr_times(const IsrCommon& common, const std::vector<BatchView>& views, Isr
         }
     Json json = Json::array();
     for (std::size_t i = 0; i < frames.size(); ++i) {
-        const IsrReach reach = i == 0 ? IsrReach{} : IsrReach{int(i) + 1, double(spacing)};
+        const IsrReach reach = i == 0 ? IsrReach{} : IsrReach{int(i) + 1, double(params.reach)};
         result.times.push_back(
             {isr::sample_count(reach.rings), median(frames[i]->frame_ms), median(frames[i]->isr_ms), reach});
         const IsrTime& t = result.times[i];
-        json.push_back({t.samples, t.frame_ms, t.isr_ms, t.reach.rings, t.reach.spacing});
+        json.push_back({t.samples, t.frame_ms, t.isr_ms, t.reach.rings, t.reach.of_height});
     }
     common.results.keep("times", key.hash, json);
 }

@@ -1,0 +1,99 @@
+// Where samples of image-space radiosity lie, and how many patches each stands for.
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <set>
+
+#include "gi/isr/isr.h"
+
+using namespace plumb;
+using namespace plumb::isr;
+
+TEST_CASE("isr: rings of the square grid, the nearest first, each pixel once", "[isr][ISR 5.3.1][pattern]") {
+    for (int rings : {1, 2, 3, 4, 10})
+        for (float spacing : {1.0f, 1.5f, 2.0f, 4.0f, 7.3f})
+            for (int rotations : {1, 4, 16}) {
+                CAPTURE(rings, spacing, rotations);
+                IsrParams params;
+                params.rings = rings, params.spacing = spacing, params.rotations = rotations;
+                const Pattern p = gather_pattern(params, 20);
+                REQUIRE(p.samples == (2 * rings + 1) * (2 * rings + 1) - 1);
+                REQUIRE(p.offsets.size() == std::size_t(p.samples * rotations));
+                std::set<std::int32_t> seen;
+                int reach = 0, k = 0;
+                for (int r = 1; r <= rings; ++r)
+                    for (int i = 0; i < 8 * r; ++i, ++k)
+                        for (int turn = 0; turn < rotations; ++turn) {
+                            const std::int32_t packed = p.offsets[std::size_t(k * rotations + turn)];
+                            const int dx = std::int16_t(packed & 0xffff), dy = packed >> 16;
+                            CHECK(packed != 0);
+                            reach = std::max({reach, std::abs(dx), std::abs(dy)});
+                            if (turn > 0) continue;
+                            CHECK(seen.insert(packed).second);
+                            CHECK(std::abs(std::max(std::abs(dx), std::abs(dy)) - r * double(spacing)) <= 0.5);
+                        }
+                CHECK(p.reach == reach);
+            }
+    CHECK(gather_pattern({}, 20).samples == 80);
+    CHECK(ssao_pattern({}).samples == 24);
+}
+
+TEST_CASE("isr: rings of growing radius stand for a disc as wide as the reach, and no sample is the receiver",
+          "[isr][pattern][analytic]") {
+    for (int rings : {1, 2, 4, 9})
+        for (int height : {1, 10, 64, 512})
+            for (float growth : {1.0f, 2.0f, 4.0f}) {
+                CAPTURE(rings, height, growth);
+                IsrParams params;
+                params.rings = rings, params.reach = 0.7f, params.growth = growth;
+                const Pattern p = gather_pattern(params, height);
+                REQUIRE((p.samples == sample_count(rings) && p.rotations == 16 && p.side == 1));
+                REQUIRE((p.offsets.size() == std::size_t(16 * p.samples) && p.weights.size() == std::size_t(p.samples)));
+                // Rings are a pixel wide at least; the receiver's own pixel belongs to none.
+                const double radius = std::max(double(params.reach) * height, 1 / std::sqrt(M_PI) + rings);
+                double sum = 1, before = 0;
+                for (int k = 0; k < p.samples; ++k) {
+                    // All rotations of a sample lie on the circle that halves its annulus, a sixteenth of a turn apart, within rounding.
+                    const double inner = std::sqrt(sum / M_PI), middle = std::sqrt((sum + double(p.weights[std::size_t(k)]) / 2) / M_PI);
+                    sum += double(p.weights[std::size_t(k)]);
+                    CHECK((middle > inner && middle > before));
+                    before = middle;
+                    for (int turn = 0; turn < 16; ++turn) {
+                        const std::int32_t packed = p.offsets[std::size_t(16 * k + turn)];
+                        const double dx = std::int16_t(packed & 0xffff), dy = packed >> 16;
+                        CHECK(packed != 0);
+                        CHECK(std::abs(std::hypot(dx, dy) - middle) <= 0.7072);
+                        CHECK(std::max(std::abs(dx), std::abs(dy)) <= p.reach);
+                    }
+                }
+                CHECK(sum == Approx(M_PI * radius * radius).epsilon(1e-5).margin(1e-4));
+                CHECK(p.reach <= radius + 0.5);
+            }
+}
+
+TEST_CASE("isr: what a pattern leaves open follows from what is said", "[isr][pattern]") {
+    const auto of = [](auto set) {
+        IsrParams params;
+        set(params);
+        validate(params);
+        return resolved(params);
+    };
+    const IsrParams plain = of([](IsrParams&) {});
+    CHECK((plain.pattern == PatternKind::rings && plain.rotations == 16));
+    // As scene files said before there were rings: the grid, without rotations.
+    const IsrParams spaced = of([](IsrParams& p) { p.spacing = 32; });
+    CHECK((spaced.pattern == PatternKind::grid && spaced.rotations == 1 && spaced.spacing == 32));
+    const IsrParams printed = of([](IsrParams& p) { p.variant = Variant::published; });
+    CHECK((printed.pattern == PatternKind::grid && printed.rotations == 1 && printed.spacing == 8));
+    const IsrParams grid = of([](IsrParams& p) { p.pattern = PatternKind::grid, p.rotations = 4; });
+    CHECK((grid.pattern == PatternKind::grid && grid.rotations == 4 && grid.spacing == 0));
+    // The grid by reach: (4 + 1/2) spacings are the reach; and never below a pixel.
+    CHECK(gather_pattern(grid, 90).side == Approx(double(grid.reach) * 90 / 4.5));
+    CHECK(gather_pattern(grid, 2).side == 1);
+    IsrParams bad;
+    bad.spacing = 0.5f;
+    CHECK_THROWS_WITH(validate(bad), "isr: spacing = 0.5: expected 0, or 1 to 255");
+    bad.spacing = 8, bad.pattern = PatternKind::rings;
+    CHECK_THROWS_WITH(validate(bad), Catch::Contains("spacing = 8 with pattern = rings"));
+    bad.spacing = 0, bad.variant = Variant::published;
+    CHECK_THROWS_WITH(validate(bad), Catch::Contains("pattern = rings with variant = published"));
+}
