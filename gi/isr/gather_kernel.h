@@ -6,7 +6,7 @@
 //
 // with d from p to X, A_X the area of X's patch, and w_X such patches for which the sample stands: 1 on the grid, whose patches
 // are squares of its spacing; of rings, whose patches are single pixels, as many pixels as its annulus has (README). Written
-// out, the cosines are max(0, n_p.d) / |d| and max(0, -n_X.d) / |d|. Where the samples' form factors sum to more than 1, the sum of the light is divided by theirs.
+// out, the cosines are max(0, n_p.d) / |d| and max(0, -n_X.d) / |d|. The sum is divided by max(1, sum_X w_X F_pX).
 //
 // differs: ISR (25) multiplies F by the receiver's scalar reflectance and by 2 pi / N, has the unlit colour for B, and
 // (6) no + A_X (variant `published`).

@@ -31,7 +31,7 @@ std::vector<Field> fields(IsrParams& p) {
         {"ssao_rings", &p.ssao_rings, "", "k of the samples of ambient occlusion", 1, 127, {}, false},
         {"ssao_spacing", &p.ssao_spacing, "coarse pixels", "between samples of ambient occlusion; ours", 1, 255, {}, true},
         {"rotations", &p.rotations, "",
-         "rotations of the samples, of which each pixel has one; a power of two, 1: none; 0: 16 of rings, 1 of the grid; ours",
+         "rotations of the samples, of which each pixel has one; a power of two, 1: none; 0: 64 of rings, 1 of the grid; ours",
          0, 1024, {}, true, {SweepRange::Role::curves, {}, "", ""}},
         {"bounces", &p.bounces, "", "of indirect light (ISR chapter 6)", 1, 64, {}, false, {SweepRange::Role::curves, {1, 2}, "", ""}},
         {"far_rings", &p.far_rings, "",
@@ -108,7 +108,7 @@ IsrParams resolved(const IsrParams& params) {
         p.pattern = p.spacing != 0 || published ? PatternKind::grid : PatternKind::rings;
         if (published && p.spacing == 0) p.spacing = 8;
     }
-    if (p.rotations == 0) p.rotations = p.pattern == PatternKind::rings ? 16 : 1;
+    if (p.rotations == 0) p.rotations = p.pattern == PatternKind::rings ? 64 : 1;
     return p;
 }
 

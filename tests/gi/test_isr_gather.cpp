@@ -693,7 +693,7 @@ TEST_CASE("isr: bad input of the gathering stages is refused in one line", "[isr
     in = room.gather(pattern), in.margin = 1;
     CHECK_THROWS_AS(run(params, in, {}, out), InputError);
     CHECK_THROWS_WITH(run(IsrParams{}, room.gather(pattern), {}, out),
-                      "isr.gather: pattern has 48 samples in 1 rotations: expected 80 in 16");
+                      "isr.gather: pattern has 48 samples in 1 rotations: expected 80 in 64");
     CHECK_THROWS_WITH(run(params, DownsampleInputs{Coarse::radiosity}, {}, out), "isr.downsample: normal must be bound");
     UnseenInputs left;
     left.view_surface = &other;

@@ -46,19 +46,19 @@ TEST_CASE("isr: rings of growing radius stand for a disc as wide as the reach, a
                 IsrParams params;
                 params.rings = rings, params.reach = 0.7f, params.growth = growth;
                 const Pattern p = gather_pattern(params, height);
-                REQUIRE((p.samples == sample_count(rings) && p.rotations == 16 && p.side == 1));
-                REQUIRE((p.offsets.size() == std::size_t(16 * p.samples) && p.weights.size() == std::size_t(p.samples)));
+                REQUIRE((p.samples == sample_count(rings) && p.rotations == 64 && p.side == 1));
+                REQUIRE((p.offsets.size() == std::size_t(64 * p.samples) && p.weights.size() == std::size_t(p.samples)));
                 // Rings are a pixel wide at least; the receiver's own pixel belongs to none.
                 const double radius = std::max(double(params.reach) * height, 1 / std::sqrt(M_PI) + rings);
                 double sum = 1, before = 0;
                 for (int k = 0; k < p.samples; ++k) {
-                    // All rotations of a sample lie on the circle that halves its annulus, a sixteenth of a turn apart, within rounding.
+                    // All rotations of a sample lie on the circle that halves its annulus, a 64th of a turn apart, within rounding.
                     const double inner = std::sqrt(sum / M_PI), middle = std::sqrt((sum + double(p.weights[std::size_t(k)]) / 2) / M_PI);
                     sum += double(p.weights[std::size_t(k)]);
                     CHECK((middle > inner && middle > before));
                     before = middle;
-                    for (int turn = 0; turn < 16; ++turn) {
-                        const std::int32_t packed = p.offsets[std::size_t(16 * k + turn)];
+                    for (int turn = 0; turn < 64; ++turn) {
+                        const std::int32_t packed = p.offsets[std::size_t(64 * k + turn)];
                         const double dx = std::int16_t(packed & 0xffff), dy = packed >> 16;
                         CHECK(packed != 0);
                         CHECK(std::abs(std::hypot(dx, dy) - middle) <= 0.7072);
@@ -78,7 +78,7 @@ TEST_CASE("isr: what a pattern leaves open follows from what is said", "[isr][pa
         return resolved(params);
     };
     const IsrParams plain = of([](IsrParams&) {});
-    CHECK((plain.pattern == PatternKind::rings && plain.rotations == 16));
+    CHECK((plain.pattern == PatternKind::rings && plain.rotations == 64));
     // As scene files said before there were rings: the grid, without rotations.
     const IsrParams spaced = of([](IsrParams& p) { p.spacing = 32; });
     CHECK((spaced.pattern == PatternKind::grid && spaced.rotations == 1 && spaced.spacing == 32));

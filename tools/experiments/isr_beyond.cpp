@@ -90,8 +90,8 @@ std::vector<IsrBeyond> isr_candidates() {
     for (const int rings : {2, 3, 6, 8}) add("rings", {fmt::format("isr.rings={}", rings)});
     for (const char* reach : {"0.25", "0.5", "1"}) add("reach", {fmt::format("isr.reach={}", reach)});
     for (const int spacing : {8, 16}) add("grid", {fmt::format("isr.spacing={}", spacing)});
-    add("grid", {"isr.pattern=grid", "isr.rotations=16"});
-    for (const int rotations : {1, 64}) add("rotations", {fmt::format("isr.rotations={}", rotations)});
+    add("grid", {"isr.pattern=grid", "isr.rotations=64"});
+    for (const int rotations : {1, 16, 256}) add("rotations", {fmt::format("isr.rotations={}", rotations)});
     for (const int bounces : {2, 3}) add("bounces", {fmt::format("isr.bounces={}", bounces)});
     for (const int depth : {2, 4, 8})
         add("samples by depth", {"isr.far_rings=1", fmt::format("isr.full_depth={}", depth)});
