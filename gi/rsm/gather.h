@@ -37,6 +37,8 @@ enum class Projection : int { plain, clamped };
 // VRSM's algorithms of that number; 3 and 6 are the same function.
 enum class Visibility : int { none, algorithm_2, algorithm_3, algorithm_6 };
 enum class SlotEdges : int { angle, solid_angle };
+// How the steps of a path grow with the distance from its start: not, with its root, or with it.
+enum class Spacing : int { uniform, quadratic, geometric };
 enum class Turn : int { hash, tile };
 
 struct GatherParams {
@@ -52,6 +54,8 @@ struct GatherParams {
     float max_rays = 1e9f;
     int directions = 15;
     int steps = 10;
+    Spacing spacing = Spacing::quadratic;
+    float growth = 64;  // geometric: the last of many steps over the first
     float jitter = 1;
     float turn_jitter = 0;
     Visibility visibility = Visibility::algorithm_6;
@@ -83,9 +87,10 @@ struct Pattern {
 Pattern disc_pattern(const GatherParams& params, int map_size, std::uint32_t seed);
 
 // The paths of `params`, directions * steps samples path by path. Rotation i turns path m to the angle
-// 2 pi (m + (i + 1/2) / rotations + turn_jitter a) / directions; step k lies at rho = (k + 1/2 + jitter b) r / steps, a and
-// b in [-1/2, 1/2), b spread evenly over the rotations. Weight (2 pi rho / directions)(r / steps); published: rho^2, scaled
-// so that a constant is integrated exactly.
+// 2 pi (m + (i + 1/2) / rotations + turn_jitter a) / directions; step k lies at rho = r g((k + 1/2 + jitter b) / steps), a
+// and b in [-1/2, 1/2), b spread evenly over the rotations; g(u) = u, u^2 or (growth^u - 1) / (growth - 1). Weight: a path's
+// share of the ring about rho, (2 pi rho / directions)(r g' / steps), scaled so that on the average over b it is the share of
+// step k's ring; published: rho^2, scaled so that a constant is integrated exactly.
 Pattern paths_pattern(const GatherParams& params, int map_size, std::uint32_t seed);
 
 // The rows of params.own. Rotation i turns them by i / rotations of a circle (disc) or of a path's sector (paths).

@@ -48,6 +48,56 @@ void set_offset(Pattern& pattern, std::size_t at, double dx, double dy) {
         pattern.positions[2 * at] = float(dx), pattern.positions[2 * at + 1] = float(dy);
 }
 
+// Where the steps of a path lie: rho = r g(u), u from 0 to 1.
+class Radii {
+  public:
+    // r: the paths' length, texels.
+    Radii(const GatherParams& params, double r)
+        : spacing_(params.spacing), log_growth_(host::log(double(params.growth))), jitter_(double(params.jitter)), r_(r),
+          steps_(params.steps) {
+        // Growing by nothing.
+        if (spacing_ == Spacing::geometric && log_growth_ == 0) spacing_ = Spacing::uniform;
+    }
+
+    // Of step k, `stray` steps from its middle, texels.
+    double at(int k, double stray) const {
+        if (spacing_ == Spacing::uniform) return (k + 0.5 + stray) * (r_ / steps_);
+        return r_ * g((k + 0.5 + stray) / steps_);
+    }
+
+    // The width of the ring that a sample there stands for, texels: r g' / steps, the inverse of the density along the path,
+    // times what the ring of step k has in area over that which such rings have on the average over stray.
+    double width(int k, double stray) const {
+        const double step = r_ / steps_;
+        if (spacing_ == Spacing::uniform) return step;  // the two areas are equal
+        const double ring = half_square(k, k + 1);
+        const double middle = k + 0.5, a = middle - jitter_ / 2, b = middle + jitter_ / 2;
+        // Closer ends would cancel each other.
+        const double mean =
+            jitter_ < 1e-5 ? g(middle / steps_) * slope(middle / steps_) : half_square(a, b) * steps_ / (b - a);
+        return step * slope((k + 0.5 + stray) / steps_) * (ring * steps_ / mean);
+    }
+
+  private:
+    double g(double u) const {
+        if (spacing_ == Spacing::quadratic) return u * u;
+        return host::expm1(u * log_growth_) / host::expm1(log_growth_);
+    }
+    double slope(double u) const {
+        if (spacing_ == Spacing::quadratic) return 2 * u;
+        return log_growth_ * host::exp(u * log_growth_) / host::expm1(log_growth_);
+    }
+    // The integral of g g' from step a to step b: (g(b)^2 - g(a)^2) / 2.
+    double half_square(double a, double b) const {
+        const double ga = g(a / steps_), gb = g(b / steps_);
+        return (gb - ga) * (gb + ga) / 2;
+    }
+
+    Spacing spacing_;
+    double log_growth_, jitter_, r_;
+    int steps_;
+};
+
 }  // namespace
 
 Pattern disc_pattern(const GatherParams& params, int map_size, std::uint32_t seed) {
@@ -77,11 +127,12 @@ Pattern disc_pattern(const GatherParams& params, int map_size, std::uint32_t see
 
 Pattern paths_pattern(const GatherParams& params, int map_size, std::uint32_t seed) {
     const int paths = params.directions, steps = params.steps, rotations = params.rotations;
-    const double r = double(params.radius) * map_size, step = r / steps;
+    const double r = double(params.radius) * map_size;
+    const Radii radii(params, r);
     Pattern pattern = empty_pattern(params, paths * steps, std::size_t(paths) * steps * rotations);
 
     for (int i = 0; i < rotations; ++i) {
-        Buffer<double> rho(std::size_t(pattern.samples));
+        Buffer<double> rho(std::size_t(pattern.samples)), width(std::size_t(pattern.samples));
         double sum_of_squares = 0;
         for (int k = 0; k < pattern.samples; ++k) {
             const Hash3<std::int32_t> h = pixel_hash<std::int32_t>(k, 0, 1, std::int32_t(seed));
@@ -92,15 +143,16 @@ Pattern paths_pattern(const GatherParams& params, int map_size, std::uint32_t se
             auto centred = [](double u) { return u - __builtin_floor(u) - 0.5; };
             const double angle = 2 * host::pi *
                                  (k / steps + (i + 0.5) / rotations + double(params.turn_jitter) * centred(across)) / paths;
-            rho[std::size_t(k)] = (k % steps + 0.5 + double(params.jitter) * centred(along)) * step;
+            const double stray = double(params.jitter) * centred(along);
+            rho[std::size_t(k)] = radii.at(k % steps, stray), width[std::size_t(k)] = radii.width(k % steps, stray);
             set_offset(pattern, std::size_t(k) * rotations + i, rho[std::size_t(k)] * host::sin(angle),
                        rho[std::size_t(k)] * host::cos(angle));
             sum_of_squares += rho[std::size_t(k)] * rho[std::size_t(k)];
         }
         for (int k = 0; k < pattern.samples; ++k) {
             const double at = rho[std::size_t(k)];
-            // A ring of width `step` has the area 2 pi rho step, and every path a share of it.
-            const double corrected = 2 * host::pi * at / paths * step;
+            // A narrow ring has the area 2 pi rho width, and every path a share of it.
+            const double corrected = 2 * host::pi * at / paths * width[std::size_t(k)];
             const double published = host::pi * r * r * at * at / sum_of_squares;  // VRSM 3.2, its scale is ours
             pattern.weights[std::size_t(k) * rotations + i] =
                 float(params.variant == Variant::published ? published : corrected);

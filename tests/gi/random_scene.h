@@ -234,6 +234,8 @@ inline frame::Settings random_settings(std::uint32_t seed) {
         t.rsm.slot_edges = rsm::SlotEdges(dice.below(2)), t.rsm.jitter = dice.unit(), t.rsm.turn_jitter = dice.unit();
         if (dice.one_in(2)) t.rsm.turn = rsm::Turn::tile, t.rsm.rotations = 16;
     }
+    Dice spaced(seed ^ 0x3c6ef372u);
+    t.rsm.spacing = rsm::Spacing(spaced.below(3)), t.rsm.growth = 1 + 200 * spaced.unit();
     if (dice.one_in(3)) t.compose.shadow_color = dice.in_box(glm::vec3(0), glm::vec3(1));
     if (dice.one_in(5)) t.direct.variant = direct::DirectVariant::published;
     if (t.method == frame::Method::rsm && dice.below(9) < 4) t.method = frame::Method::isr;

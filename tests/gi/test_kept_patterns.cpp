@@ -16,6 +16,7 @@ bool same(const Pattern& a, const Pattern& b) {
 GatherParams small() {
     GatherParams params;
     params.samples = 12, params.rotations = 16, params.directions = 3, params.steps = 4;
+    params.spacing = Spacing::geometric;  // which reads growth, too
     return params;
 }
 
@@ -46,7 +47,7 @@ TEST_CASE("kept patterns: every parameter that a pattern is made from is asked f
             CAPTURE(f.name);
             if (f.name == "pattern") continue;  // a file
             if (auto n = std::get_if<int*>(&f.value)) **n = f.name == "rotations" ? 32 : f.choices.empty() ? **n + 1 : (**n + 1) % int(f.choices.size());
-            else if (auto x = std::get_if<float*>(&f.value)) **x = **x > 0.5f ? 0.25f : **x + 0.125f;
+            else if (auto x = std::get_if<float*>(&f.value)) **x = **x > 1 ? **x / 2 : **x > 0.5f ? 0.25f : **x + 0.125f;
             else continue;
             KeptPatterns kept;
             kept.of(params, 64, 1);

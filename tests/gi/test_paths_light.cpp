@@ -307,9 +307,12 @@ TEST_CASE("rsm.paths: a map of one texel sends as much as the paths' disc covers
         params.visibility = visibility;
         CHECK(gathered(params, point, one)(0, 0).x == Approx(expected).epsilon(1e-5).margin(0));
     }
-    // All samples are the same texel: under Algorithm 2 the first of each path alone is seen, its share 1 in K^2.
+    // All samples are the same texel: under Algorithm 2 the first of each path alone is seen, its share the first ring's.
     params.visibility = rsm::Visibility::algorithm_2;
-    CHECK(gathered(params, point, one)(0, 0).x == Approx(expected / 100).epsilon(1e-5).margin(0));
+    for (auto [spacing, share] : {std::pair{rsm::Spacing::uniform, 1e-2}, {rsm::Spacing::quadratic, 1e-4}}) {
+        params.spacing = spacing;
+        CHECK(gathered(params, point, one)(0, 0).x == Approx(expected * share).epsilon(1e-5).margin(0));
+    }
 }
 
 TEST_CASE("rsm.paths: texels without a surface neither hide nor send light", "[rsm][paths][bits]") {

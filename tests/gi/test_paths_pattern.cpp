@@ -16,6 +16,7 @@ constexpr int map_size = 512;
 rsm::GatherParams paths_params() {
     rsm::GatherParams params;
     params.gather = rsm::Gather::paths;
+    params.spacing = rsm::Spacing::uniform;  // the others: test_paths_spacing.cpp
     return params;
 }
 
@@ -221,6 +222,7 @@ TEST_CASE("rsm.paths: bad parameters and patterns are refused by name", "[rsm][p
     CHECK_THAT(refusal([](P& p) { p.directions = 0; }), Contains("directions"));
     CHECK_THAT(refusal([](P& p) { p.steps = 1025; }), Contains("steps"));
     CHECK_THAT(refusal([](P& p) { p.jitter = 1.5f; }), Contains("jitter"));
+    CHECK_THAT(refusal([](P& p) { p.growth = 0.5f; }), Contains("growth"));
     CHECK_THAT(refusal([](P& p) { p.rotations = 6; }), Contains("power of two"));
     CHECK_THAT(refusal([](P& p) { p.directions = p.steps = 300; }), Contains("65536"));
     CHECK_THAT(refusal([](P& p) { p.steps = 11; }), Contains("rsm.paths: pattern has "));

@@ -22,12 +22,12 @@ const raster::Rsm& map() {
     return m;
 }
 
-// Shading points whose projections fall into different texels near the centre, half a metre from the plane.
-Points shading_points(int side) {
+// Shading points whose projections fall into different texels near the centre, that far from the plane, m.
+Points shading_points(int side, float height = 0.5f) {
     Points points(side, side);
     for (int y = 0; y < side; ++y)
         for (int x = 0; x < side; ++x) {
-            points.position(x, y) = glm::vec4((x + 0.5f) / side * 0.4f - 0.2f, (y + 0.5f) / side * 0.4f - 0.2f, 0.5f, 0);
+            points.position(x, y) = glm::vec4((x + 0.5f) / side * 0.4f - 0.2f, (y + 0.5f) / side * 0.4f - 0.2f, height, 0);
             points.normal(x, y) = glm::vec4(0, 0, -1, 1);
         }
     return points;
@@ -85,6 +85,7 @@ rsm::GatherParams paths_params(int directions, int steps, rsm::Variant variant =
     rsm::GatherParams params = disc_params(1, rsm::Sequence::hammersley, variant);
     params.gather = rsm::Gather::paths;
     params.directions = directions, params.steps = steps;
+    params.spacing = rsm::Spacing::uniform;
     params.visibility = rsm::Visibility::none;
     return params;
 }
@@ -224,6 +225,60 @@ TEST_CASE("rsm.paths: the published weight converges elsewhere", "[rsm][paths][V
     CHECK(std::abs(apart) > 0.03);
     CHECK(to_truth.mean == Approx(apart).margin(0.01));
     CHECK(to_prediction.rms < 2e-3);
+}
+
+TEST_CASE("rsm.paths: of each spacing the weight converges to the gather over every texel",
+          "[rsm][paths][VRSM 3.2][analytic]") {
+    // Nearer than half a step of equal length, too, where the integrand is a peak about the path's start: there steps that
+    // grow with the distance err less with as many samples.
+    const std::vector<std::pair<int, int>> counts{{8, 5}, {15, 10}, {30, 20}, {60, 40}, {120, 80}};
+    for (const float height : {0.5f, 0.03f}) {
+        const Points points = shading_points(4, height);
+        const std::vector<double> exact = truths(points, [](double) { return 1.0; });
+        double uniform = 0;
+        for (const rsm::Spacing spacing : {rsm::Spacing::uniform, rsm::Spacing::quadratic, rsm::Spacing::geometric}) {
+            std::vector<int> n;
+            std::vector<Error> errors;
+            std::vector<double> rms;
+            for (auto [directions, steps] : counts) {
+                rsm::GatherParams params = paths_params(directions, steps);
+                params.spacing = spacing, params.rotations = 16;
+                errors.push_back(error_against(params, points, exact, 1, 16));
+                rms.push_back(errors.back().rms), n.push_back(directions * steps);
+            }
+            const double got = slope(n, rms);
+            INFO(fmt::format("{} m, spacing {}: rms {:.2e} {:.2e} {:.2e} {:.2e} {:.2e}, mean {:+.1e}, slope {:.3f}", height,
+                             int(spacing), rms[0], rms[1], rms[2], rms[3], rms[4], errors.back().mean, got));
+            CHECK(got > -1.3);
+            CHECK(got < -0.5);
+            CHECK(std::abs(errors.back().mean) < 1e-3);
+            if (spacing == rsm::Spacing::uniform)
+                uniform = rms[1];
+            else if (height < 0.1f)
+                CHECK(rms[1] < 0.5 * uniform);
+        }
+    }
+}
+
+TEST_CASE("rsm.paths: the published weight converges to the truth where spacing grows with the distance",
+          "[rsm][paths][VRSM 3.2][published]") {
+    const Points points = shading_points(4);
+    const std::vector<double> exact = truths(points, [](double) { return 1.0; });
+    // rho^2 over a density of 1 / (rho (rho + c)), c = r / (growth - 1); a constant is integrated exactly: the mean of
+    // rho / (rho + c) over the disc is 2 (1/2 - c + c^2 log((1 + c) / c)), all over r.
+    rsm::GatherParams params = paths_params(120, 80, rsm::Variant::published);
+    params.spacing = rsm::Spacing::geometric;
+    for (const float growth : {64.0f, 4096.0f}) {
+        params.growth = growth;
+        const double c = 1 / (double(growth) - 1), mean = 2 * (0.5 - c + c * c * host::log((1 + c) / c));
+        const std::vector<double> elsewhere = truths(points, [&](double rho) { return rho / (rho + c) / mean; });
+        const Error to_truth = error_against(params, points, exact, 1 / host::pi, 1);
+        const Error to_prediction = error_against(params, points, elsewhere, 1 / host::pi, 1);
+        INFO(fmt::format("growth {}: {:+.3f} % from the truth, {:+.3f} % from its prediction", growth, 100 * to_truth.mean,
+                         100 * to_prediction.mean));
+        CHECK(to_prediction.rms < 2e-3);
+        CHECK(std::abs(to_truth.mean) < (growth > 1000 ? 0.002 : 0.02));
+    }
 }
 
 TEST_CASE("rsm.paths: without the half step the estimate is off by a step in K", "[rsm][paths][VRSM 3.2][published]") {
