@@ -28,7 +28,7 @@ Source source_at(ivec2 pixel, int rotation, int k, Surface p) {
     vec4 surface = inside ? texelFetch(source_surface_image, fetched, 0) : vec4(0.0);
     Surface s = surface_of(u, pixel + offset, surface);
     vec3 step = step_of(float(offset.x), float(offset.y));
-    return Source(between(p, step, s.depth), area_of(u, s), weights[k], s.normal,
+    return Source(between(p, step, s.depth), area_of(u, s), weights[k] == 0.0 ? 1.0 : weights[k], s.normal,
                   light_of(s, texelFetch(source_radiosity_image, fetched, 0).xyz));
 }
 

@@ -47,7 +47,7 @@ Source source_at(ivec2 pixel, int rotation, int k, Surface p) {
     Surface s = surface_of(camera, texel, surface);
     precise vec3 x = s.position + camera_eye.xyz;
     precise vec3 to = x - p.position;
-    return Source(to, area_of(camera, s), weights[k], s.normal,
+    return Source(to, area_of(camera, s), weights[k] == 0.0 ? 1.0 : weights[k], s.normal,
                   light_of(s, texelFetch(source_radiosity_image, fetched, 0).xyz));
 }
 

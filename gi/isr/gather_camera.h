@@ -43,7 +43,7 @@ inline StageDescription<GatherCameraInputsView> describe(GatherCameraKernel) {
                     .count = [](const View& v) { return std::size_t(sample_count(v.u.u.rings)) * std::size_t(v.u.u.rotations); },
                     .why = "samples x rotations"},
                    {.name = "weights", .at = &View::weights, .meaning = "[samples]: how many patches of area a sample stands for",
-                    .count = [](const View& v) { return std::size_t(sample_count(v.u.u.rings)); }, .why = "one for each sample"}},
+                    .count = [](const View& v) { return std::size_t(sample_count(v.u.u.rings)); }, .why = "one for each sample", .optional = true}},
         .outputs = {{.name = "gathered", .at = &View::gathered, .unit = "W/m2",
                      .meaning = "irradiance; w: sum of form factors"}},
         .params = params_of({"pattern", "rings", "reach", "growth", "spacing", "rotations", "far_rings", "full_depth", "cameras", "camera_angle",

@@ -65,7 +65,7 @@ struct CameraImages {
         const Surface<F> s = surface_of<F>(c, texel.x, texel.y, surface);
         const glm::vec4& e = in.u.camera_eye;
         const vec3<F> x{s.position.x + F(e.x), s.position.y + F(e.y), s.position.z + F(e.z)};
-        return {x - p.position, area_of(c, s), F(in.weights[k]), s.normal,
+        return {x - p.position, area_of(c, s), F(weight_of(in.weights, k)), s.normal,
                 light_of(s, xyz<F>(N::fetch4(in.source_radiosity, i)))};
     }
 };

@@ -40,7 +40,7 @@ struct PlaneSources : PlaneSamples {
         const ivec2<int> offset = offset_of(offsets[k]);
         const vec3<float> step = step_of<float>(u, float(offset.x), float(offset.y));
         return {between(p, vec3<F>{F(step.x), F(step.y), F(step.z)}, load(at, SourcePlanes::depth)),
-                load(at, SourcePlanes::source_area), F(weights[k]), load3(at, SourcePlanes::normal_x), load3(at, SourcePlanes::red)};
+                load(at, SourcePlanes::source_area), F(weight_of(weights, k)), load3(at, SourcePlanes::normal_x), load3(at, SourcePlanes::red)};
     }
 };
 

@@ -17,6 +17,12 @@
 
 namespace plumb::isr {
 
+// Where none is given, or 0, it is the grid's: manifests of before do not have them.
+PLUMB_INLINE float weight_of(const float* weights, int k) {
+    const float given = weights ? weights[k] : 0.0f;
+    return given == 0.0f ? 1.0f : given;
+}
+
 struct GatherInputsView {
     SampleUniforms u;
     const float* surface;           // [height][width] rgba32f
@@ -147,7 +153,7 @@ struct SourceImages {
                               select(inside, fetched.z, zero), select(inside, fetched.w, zero)};
         const Surface<F> s = surface_of<F>(u, px + offset.x, py + offset.y, surface);
         const vec3<F> step = step_of<F>(u, N::from_index(offset.x), N::from_index(offset.y));
-        return {between(p, step, s.depth), area_of(u, s), F(in.weights[k]), s.normal,
+        return {between(p, step, s.depth), area_of(u, s), F(weight_of(in.weights, k)), s.normal,
                 light_of(s, xyz<F>(N::fetch4(in.source_radiosity, i)))};
     }
 };

@@ -109,6 +109,7 @@ template <class F>
 struct MapSample {
     mask_t<F> inside;
     Record<F> p;
+    ivec2<index_t<F>> texel;  // for taps
 };
 
 // The row of a sample in tables [samples][rotations], of which its own part begins at `first`.
@@ -125,17 +126,13 @@ PLUMB_INLINE bool adds_nothing(const Row&, int) {
 }
 
 template <class F, class View, class Point, class Row, class Tap>
-PLUMB_INLINE MapSample<F> map_sample(const View& in, const Point& point, const Row& rotation, int k, const char* where,
-                                     Tap& tap) {
+PLUMB_INLINE MapSample<F> map_sample(const View& in, const Point& point, const Row& rotation, int k, Tap& tap) {
     using I = index_t<F>;
     const I size(in.u.map.size);
     const ivec2<I> texel = point.texels.texel(in, row_of(rotation, k * in.u.rotations), tap);
-    tap("texel", texel, where);
-
     // A sample outside the map contributes nothing, and the divisor stays.
     const mask_t<F> inside = in_range(texel.x, size) & in_range(texel.y, size);
-    tap("inside", inside, "1 if the map has that texel; if not, what follows is texel 0 with weight 0");
-    return {inside, number<F>::fetch_record(in.records, select(inside, texel.y * size + texel.x, I(0)))};
+    return {inside, number<F>::fetch_record(in.records, select(inside, texel.y * size + texel.x, I(0))), texel};
 }
 
 // Adds the samples of the disc (Dachsbacher and Stamminger 2005; LRA 4.3.3), N around the projection of x, each with the
@@ -150,8 +147,9 @@ PLUMB_INLINE void gather_samples(const GatherInputsView<Component>& in, const Pr
     for (int k = 0; k < u.samples; ++k) {
         if (adds_nothing(rotation, k)) continue;
         tap.sample(k);
-        const MapSample<F> sample =
-            map_sample<F>(in, point, rotation, k, "LRA 4.3.3: p + r (xi1 sin 2 pi xi2, xi1 cos 2 pi xi2)", tap);
+        const MapSample<F> sample = map_sample<F>(in, point, rotation, k, tap);
+        tap("texel", sample.texel, "LRA 4.3.3: p + r (xi1 sin 2 pi xi2, xi1 cos 2 pi xi2)");
+        tap("inside", sample.inside, "1 if the map has that texel; if not, what follows is texel 0 with weight 0");
         const vec3<F> x_p = xyz<F>(sample.p.a), n_p = xyz<F>(sample.p.b), flux = xyz<F>(sample.p.c);
         const F weight = select(sample.inside, F(in.weights[k]), F(0.0f));
         tap("x_p", x_p, "world, m");

@@ -141,8 +141,9 @@ PLUMB_INLINE void gather_path(const PathsInputsView<Component>& in, const PathsP
         const int k = path * u.steps + step;
         if (adds_nothing(rotation, k)) continue;
         tap.sample(k);
-        const MapSample<F> sample =
-            map_sample<F>(in, point, rotation, k, "VRSM Algorithm 5, line 8: proj + (u, v)", tap);
+        const MapSample<F> sample = map_sample<F>(in, point, rotation, k, tap);
+        tap("texel", sample.texel, "VRSM Algorithm 5, line 8: proj + (u, v)");
+        tap("inside", sample.inside, "1 if the map has that texel; if not, what follows is texel 0 with weight 0");
         const vec3<F> x_p = xyz<F>(sample.p.a), n_p = xyz<F>(sample.p.b), flux = xyz<F>(sample.p.c);
         const F of_table = entry<F>(in.weights, row_of(rotation, k * u.rotations));
         const F weight = select(sample.inside, of_table, F(0.0f));

@@ -71,7 +71,7 @@ class SamplesAhead {
     }
     PLUMB_INLINE MapSample<F> sample(int k) const {
         const Located& at = located_[k % kept];
-        return {at.inside, N::fetch_record(in_.records, at.places)};
+        return {at.inside, N::fetch_record(in_.records, at.places), {}};
     }
 
   private:
@@ -124,7 +124,7 @@ PLUMB_INLINE bool adds_nothing(const SamplesAhead<F, Kernel, shared>& samples, i
 }
 template <class F, class View, class Point, class Kernel, bool shared, class Tap>
 PLUMB_INLINE MapSample<F> map_sample(const View&, const Point&, const SamplesAhead<F, Kernel, shared>& samples, int k,
-                                     const char*, Tap&) {
+                                     Tap&) {
     return samples.sample(k);
 }
 
