@@ -261,6 +261,7 @@ TEST_CASE("isr: a parameter changes the keys of all stages whose result it chang
         frame::Settings after = before;
         Field field = isr::fields(after.isr)[i];
         CAPTURE(field.name);
+        if (field.name == "pattern") after.isr.spacing = 0;  // it is the grid's
         if (field.name == "far_rings") after.isr.full_depth = 1, after.isr.far_rings = 0;
         if (auto* p = std::get_if<int*>(&field.value)) **p = field.choices.empty() ? 2 * **p + 2 : (**p + 1) % int(field.choices.size());
         if (auto* p = std::get_if<float*>(&field.value)) **p = **p == 0 ? 0.5f : 0.75f * **p;

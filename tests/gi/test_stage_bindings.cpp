@@ -239,7 +239,8 @@ TEST_CASE("stage bindings: an input that is missing, of another type or one too 
             if (slot.optional) {
                 // It counts as zeros; of a manifest it is asked for (tools/plumb/stage_case.cpp).
                 const StageBinding& binding = parity::find_binding(data.stage, "test");
-                const StageData zeros = owned(binding, changed);
+                StageData zeros = owned(binding, changed);
+                if (slot.kind == SlotKind::buffer) add(zeros.inputs, slot.name, slot.dtype, at(data.inputs, slot.name).shape);
                 Bundle without, with;
                 binding.bind(changed)->run({}, {}, without), binding.bind(zeros)->run({}, {}, with);
                 CHECK(without.arrays.at(0).bytes == with.arrays.at(0).bytes);

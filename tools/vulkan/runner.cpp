@@ -241,9 +241,13 @@ namespace {
 
 Array lent(const Array& a) { return {a.name, a.dtype, a.shape, Bytes::lent(a.bytes.data(), a.bytes.size())}; }
 
-// What stands for an optional image that is missing: 0 everywhere.
+// What stands for an optional input that is missing: 0 everywhere. Of a buffer as much as any stage reads.
 Array nothing_of(const Slot& slot, glm::ivec2 size) {
+    constexpr std::int64_t most_elements = 65536;
     Bundle bundle;
+    if (slot.kind == SlotKind::buffer)
+        return std::move(add(bundle, slot.name, slot.dtype,
+                             slot.channels > 1 ? Shape{most_elements, slot.channels} : Shape{most_elements}));
     return std::move(add(bundle, slot.name, slot.dtype, {size.y, size.x, slot.channels}));
 }
 
