@@ -1,4 +1,5 @@
 // plumb validate, where it says `wrong`: the cause in its text, its JSON and its page.
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <filesystem>
 
@@ -108,4 +109,22 @@ TEST_CASE("diagnosis: the input of another frame, where the manifest has it", "[
     CHECK_THAT(causes_of(d).at(0), Contains("radiance of tonemap before: ") && Contains("before/in/radiance.bin"));
     CHECK(d["causes"][0]["agree"] == d["causes"][0]["pixels"]);
     CHECK(diagnosis_of(folder, "tonemap before", 1).is_null());
+}
+
+TEST_CASE("diagnosis: the pixel that is explained expects more than 0, and its largest samples come first", "[program]") {
+    const std::string folder = dumps("diagnosis_explained"), manifest = folder + "/manifest.toml";
+    const std::string file = "file = \"rsm.disc.key/out/irradiance.bin\"\n";
+    write(manifest, replaced(only_stage(read(manifest), "rsm.disc (key)"), file, file + "flip_y = true\n"));
+    const Json stage = stage_of(Json::parse(run({"validate", manifest, "--json"}).out), "rsm.disc (key)");
+    const Json& d = stage["diagnosis"];
+    CHECK(d["unexpected"] > 0);
+    const auto first = std::find_if(d["largest"].begin(), d["largest"].end(), [](const Json& e) { return e["expected"] != 0; });
+    REQUIRE(first != d["largest"].end());
+    CHECK(stage["explain"]["pixel"] == (*first)["pixel"]);
+
+    // JSON has the kernel's order; text the order of what each sample adds.
+    const std::string text = run({"validate", manifest}).out;
+    const std::size_t at = text.find("explain: rsm.disc (key) at ");
+    REQUIRE(at != std::string::npos);
+    CHECK_THAT(text.substr(at), !Contains("     0  texel"));
 }

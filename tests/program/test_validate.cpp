@@ -610,4 +610,10 @@ TEST_CASE("validate: a manifest to start from", "[program]") {
 
     CHECK(run({"validate", "--init", fresh_folder("validate_init_empty")}).exit == 2);
     CHECK(run({"validate", "--init", mine + "/none"}).exit == 2);
+
+    // Raw files alone do not say how large they are.
+    const std::string raw = fresh_folder("validate_init_raw");
+    write(raw + "/irradiance.raw", std::string(96 * 54 * 8, 'x'));
+    CHECK_THAT(refused(run({"validate", "--init", raw})),
+               Contains("irradiance.raw: as output.irradiance of rsm.disc it has 41472 bytes: of which size?"));
 }

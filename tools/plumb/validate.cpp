@@ -41,6 +41,12 @@ struct ValidateOptions {
     bool pictures() const { return !folder.empty() || !html.empty(); }
 };
 
+glm::ivec2 explained_pixel(const StageReport& report) {
+    for (const parity::LargeError& error : report.diagnosis.wrong.largest)
+        if (error.expected != 0) return error.pixel;
+    return report.verdict.worst.front().pixel;
+}
+
 // One row: the verdict; where not all is equal how our kernel comes to its value at the worst pixel; and the pictures.
 // `guesses`: at what is wrong, of what this command alone knows.
 StageReport report_on(const StageCase& stage, const ValidateOptions& given, const parity::JudgeOptions& options,
@@ -52,9 +58,10 @@ StageReport report_on(const StageCase& stage, const ValidateOptions& given, cons
     if (given.pictures()) report.map = verdict_picture(verdict, {});
     if (!differs) return report;
     const std::unique_ptr<BoundStage> bound = stage.binding->bind(stage.data);
-    report.explanation = bound->explain(verdict.worst.front().pixel, options.profile);
     if (!given.without_diagnosis && verdict.verdict == parity::Verdict::wrong)
         report.diagnosis = parity::diagnose(*stage.binding, stage.data, stage.dumped, options, verdict, guesses());
+    report.explained = explained_pixel(report);
+    report.explanation = bound->explain(report.explained, options.profile);
     if (!given.pictures()) return report;
     report.map = verdict_picture(verdict, report.diagnosis);
     Bundle expected;
@@ -62,7 +69,7 @@ StageReport report_on(const StageCase& stage, const ValidateOptions& given, cons
     report.error = error_picture(verdict, stage.dumped, expected);
     if (given.html.empty()) return report;
     report.outputs = output_pictures(*stage.binding, stage.dumped, expected);
-    report.samples = sample_plot(*stage.binding, stage.data, verdict.worst.front().pixel, report.explanation);
+    report.samples = sample_plot(*stage.binding, stage.data, report.explained, report.explanation);
     return report;
 }
 

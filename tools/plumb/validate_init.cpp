@@ -36,7 +36,8 @@ struct Start {
     io::Manifest manifest;
     std::vector<Guess> guesses;
     std::vector<std::string> missing, unused;
-    std::map<std::string, std::string> why;  // of what is not used
+    std::map<std::string, std::string> why;      // of what is not used
+    std::map<std::string, std::string> refused;  // of a file that is named like a slot: which, and why it cannot be that
 };
 
 // ---- One stage ----------------------------------------------------------------------------------------------------
@@ -240,6 +241,7 @@ void add_slot(const fs::path& folder, const Slot& slot, bool output, const std::
     const std::string refused = !file ? "no file is named like it" : !file->raw ? "" : guess_raw(slot, file->bytes, frame, map, spec);
     if (!refused.empty()) {
         if (slot.optional && !file) return;
+        if (file) start.refused[file->path.string()] = fmt::format("as {} of {} it {}", name, stage.stage, refused);
         start.missing.push_back(fmt::format("{}: {}{}", label, name, file ? ": " + file->path.string() + " " + refused : ""));
         return;
     }
@@ -353,7 +355,10 @@ Start guess(const fs::path& folder) {
     for (const DumpFile& file : files)
         if (!used.count(&file)) {
             start.unused.push_back(file.path.string());
-            start.why[file.path.string()] = file.bytes == 0 ? "it is empty" : "no input or output of these stages is named like it";
+            const auto refused = start.refused.find(file.path.string());
+            start.why[file.path.string()] = file.bytes == 0                ? "it is empty"
+                                            : refused != start.refused.end() ? refused->second
+                                                                             : "no input or output of these stages is named like it";
         }
     for (const auto& [name, why] : unread) start.unused.push_back(name), start.why[name] = why;
     std::vector<std::string> order;
@@ -415,6 +420,10 @@ int init_manifest(const std::string& given, bool json) {
     if (fs::exists(fs::symlink_status(path, error)))
         throw InputError(io::shown(path), "", "is there already, and is kept");
     const Start start = guess(folder);
+    if (start.manifest.stages.empty() && !start.refused.empty()) {
+        const auto& [file, why] = *start.refused.begin();
+        throw InputError(io::shown((folder / file).string()), "", why + ": no stage is known that wrote it");
+    }
     if (start.manifest.stages.empty())
         throw InputError(io::shown(given), "",
                          "no dump here is named like an output of a stage (`plumb stages` lists them): irradiance, "

@@ -7,6 +7,7 @@
 
 #include "io/file.h"
 #include "tools/plumb/diagnosis_report.h"
+#include "tools/plumb/explain_samples.h"
 #include "tools/shared/table.h"
 
 namespace plumb::cli {
@@ -127,7 +128,7 @@ Json stage_json(const StageReport& stage) {
                  {"diagnosis", diagnosis_json(stage.diagnosis)},
                  {"ms", v.ms}};
     if (!stage.explanation.empty())
-        json["explain"] = explain_json({v.label, worst ? worst->pixel : glm::ivec2(0), stage.explanation});
+        json["explain"] = explain_json({v.label, stage.explained, stage.explanation});
     return json;
 }
 
@@ -251,8 +252,9 @@ std::string validation_text(const ValidationReport& report) {
     text += fmt::format("\nThe first stage that fails: {}\n", failed->verdict.label);
     if (failed->verdict.unwritten < failed->verdict.pixels) text += worst_table(failed->verdict);
     text += diagnosis_text(failed->diagnosis);
-    if (const WorstPixel* worst = worst_of(failed->verdict); worst && !failed->explanation.empty())
-        text += "\n" + explain_text({"explain: " + failed->verdict.label, worst->pixel, ends_of(failed->explanation)});
+    if (!failed->explanation.empty())
+        text += "\n" + explain_text({"explain: " + failed->verdict.label, failed->explained,
+                                     ends_of(by_contribution(failed->explanation))});
     text += "\n";
     for (const StageReport& s : report.stages)
         if (s.failed()) {

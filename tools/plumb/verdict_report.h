@@ -18,13 +18,14 @@ struct StageReport {
     parity::StageVerdict verdict;
     std::vector<std::string> notes;     // what was assumed
     std::string stale;                  // what is not of this export: the stage fails, whatever its verdict; else ""
-    std::vector<TapValue> explanation;  // of the worst pixel, where not all is equal
+    std::vector<TapValue> explanation;  // of the pixel `explained`, where not all is equal
     // Pictures, where they were asked for: of the verdicts; and of |got - expected|, where not all is equal.
     Image<std::uint32_t> map, error;
     parity::Diagnosis diagnosis = {};   // of what is wrong
-    // For the page, where not all is equal: outputs as they are expected and as they were got, and the samples of the worst
+    // For the page, where not all is equal: outputs as they are expected and as they were got, and the samples of that
     // pixel.
     std::vector<DrawnPicture> outputs = {}, samples = {};
+    glm::ivec2 explained{0};  // the largest error where more than 0 is expected, as far as that was looked for, or the judge's worst
 
     bool passed() const { return decided() && verdict.passed && stale.empty(); }
     bool failed() const { return !verdict.passed || !stale.empty(); }
