@@ -34,4 +34,11 @@ struct Rows {
     static void run(const typename Kernel::View& in, int first, int last, const Tiles& tiles, float* scratch);
 };
 
+// What all bands of a stage read, made before the first of them: rows [first, last) of Kernel::shared_rows(view), each for
+// itself. Only where the kernel has shared_floats().
+template <class Kernel, Isa isa>
+struct SharedRows {
+    static void run(const typename Kernel::View& in, int first, int last, float* shared);
+};
+
 }  // namespace plumb

@@ -127,6 +127,7 @@ class KernelStage final : public BoundStage, public PacketOutcomes {
         View view = view_;
         for (std::size_t i = 0; i < outputs.arrays.size(); ++i)
             description_.outputs[i].at.set(view, outputs.arrays[i].bytes.data());
+        const Buffer<float> shared = make_shared_rows(view, options);
         const int band = std::min(band_of(), data_.size.y);
         ScratchPool scratch(floats_of(view, band));
         dispatch(options.isa, [&](auto isa) {
@@ -204,6 +205,22 @@ class KernelStage final : public BoundStage, public PacketOutcomes {
         std::mutex mutex_;
         std::vector<Buffer<float>> free_;
     };
+
+    // What the bands share; the view is shown where it is.
+    static Buffer<float> make_shared_rows(View& view, const RunOptions& options) {
+        Buffer<float> shared;
+        if constexpr (requires { Kernel::shared_floats(view); }) {
+            shared = Buffer<float>(Kernel::shared_floats(view));
+            view.shared = shared.data();
+            if (!shared.empty())
+                dispatch(options.isa, [&](auto isa) {
+                    parallel_bands(Kernel::shared_rows(view), 16, options, [&](int first, int last) {
+                        SharedRows<Kernel, isa()>::run(view, first, last, shared.data());
+                    });
+                });
+        }
+        return shared;
+    }
 
     static int band_of() {
         if constexpr (requires { Kernel::band; }) return Kernel::band;

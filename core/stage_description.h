@@ -8,6 +8,8 @@
 //     static mask_t<F> writes<F>(const View&, x, y)                   optional: which items this dispatch writes
 //     static std::size_t scratch(const View&, int rows)               optional: floats that a band of rows needs
 //     static constexpr int band                                       optional: rows of a band, 16
+//     static std::size_t shared_floats(const View&), static int shared_rows(const View&)
+//                                                                     optional: what all bands read, member `shared` of View
 //
 // and describe(Kernel) in <stage>.h returns its StageDescription. Binding numbers, types of buffers, names and offsets
 // of the block's members come from the twin.

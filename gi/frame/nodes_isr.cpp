@@ -239,7 +239,7 @@ class Adder {
 
     void add_blur(const std::string& form, isr::Direction direction, Image4 IsrBuffers::*from, Image4 IsrBuffers::*to) {
         PlannedNode node = begin<isr::BlurKernel>("isr lit", "indirect light without its noise", "irradiance", coarse(),
-                                                  2 * params_.blur_radius + 1);
+                                                  2 * isr::resolved(params_).blur_radius + 1);
         set_form(node, form);
         node.covered = coarse_tiles();
         auto result = [=, &c = c_]() -> Image4& { return c.frame.isr.*to; };

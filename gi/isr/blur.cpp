@@ -15,7 +15,8 @@ BlurKind kind_of(const IsrParams& params) {
 
 }  // namespace
 
-Buffer<float> blur_weights(const IsrParams& params) {
+Buffer<float> blur_weights(const IsrParams& given) {
+    const IsrParams params = resolved(given);
     const int radius = radius_of(params);
     const double sigma = params.blur_sigma;
     std::vector<double> g;
@@ -26,8 +27,9 @@ Buffer<float> blur_weights(const IsrParams& params) {
     return weights;
 }
 
-StageData data_of(const IsrParams& params, const BlurInputs& in) {
-    validate(params);
+StageData data_of(const IsrParams& given, const BlurInputs& in) {
+    validate(given);
+    const IsrParams params = resolved(given);
     const glm::ivec2 size = size_of(bound("isr.blur", "lit", in.lit));
     StageData d = begin_data<BlurKernel>(
         size, BlurUniforms{size.x, size.y, radius_of(params), in.direction == Direction::vertical, int(kind_of(params)), {}});

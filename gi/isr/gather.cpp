@@ -31,7 +31,9 @@ SampleUniforms sample_uniforms(const IsrParams& params, const Image4& surface, c
     u.width = surface.width, u.height = surface.height;
     u.source_width = sources.width, u.source_height = sources.height;
     u.margin = margin;
-    u.rotations = resolved(params).rotations, u.seed = seed;
+    const IsrParams p = resolved(params);
+    u.rotations = p.rotations, u.seed = seed;
+    u.tile = p.turn == Turn::tile ? tile_of(p.rotations) : 0;
     u.published = params.variant == Variant::published;
     u.inverse_matrix = params.position == Position::inverse_matrix;
     u.least_cosine = params.least_cosine;

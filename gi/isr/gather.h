@@ -14,18 +14,11 @@ namespace plumb::isr {
 inline std::string refuse_samples(const SampleUniforms& u, glm::ivec2 size) {
     if (u.rotations < 1 || (u.rotations & (u.rotations - 1)) != 0)
         return fmt::format("rotations = {}: expected a power of two", u.rotations);
+    if (u.tile != 0 && !(u.tile > 0 && u.tile <= 32 && u.tile * u.tile == u.rotations))
+        return fmt::format("tile = {}, rotations = {}: expected 0, or a tile of which they are the square", u.tile, u.rotations);
     if (u.margin < 0 || u.margin > u.source_width - size.x || u.margin > u.source_height - size.y)
         return fmt::format("margin = {}: expected 0 or more, and sources of {} x {} around it", u.margin, size.x, size.y);
     return "";
-}
-// The farthest that an offset lies away along a row or a column.
-inline int reach_of(const SampleUniforms& u, const std::int32_t* offsets) {
-    int reach = 0;
-    for (int i = 0; i < sample_count(u.rings) * u.rotations; ++i) {
-        const ivec2<std::int32_t> offset = offset_of(offsets[i]);
-        reach = max(reach, max(max(offset.x, -offset.x), max(offset.y, -offset.y)));
-    }
-    return reach;
 }
 
 struct GatherInputs {
@@ -63,11 +56,10 @@ inline StageDescription<GatherInputsView> describe(GatherKernel) {
                     .count = [](const View& v) { return std::size_t(sample_count(v.u.rings)); }, .why = "one for each sample", .optional = true}},
         .outputs = {{.name = "gathered", .at = &View::gathered, .unit = "W/m2",
                      .meaning = "irradiance; w: sum of form factors"}},
-        .params = params_of({"variant", "pattern", "rings", "reach", "growth", "spacing", "rotations", "far_rings", "full_depth", "position",
+        .params = params_of({"variant", "pattern", "rings", "reach", "growth", "spacing", "rotations", "turn", "far_rings", "full_depth", "position",
                              "least_cosine"}),
         .uniforms = {{"rings", 0, 127}, {"source_width", 1, 32767}, {"source_height", 1, 32767}},
         .refuses = [](const View& v, glm::ivec2 size) { return refuse_samples(v.u, size); },
-        .prepare = [](View& v, Buffer<float>&) { v.reach = reach_of(v.u, v.offsets); },
         .cost = {1, "samples"},
     };
 }

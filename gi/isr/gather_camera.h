@@ -46,7 +46,7 @@ inline StageDescription<GatherCameraInputsView> describe(GatherCameraKernel) {
                     .count = [](const View& v) { return std::size_t(sample_count(v.u.u.rings)); }, .why = "one for each sample", .optional = true}},
         .outputs = {{.name = "gathered", .at = &View::gathered, .unit = "W/m2",
                      .meaning = "irradiance; w: sum of form factors"}},
-        .params = params_of({"pattern", "rings", "reach", "growth", "spacing", "rotations", "far_rings", "full_depth", "cameras", "camera_angle",
+        .params = params_of({"pattern", "rings", "reach", "growth", "spacing", "rotations", "turn", "far_rings", "full_depth", "cameras", "camera_angle",
                              "position", "least_cosine"}),
         .uniforms = {{"u.rings", 0, 127}, {"camera.width", 1, 32767}, {"camera.height", 1, 32767}},
         .refuses = [](const View& v, glm::ivec2) -> std::string {

@@ -32,7 +32,7 @@ struct GatherInputsView {
     const std::int32_t* offsets;    // [samples][rotations]: dx in the lower 16 bits, dy in the upper 16
     const float* weights;           // [samples]: how many such form factors a sample stands for
     float* gathered;                // out: [height][width] rgba32f
-    int reach;                      // of the offsets, pixels
+    const float* shared;            // SourcePlanes
 };
 
 // What a sample X of the gather is.
@@ -70,9 +70,22 @@ PLUMB_INLINE vec3<F> between(const Surface<F>& p, const vec3<F>& step, F depth) 
     return {step.x * depth + p.ray.x * further, step.y * depth + p.ray.y * further, step.z * depth + p.ray.z * further};
 }
 
+// Where a pixel stands in the order in which a tile deals out rotations: Bayer's matrix, so that neighbours differ most.
+template <class I>
+PLUMB_INLINE I tile_place(std::int32_t tile, I px, I py) {
+    const I across = px ^ py;
+    I place(0);
+    for (std::int32_t bit = 1; bit < tile; bit *= 2) {
+        const I of_across = select((across & I(bit)) == I(0), I(0), I(2)), of_row = select((py & I(bit)) == I(0), I(0), I(1));
+        place = (place << 2) + of_across + of_row;
+    }
+    return place;
+}
+
 template <class F>
 PLUMB_INLINE index_t<F> rotation_of(const SampleUniforms& u, index_t<F> px, index_t<F> py) {
     using I = index_t<F>;
+    if (u.tile != 0) return tile_place(u.tile, px, py);
     return shift_right(pixel_hash(px, py, I(0), I(std::int32_t(u.seed))).x, 16) & I(u.rotations - 1);
 }
 
@@ -179,17 +192,13 @@ PLUMB_INLINE vec4<F> gather(const GatherInputsView& in, index_t<F> px, index_t<F
 
 struct GatherKernel {
     using View = GatherInputsView;
-    static constexpr int band = 32;  // rows of receivers, which share the rows of sources around them
-
     template <class F, class Tap>
     PLUMB_INLINE static vec4<F> item(const View& in, index_t<F> px, index_t<F> py, Tap& tap) {
         return gather<F>(in, px, py, SourceImages<F>{in, px, py, rotation_of<F>(in.u, px, py)}, tap);
     }
     static float* out(const View& in) { return in.gathered; }
-    // Without rotations alone: with them samples are fetched.
-    static std::size_t scratch(const View& in, int rows) {
-        return in.u.rotations > 1 ? 0 : SourcePlanes::floats(in.u, SourcePlanes::of_gather, in.reach, rows);
-    }
+    static std::size_t shared_floats(const View& in) { return SourcePlanes::floats(in.u, SourcePlanes::of_gather); }
+    static int shared_rows(const View& in) { return in.u.source_height; }
 };
 
 }  // namespace plumb::isr

@@ -13,9 +13,10 @@ namespace plumb::isr {
 enum class Variant : int { corrected, published };
 enum class Position : int { linear, inverse_matrix };
 enum class Mode : int { f2, f3, f4, f5 };
-enum class Blur : int { none, gaussian, edge_aware };
+enum class Blur : int { automatic, none, gaussian, edge_aware };
 enum class Upsample : int { bilateral, bilinear };
 enum class Ambient : int { none, environment };
+enum class Turn : int { automatic, hash, tile };
 enum class PatternKind : int { automatic, rings, grid };
 
 // The table [isr] of a scene file; fields() says what each means.
@@ -30,6 +31,7 @@ struct IsrParams {
     int ssao_rings = 2;
     float ssao_spacing = 2;
     int rotations = 0;
+    Turn turn = Turn::automatic;
     int bounces = 1;
     int far_rings = 0;
     float full_depth = 0;
@@ -39,9 +41,9 @@ struct IsrParams {
     float camera_angle = 30;
     Position position = Position::linear;
     float least_cosine = 0.1f;
-    Blur blur = Blur::gaussian;
-    int blur_radius = 4;
-    float blur_sigma = 2;
+    Blur blur = Blur::automatic;
+    int blur_radius = 0;
+    float blur_sigma = 0;
     Upsample upsample = Upsample::bilateral;
     float epsilon = 1e-3f;
     float k_ssao = 0;
@@ -55,8 +57,12 @@ std::vector<ParamInfo> params_of(const std::vector<std::string>& names);
 // Throws InputError that names the parameter: what no range of one says.
 void validate(const IsrParams& params);
 
-// With what `pattern`, `rotations` and `spacing` leave open: never automatic, never 0 rotations.
+// With what `pattern`, `rotations`, `turn`, `spacing` and the blur's leave open: never automatic, never 0 rotations, and a
+// radius and a sigma above 0.
 IsrParams resolved(const IsrParams& params);
+
+// The side of the square tile that deals out so many rotations, one a pixel; 0: there is none.
+int tile_of(int rotations);
 
 // (2 k + 1)^2 - 1
 inline int sample_count(int rings) { return (2 * rings + 1) * (2 * rings + 1) - 1; }

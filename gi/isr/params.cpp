@@ -33,6 +33,10 @@ std::vector<Field> fields(IsrParams& p) {
         {"rotations", &p.rotations, "",
          "rotations of the samples, of which each pixel has one; a power of two, 1: none; 0: 64 of rings, 1 of the grid; ours",
          0, 1024, {}, true, {SweepRange::Role::curves, {}, "", ""}},
+        {"turn", as_int(p.turn), "",
+         "which rotation a pixel has: by a hash of the pixel, or one after the other in a tile of so many pixels as there are "
+         "rotations, in Bayer's order; automatic: by tiles where there are 4, 16, 64, 256 or 1024; ours",
+         0, 2, {"automatic", "hash", "tile"}, false, {SweepRange::Role::curves, {}, "", ""}},
         {"bounces", &p.bounces, "", "of indirect light (ISR chapter 6)", 1, 64, {}, false, {SweepRange::Role::curves, {1, 2}, "", ""}},
         {"far_rings", &p.far_rings, "",
          "rings of samples that remain for pixels far away (ISR chapter 6: fewer than for near ones); 0: all rings everywhere",
@@ -54,10 +58,11 @@ std::vector<Field> fields(IsrParams& p) {
         {"least_cosine", &p.least_cosine, "",
          "below it a surface's slope does not enlarge the area that a sample stands for; ours", 1e-3, 1, {}, true},
         {"blur", as_int(p.blur), "",
-         "of irradiance and accessibility: a Gaussian along rows and columns (ISR 4.2), and one that stops at edges (ours)", 0,
-         2, {"none", "gaussian", "edge_aware"}, true},
-        {"blur_radius", &p.blur_radius, "coarse pixels", "of that Gaussian; ours", 1, 32, {}, true},
-        {"blur_sigma", &p.blur_sigma, "coarse pixels", "of that Gaussian; ours", 1e-3, 1e6, {}, false},
+         "of irradiance and accessibility: a Gaussian along rows and columns (ISR 4.2), or one that stops at edges (ours); automatic: "
+         "that stops at edges, but as published or by inverse matrices", 0, 3, {"automatic", "none", "gaussian", "edge_aware"}, true},
+        {"blur_radius", &p.blur_radius, "coarse pixels", "of that Gaussian; 0: 8 where it stops at edges, else 4; ours", 0, 32, {},
+         true},
+        {"blur_sigma", &p.blur_sigma, "coarse pixels", "of that Gaussian; 0: half its radius; ours", 0, 1e6, {}, false},
         {"upsample", as_int(p.upsample), "", "bilinear weights times similarity of depth, ISR (27), or bilinear alone", 0, 1,
          {"bilateral", "bilinear"}, true},
         {"epsilon", &p.epsilon, "", "of ISR (27), added to the difference of depths; a share of the depth; ours", 1e-9, 1e9, {},
@@ -84,6 +89,11 @@ void validate(const IsrParams& params) {
                          "are not: expected pattern = grid");
     if ((params.rotations & (params.rotations - 1)) != 0)
         throw InputError(fmt::format("isr: rotations = {}: expected a power of two", params.rotations));
+    if (params.turn == Turn::tile && tile_of(resolved(params).rotations) < 2)
+        throw InputError(fmt::format("isr: turn = tile with rotations = {}: expected 4, 16, 64, 256 or 1024: a square tile deals "
+                                     "them out", params.rotations));
+    if (params.blur_sigma != 0 && !(params.blur_sigma >= 1e-3f))
+        throw InputError(fmt::format("isr: blur_sigma = {}: expected 0, or 0.001 to 1e6", params.blur_sigma));
     if (params.guard % 2 != 0) throw InputError(fmt::format("isr: guard = {}: expected an even number", params.guard));
     const auto reach = [](int rings, float spacing) { return 1.5 * rings * double(spacing); };  // 1.5: the diagonal
     if (reach(params.rings, params.spacing) > 32000)
@@ -109,7 +119,18 @@ IsrParams resolved(const IsrParams& params) {
         if (published && p.spacing == 0) p.spacing = 8;
     }
     if (p.rotations == 0) p.rotations = p.pattern == PatternKind::rings ? 64 : 1;
+    if (p.turn == Turn::automatic) p.turn = tile_of(p.rotations) > 1 ? Turn::tile : Turn::hash;
+    if (p.blur == Blur::automatic)
+        p.blur = published || p.position == Position::inverse_matrix ? Blur::gaussian : Blur::edge_aware;
+    if (p.blur_radius == 0) p.blur_radius = p.blur == Blur::edge_aware ? 8 : 4;
+    if (p.blur_sigma == 0) p.blur_sigma = float(p.blur_radius) / 2;
     return p;
+}
+
+int tile_of(int rotations) {
+    int tile = 1;
+    while (tile * tile < rotations) tile *= 2;
+    return tile * tile == rotations ? tile : 0;
 }
 
 std::vector<ParamInfo> params_of(const std::vector<std::string>& names) {

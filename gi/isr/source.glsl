@@ -31,6 +31,4 @@ vec3 between(Surface p, vec3 step, float depth) {
     return d;
 }
 
-int rotation_of(ivec2 pixel) {
-    return int(pixel_hash(uint(pixel.x), uint(pixel.y), 0u, u.seed).x >> 16) & (u.rotations - 1);
-}
+#include "gi/isr/rotation.glsl"

@@ -25,9 +25,7 @@ Sphere sphere_of(ivec2 pixel, vec4 texel) {
     return Sphere(s.position, radius2);
 }
 
-int rotation_of(ivec2 pixel) {
-    return int(pixel_hash(uint(pixel.x), uint(pixel.y), 0u, u.seed).x >> 16) & (u.rotations - 1);
-}
+#include "gi/isr/rotation.glsl"
 
 // Beyond the border there is no surface.
 Sphere sphere_at(ivec2 pixel, int rotation, int k) {

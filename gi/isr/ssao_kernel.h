@@ -21,7 +21,7 @@ struct SsaoInputsView {
     const float* gathered;        // [height][width] rgba32f: xyz goes through; null: 0
     const std::int32_t* offsets;  // [samples][rotations]
     float* lit;                   // out: [height][width] rgba32f
-    int reach;                    // of the offsets, pixels
+    const float* shared;          // SourcePlanes
 };
 
 // What a sample X of the occlusion is.
@@ -116,17 +116,13 @@ PLUMB_INLINE vec4<F> ssao(const SsaoInputsView& in, index_t<F> px, index_t<F> py
 
 struct SsaoKernel {
     using View = SsaoInputsView;
-    static constexpr int band = 32;  // rows of receivers, which share the rows of sources around them
-
     template <class F, class Tap>
     PLUMB_INLINE static vec4<F> item(const View& in, index_t<F> px, index_t<F> py, Tap& tap) {
         return ssao<F>(in, px, py, SphereImage<F>{in, px, py, rotation_of<F>(in.u, px, py)}, tap);
     }
     static float* out(const View& in) { return in.lit; }
-    // Without rotations alone: with them samples are fetched.
-    static std::size_t scratch(const View& in, int rows) {
-        return in.u.rotations > 1 ? 0 : SourcePlanes::floats(in.u, SourcePlanes::of_ssao, in.reach, rows);
-    }
+    static std::size_t shared_floats(const View& in) { return SourcePlanes::floats(in.u, SourcePlanes::of_ssao); }
+    static int shared_rows(const View& in) { return in.u.source_height; }
 };
 
 }  // namespace plumb::isr

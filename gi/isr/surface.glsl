@@ -16,7 +16,7 @@ struct SampleUniforms {
     int far_rings;
     int published;
     int inverse_matrix;
-    int padding;
+    int tile;
     float area;
     float least_cosine;
     float full_reach;

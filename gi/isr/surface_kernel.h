@@ -22,7 +22,7 @@ struct SampleUniforms {
     std::int32_t far_rings;              // that every pixel has
     std::int32_t published;              // 1: ISR (25) and (26)
     std::int32_t inverse_matrix;         // 1: surfaces hold clip depth
-    std::int32_t padding;
+    std::int32_t tile;                   // side of the tile that deals out rotations, pixels; 0: a hash does
     float area;                          // m2 of the patch around a sample at eye depth 1, seen head-on; isr.ssao: over pi
     float least_cosine;
     float full_reach;                    // m: ring r beyond far_rings is for pixels with r z at most this

@@ -128,6 +128,7 @@ TEST_CASE("isr: the layout of ISR fig. 4.1 gives the picture of fp32 within its 
 TEST_CASE("isr: how positions are rebuilt changes no more than roundings", "[frame][isr]") {
     const Scene scene = cornell();
     frame::Settings settings = isr_settings();
+    settings.isr.blur = isr::Blur::gaussian;  // automatic is another blur with inverse matrices
     const frame::Frame linear = render(scene, settings);
     settings.isr.position = isr::Position::inverse_matrix;
     const frame::Frame inverse = render(scene, settings);

@@ -528,14 +528,15 @@ TEST_CASE("isr.gather: pixels far away have fewer rings", "[isr][ISR 6]") {
 TEST_CASE("isr: the same bits for every instruction set and thread count, from planes and from images", "[isr][bits]") {
     for (glm::ivec2 size : {glm::ivec2(1, 1), glm::ivec2(5, 3), glm::ivec2(17, 33), glm::ivec2(50, 40)})
         for (int margin : {0, 3})
-            for (int kind = 0; kind < 8; ++kind) {
+            for (int kind = 0; kind < 11; ++kind) {
                 IsrParams params = small_params();
                 if (kind == 1) params.variant = Variant::published;
                 if (kind == 2) params.rotations = 8;
                 if (kind == 3) params.position = Position::inverse_matrix;
                 if (kind == 4) params.far_rings = 1, params.full_depth = 1;
                 if (kind == 5) params.spacing = 19, params.ssao_spacing = 30;  // beyond small images
-                if (kind >= 6) in_rings(params), params.rotations = kind == 6 ? 1 : 8;
+                if (kind >= 6) in_rings(params), params.rotations = kind == 6 ? 1 : kind == 7 ? 8 : kind == 8 ? 4 : 64;
+                if (kind == 10) params.turn = Turn::hash;
                 const Noise room(size, margin);
                 const Image4 before(size.x, size.y, glm::vec4(0.1f, 0.2f, 0.3f, 1.5f));
                 const Pattern pattern = gather_pattern(params, some_height), near = ssao_pattern(params);

@@ -1,4 +1,5 @@
 // Where samples of image-space radiosity lie, and how many patches each stands for.
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <set>
@@ -70,6 +71,32 @@ TEST_CASE("isr: rings of growing radius stand for a disc as wide as the reach, a
             }
 }
 
+TEST_CASE("isr: a tile deals out every rotation once, neighbours differ most", "[isr][pattern]") {
+    for (int tile : {2, 4, 8, 16, 32}) {
+        CAPTURE(tile);
+        SampleUniforms u{};
+        u.tile = tile, u.rotations = tile * tile, u.seed = 7;
+        CHECK(tile_of(u.rotations) == tile);
+        const auto rotation = [&](int x, int y) { return rotation_of<float>(u, x, y); };
+        std::vector<int> times(std::size_t(u.rotations));
+        for (int y = 0; y < tile; ++y)
+            for (int x = 0; x < tile; ++x) {
+                const int r = rotation(x, y);
+                REQUIRE((r >= 0 && r < u.rotations));
+                ++times[std::size_t(r)];
+                CHECK((rotation(x + 3 * tile, y) == r && rotation(x, y + 5 * tile) == r));
+                // Bayer's matrix: M of twice the side is 4 M of the quarter, plus 0, 2, 3, 1.
+                SampleUniforms half = u;
+                half.tile = tile / 2, half.rotations = u.rotations / 4;
+                const int quarters[2][2] = {{0, 2}, {3, 1}};
+                const int coarse = tile == 2 ? 0 : rotation_of<float>(half, x / 2, y / 2);
+                CHECK(r == quarters[y % 2][x % 2] * u.rotations / 4 + coarse);
+            }
+        CHECK(std::count(times.begin(), times.end(), 1) == u.rotations);
+    }
+    for (int rotations : {1, 2, 8, 32, 128, 512}) CHECK(tile_of(rotations) == (rotations == 1 ? 1 : 0));
+}
+
 TEST_CASE("isr: what a pattern leaves open follows from what is said", "[isr][pattern]") {
     const auto of = [](auto set) {
         IsrParams params;
@@ -78,12 +105,16 @@ TEST_CASE("isr: what a pattern leaves open follows from what is said", "[isr][pa
         return resolved(params);
     };
     const IsrParams plain = of([](IsrParams&) {});
-    CHECK((plain.pattern == PatternKind::rings && plain.rotations == 64));
+    CHECK((plain.pattern == PatternKind::rings && plain.rotations == 64 && plain.turn == Turn::tile));
+    CHECK((plain.blur == Blur::edge_aware && plain.blur_radius == 8 && plain.blur_sigma == 4));
+    const IsrParams eight = of([](IsrParams& p) { p.rotations = 8, p.position = Position::inverse_matrix, p.blur_sigma = 3; });
+    CHECK((eight.turn == Turn::hash && eight.blur == Blur::gaussian && eight.blur_radius == 4 && eight.blur_sigma == 3));
     // As scene files said before there were rings: the grid, without rotations.
     const IsrParams spaced = of([](IsrParams& p) { p.spacing = 32; });
     CHECK((spaced.pattern == PatternKind::grid && spaced.rotations == 1 && spaced.spacing == 32));
     const IsrParams printed = of([](IsrParams& p) { p.variant = Variant::published; });
-    CHECK((printed.pattern == PatternKind::grid && printed.rotations == 1 && printed.spacing == 8));
+    CHECK((printed.pattern == PatternKind::grid && printed.rotations == 1 && printed.spacing == 8 && printed.turn == Turn::hash));
+    CHECK((printed.blur == Blur::gaussian && printed.blur_radius == 4 && printed.blur_sigma == 2));
     const IsrParams grid = of([](IsrParams& p) { p.pattern = PatternKind::grid, p.rotations = 4; });
     CHECK((grid.pattern == PatternKind::grid && grid.rotations == 4 && grid.spacing == 0));
     // The grid by reach: (4 + 1/2) spacings are the reach; and never below a pixel.
@@ -94,6 +125,10 @@ TEST_CASE("isr: what a pattern leaves open follows from what is said", "[isr][pa
     CHECK_THROWS_WITH(validate(bad), "isr: spacing = 0.5: expected 0, or 1 to 255");
     bad.spacing = 8, bad.pattern = PatternKind::rings;
     CHECK_THROWS_WITH(validate(bad), Catch::Contains("spacing = 8 with pattern = rings"));
-    bad.spacing = 0, bad.variant = Variant::published;
+    bad.rotations = 8, bad.spacing = 0, bad.turn = Turn::tile;
+    CHECK_THROWS_WITH(validate(bad), Catch::Contains("turn = tile with rotations = 8"));
+    bad.rotations = 0, bad.turn = Turn::automatic, bad.blur_sigma = 1e-4f;
+    CHECK_THROWS_WITH(validate(bad), Catch::Contains("blur_sigma"));
+    bad.blur_sigma = 0, bad.variant = Variant::published;
     CHECK_THROWS_WITH(validate(bad), Catch::Contains("pattern = rings with variant = published"));
 }

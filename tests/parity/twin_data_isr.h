@@ -151,10 +151,11 @@ inline StageData isr_compose_case(glm::ivec2 size, isr::Variant variant, const s
 inline std::vector<StageData> isr_cases(glm::ivec2 size) {
     using namespace isr;
     const IsrParams plain = isr_params();
-    IsrParams printed = plain, inverse = plain, turned = plain, fewer = plain, ringed = plain;
+    IsrParams printed = plain, inverse = plain, turned = plain, fewer = plain, ringed = plain, tiled = plain;
     printed.variant = Variant::published, inverse.position = Position::inverse_matrix, turned.rotations = 8;
     fewer.far_rings = 1, fewer.full_depth = 1, fewer.rotations = 2;
     ringed.spacing = 0, ringed.reach = 0.5f, ringed.rotations = 8;
+    tiled.spacing = 0, tiled.reach = 0.5f, tiled.rotations = 16;
     const auto horizontal = Direction::horizontal, vertical = Direction::vertical;
     const auto corrected = Variant::corrected, published = Variant::published;
     const auto linear = Position::linear, inverse_matrix = Position::inverse_matrix;
@@ -169,6 +170,7 @@ inline std::vector<StageData> isr_cases(glm::ivec2 size) {
         isr_gather_case(size, turned, "isr.gather.turned", 3, true),
         isr_gather_case(size, fewer, "isr.gather.fewer"),
         isr_gather_case(size, ringed, "isr.gather.rings", 3, true),
+        isr_gather_case(size, tiled, "isr.gather.tiles", 3, true),
         isr_gather_case(size, inverse, "isr.gather.inverse", 2),
         isr_gather_case(size, printed, "isr.gather.published", 2, true),
         isr_bounce_case(size, 0, "isr.bounce"),
@@ -177,9 +179,11 @@ inline std::vector<StageData> isr_cases(glm::ivec2 size) {
         isr_unseen_case(size, 3, inverse_matrix, "isr.unseen.inverse"),
         isr_gather_camera_case(size, turned, "isr.gather_camera", true),
         isr_gather_camera_case(size, ringed, "isr.gather_camera.rings", true),
+        isr_gather_camera_case(size, tiled, "isr.gather_camera.tiles", true),
         isr_gather_camera_case(size, inverse, "isr.gather_camera.inverse"),
         isr_ssao_case(size, plain, "isr.ssao"),
         isr_ssao_case(size, turned, "isr.ssao.turned", 3),
+        isr_ssao_case(size, tiled, "isr.ssao.tiles", 3),
         isr_ssao_case(size, inverse, "isr.ssao.inverse", 2),
         isr_ssao_case(size, printed, "isr.ssao.published"),
         isr_blur_case(size, Blur::gaussian, corrected, horizontal, "isr.blur.rows"),
