@@ -108,3 +108,21 @@ TEST_CASE("options: lights are found by name, and name files", "[tools]") {
     CHECK(message([&] { find_light(scene, "kex"); }) == "--light kex: unknown light; the nearest known one is 'key'");
     CHECK(light_file_names(scene) == std::vector<std::string>{"key", "___key", "key-2", "_"});
 }
+
+TEST_CASE("options: --preset is later than the scene file, --set and --method are later than it", "[tools][preset]") {
+    Scene scene;
+    scene.settings = {{"rsm", "slots", 9.0, "a.toml: line 1"}, {"rsm", "radius", 0.5, "a.toml: line 2"}};
+    SceneOptions given;
+    given.preset = "vrsm";
+    const frame::Settings s = settings_of(scene, given);
+    CHECK((s.rsm.slots == 5 && s.rsm.steps == 10 && s.layout.name == "vrsm"));
+    CHECK(s.rsm.radius == 0.5f);  // of the scene: the document does not say
+    given.sets = {"rsm.steps=12", "render.layout=fp32"};
+    given.method = "direct";
+    CHECK(settings_of(scene, given).rsm.steps == 12);
+    CHECK(settings_of(scene, given).layout.name == "fp32");
+    CHECK(settings_of(scene, given).method == frame::Method::direct);
+    given.preset = "isr_prnted";
+    CHECK(message([&] { settings_of(scene, given); }) ==
+          "--preset isr_prnted: unknown preset; the nearest known one is 'isr_printed'");
+}

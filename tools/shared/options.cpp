@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "core/nearest_known.h"
+#include "gi/frame/presets.h"
 #include "io/file.h"
 #include "io/sample_rows.h"
 #include "tools/shared/light_sets.h"
@@ -127,6 +128,9 @@ frame::Settings settings_of(const Scene& scene, const SceneOptions& options) {
     frame::Settings settings = frame::settings_of(scene);
     settings.pruning = !options.no_pruning;
     std::vector<Assignment> assignments;
+    if (!options.preset.empty())
+        for (const Setting& s : frame::find_preset(options.preset, "--preset " + io::printable(options.preset)).settings)
+            assignments.push_back({s.table, s.key, s.value, fmt::format("--preset {}: {}.{}", options.preset, s.table, s.key)});
     for (const std::string& text : options.sets) assignments.push_back(parse_assignment(text));
     // The table of a scene file that chooses the method and the layout comes first: a custom layout can then be filled.
     for (const Assignment& a : assignments) {

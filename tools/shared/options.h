@@ -31,6 +31,7 @@ glm::ivec2 parse_size(const std::string& option, const std::string& text, int le
 // The scene of a command that renders, and what is set in place of its file's settings.
 struct SceneOptions {
     std::string file, method;
+    std::string preset;  // frame::presets(); empty: none
     std::string size;  // "WxH" in place of the scene's own; empty: its own
     std::vector<std::string> sets;
     bool no_pruning = false;
@@ -40,7 +41,7 @@ struct SceneOptions {
     std::string samples, until_error, rays;
 };
 
-// The scene file's settings, then --method, then every --set in its order, then what --truth goes with.
+// The scene file's settings, then those of --preset, then --method, then every --set in its order, then what --truth goes with.
 frame::Settings settings_of(const Scene& scene, const SceneOptions& options);
 
 // Index of the light; throws InputError that names the nearest.

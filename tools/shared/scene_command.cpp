@@ -5,16 +5,30 @@
 #include <optional>
 
 #include "gi/frame/idle_settings.h"
+#include "gi/frame/presets.h"
 #include "io/scene_file.h"
 #include "tools/shared/light_sets.h"
 
 namespace plumb::cli {
+
+namespace {
+
+std::string preset_names() {
+    std::string names;
+    for (const frame::Preset& preset : frame::presets()) names += (names.empty() ? "" : ", ") + preset.name;
+    return names;
+}
+
+}  // namespace
 
 void add_scene_options(CLI::App& command, SceneOptions& options) {
     command.add_option("scene", options.file, "the scene: .toml, or a bare .obj, .gltf or .glb")->required()->type_name("SCENE");
     command.add_option("--method", options.method, "direct, rsm, isr, probes, radiosity, zbuffer or reference; the scene file's otherwise")
         ->check(some_word())
         ->type_name("M");
+    command.add_option("--preset", options.preset, fmt::format("a document's set-up, whole, in place of the scene file's: {}", preset_names()))
+        ->check(some_word())
+        ->type_name("NAME");
     command.add_option("--set", options.sets, "table.key=value in place of the scene file's, or light.N.on=false: the N-th light, or one of that name; may be repeated")
         ->allow_extra_args(false)
         ->type_name("T.K=V");
