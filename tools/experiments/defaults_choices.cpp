@@ -1,0 +1,87 @@
+// The defaults that `plumb experiment defaults` holds against their alternatives.
+#include <fmt/format.h>
+
+#include "tools/experiments/defaults.h"
+
+namespace plumb::cli {
+
+namespace {
+
+// Values of one parameter.
+DefaultChoice values(const std::string& key, const std::vector<std::string>& list) {
+    DefaultChoice choice{key, {}};
+    const std::string last = key.substr(key.find('.') + 1);
+    for (const std::string& value : list) choice.others.push_back({last + " = " + value, {key + "=" + value}});
+    return choice;
+}
+
+DefaultChoice gathers() {
+    const std::vector<std::string> paths = {"rsm.gather=paths"}, hiding = {"rsm.gather=paths", "rsm.visibility=algorithm_6"};
+    return {"rsm.gather", {{"disc", {"rsm.gather=disc"}}, {"paths", paths}, {"paths, algorithm_6", hiding}}};
+}
+
+// Resolution, blur and samples together: fewer pixels pay for more samples, and a blur for fewer.
+DefaultChoice filters() {
+    DefaultChoice choice{"indirect", {}};
+    for (const char* resolution : {"full", "half"})
+        for (const char* blur : {"none", "full", "separable"})
+            for (const int samples : {100, 400, 1600})
+                choice.others.push_back({fmt::format("{}, blur {}, {} samples", resolution, blur, samples),
+                                         {fmt::format("indirect.resolution={}", resolution), fmt::format("indirect.blur={}", blur),
+                                          fmt::format("rsm.samples={}", samples)}});
+    return choice;
+}
+
+DefaultChoice shadow_modes() {
+    return {"shadow.mode", {{"hard", {"shadow.mode=hard"}}, {"pcf", {"shadow.mode=pcf"}}, {"density", {"shadow.mode=density"}},
+                            {"density, kernel = 2", {"shadow.mode=density", "shadow.kernel=2"}}, {"esm", {"shadow.mode=esm"}}}};
+}
+
+DefaultChoice isr_blurs() {
+    DefaultChoice choice{"isr.blur", {{"none", {"isr.blur=none"}}}};
+    for (const char* blur : {"gaussian", "edge_aware"})
+        for (const int radius : {4, 6, 8, 12})
+            choice.others.push_back({fmt::format("{}, radius = {}", blur, radius),
+                                     {fmt::format("isr.blur={}", blur), fmt::format("isr.blur_radius={}", radius)}});
+    return choice;
+}
+
+DefaultChoice isr_rotations() {
+    DefaultChoice choice{"isr.rotations", {}};
+    for (const char* turn : {"hash", "tile"})
+        for (const int rotations : {16, 64, 256})
+            choice.others.push_back({fmt::format("{} by {}", rotations, turn),
+                                     {fmt::format("isr.turn={}", turn), fmt::format("isr.rotations={}", rotations)}});
+    return choice;
+}
+
+}  // namespace
+
+const std::vector<ChoiceGroup>& default_choices() {
+    static const std::vector<ChoiceGroup> all = {
+        {"shadow", "direct", "direct", {},
+         {shadow_modes(), values("shadow.bias", {"0.0001", "0.001", "0.01"}), values("shadow.slope_bias", {"0.71", "1", "2"}),
+          values("shadow.max_slope", {"4", "16", "64", "256"})}},
+        {"rsm", "rsm", "indirect", {},
+         {filters(), gathers(), values("rsm.samples", {"100", "200", "400", "800"}), values("rsm.rotations", {"1", "16", "64", "256"}),
+          values("rsm.sequence", {"hammersley", "r2", "random"}), values("rsm.texels", {"whole", "continuous"})}},
+        {"rsm.paths", "rsm", "indirect", {"rsm.gather=paths", "rsm.visibility=algorithm_6"},
+         {values("rsm.spacing", {"uniform", "quadratic", "geometric"}), values("rsm.slots", {"3", "5", "9"}),
+          values("rsm.turn", {"hash", "tile"}), values("rsm.jitter", {"0", "0.5", "1"}),
+          values("rsm.slot_edges", {"angle", "solid_angle"})}},
+        {"isr", "isr", "indirect", {},
+         {values("isr.rings", {"2", "3", "4", "6"}), values("isr.reach", {"0.5", "0.75", "1", "1.25", "1.5"}),
+          values("isr.growth", {"2", "3", "4"}), isr_rotations(), isr_blurs(), values("isr.upsample", {"bilateral", "bilinear"}),
+          values("isr.pattern", {"rings", "grid"})}},
+        {"ao", "direct", "ao", {"ao.method=ssao", "ao.ambient=1,1,1"},
+         {values("ao.blur", {"none", "box", "edge_aware"}), values("ao.samples", {"16", "32", "64", "128"}),
+          values("ao.bias", {"0.001", "0.01", "0.05"})}},
+        {"ao.horizon", "direct", "ao", {"ao.method=horizon", "ao.ambient=1,1,1"},
+         {values("ao.blur", {"none", "box", "edge_aware"}), values("ao.slices", {"2", "4", "8"}), values("ao.steps", {"4", "8", "16"})}},
+        {"probes", "probes", "color", {}, {values("probes.gather", {"interpolated", "fitted"})}},
+        {"radiosity", "radiosity", "color", {}, {values("radiosity.refine", {"1", "2", "3"})}},
+    };
+    return all;
+}
+
+}  // namespace plumb::cli
