@@ -63,16 +63,28 @@ PLUMB_INLINE Real load_pair(const void* p, std::ptrdiff_t at, const Places& i, i
     const Real r = _mm256_castps128_ps256(_mm_loadu_ps((const float*)(base + i.byte[k])));
     return _mm256_insertf128_ps(r, _mm_loadu_ps((const float*)(base + i.byte[k + 4])), 1);
 }
-// Loads 16 bytes a lane and transposes 4 x 4 within each half: t[c] holds word c of lanes 0..7.
-PLUMB_INLINE void load_words(const void* p, std::ptrdiff_t at, const Places& i, Real* t) {
-    const Real r0 = load_pair(p, at, i, 0), r1 = load_pair(p, at, i, 1);
-    const Real r2 = load_pair(p, at, i, 2), r3 = load_pair(p, at, i, 3);
+// Four rows of four words within each half: t[c] holds word c of each row.
+PLUMB_INLINE void transpose(Real r0, Real r1, Real r2, Real r3, Real* t) {
     const Real a = _mm256_unpacklo_ps(r0, r1), b = _mm256_unpackhi_ps(r0, r1);
     const Real c = _mm256_unpacklo_ps(r2, r3), d = _mm256_unpackhi_ps(r2, r3);
     t[0] = (Real)_mm256_unpacklo_pd((__m256d)a, (__m256d)c);
     t[1] = (Real)_mm256_unpackhi_pd((__m256d)a, (__m256d)c);
     t[2] = (Real)_mm256_unpacklo_pd((__m256d)b, (__m256d)d);
     t[3] = (Real)_mm256_unpackhi_pd((__m256d)b, (__m256d)d);
+}
+// Loads 16 bytes a lane and transposes: t[c] holds word c of lanes 0..7.
+PLUMB_INLINE void load_words(const void* p, std::ptrdiff_t at, const Places& i, Real* t) {
+    transpose(load_pair(p, at, i, 0), load_pair(p, at, i, 1), load_pair(p, at, i, 2), load_pair(p, at, i, 3), t);
+}
+// The other way: word c of all lanes is t[c]; 16 bytes a lane.
+PLUMB_INLINE void store_texels(float* p, Int i, const Real* t) {
+    const Places places(i, 16);
+    Real r[4];
+    transpose(t[0], t[1], t[2], t[3], r);
+    for (int k = 0; k < 4; ++k) {
+        _mm_storeu_ps((float*)((char*)p + places.byte[k]), _mm256_castps256_ps128(r[k]));
+        _mm_storeu_ps((float*)((char*)p + places.byte[k + 4]), _mm256_extractf128_ps(r[k], 1));
+    }
 }
 // Eight 32-bit lanes of two halves each: the lower halves as floats, the upper halves as floats.
 PLUMB_INLINE void widen_pairs(Real pairs, Real* lower, Real* upper) {

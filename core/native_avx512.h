@@ -65,16 +65,32 @@ PLUMB_INLINE Real load_quad(const void* p, std::ptrdiff_t at, const Places& i, i
     r = _mm512_insertf32x4(r, _mm_loadu_ps((const float*)(base + i.byte[k + 8])), 2);
     return _mm512_insertf32x4(r, _mm_loadu_ps((const float*)(base + i.byte[k + 12])), 3);
 }
-// Loads 16 bytes a lane and transposes 4 x 4 within each quarter: t[c] holds word c of lanes 0..15.
-PLUMB_INLINE void load_words(const void* p, std::ptrdiff_t at, const Places& i, Real* t) {
-    const Real r0 = load_quad(p, at, i, 0), r1 = load_quad(p, at, i, 1);
-    const Real r2 = load_quad(p, at, i, 2), r3 = load_quad(p, at, i, 3);
+// Four rows of four words within each quarter: t[c] holds word c of each row.
+PLUMB_INLINE void transpose(Real r0, Real r1, Real r2, Real r3, Real* t) {
     const Real a = _mm512_unpacklo_ps(r0, r1), b = _mm512_unpackhi_ps(r0, r1);
     const Real c = _mm512_unpacklo_ps(r2, r3), d = _mm512_unpackhi_ps(r2, r3);
     t[0] = (Real)_mm512_unpacklo_pd((__m512d)a, (__m512d)c);
     t[1] = (Real)_mm512_unpackhi_pd((__m512d)a, (__m512d)c);
     t[2] = (Real)_mm512_unpacklo_pd((__m512d)b, (__m512d)d);
     t[3] = (Real)_mm512_unpackhi_pd((__m512d)b, (__m512d)d);
+}
+// Loads 16 bytes a lane and transposes: t[c] holds word c of lanes 0..15.
+PLUMB_INLINE void load_words(const void* p, std::ptrdiff_t at, const Places& i, Real* t) {
+    transpose(load_quad(p, at, i, 0), load_quad(p, at, i, 1), load_quad(p, at, i, 2), load_quad(p, at, i, 3), t);
+}
+// The other way: word c of all lanes is t[c]; 16 bytes a lane.
+PLUMB_INLINE void store_quad(float* p, const Places& i, int k, Real r) {
+    char* base = (char*)p;
+    _mm_storeu_ps((float*)(base + i.byte[k]), _mm512_castps512_ps128(r));
+    _mm_storeu_ps((float*)(base + i.byte[k + 4]), _mm512_extractf32x4_ps(r, 1));
+    _mm_storeu_ps((float*)(base + i.byte[k + 8]), _mm512_extractf32x4_ps(r, 2));
+    _mm_storeu_ps((float*)(base + i.byte[k + 12]), _mm512_extractf32x4_ps(r, 3));
+}
+PLUMB_INLINE void store_texels(float* p, Int i, const Real* t) {
+    const Places places(i, 16);
+    Real r[4];
+    transpose(t[0], t[1], t[2], t[3], r);
+    for (int k = 0; k < 4; ++k) store_quad(p, places, k, r[k]);
 }
 // Sixteen 32-bit lanes of two halves each: the lower halves as floats, the upper halves as floats. One permutation of
 // words sorts both, where narrowing each would take two more.
@@ -110,14 +126,7 @@ PLUMB_INLINE Real load_halves(const Half* p, const Places& i, int k) {
 }
 // Words 0 to 3 and 4 to 7 of four pairs of records: t[c] holds word c of lanes 0 to 3, word c + 4 of these, and so of 4 to 7.
 PLUMB_INLINE void load_eight(const Half* p, const Places& i, int k, Real* t) {
-    const Real r0 = load_halves(p, i, k), r1 = load_halves(p, i, k + 1);
-    const Real r2 = load_halves(p, i, k + 2), r3 = load_halves(p, i, k + 3);
-    const Real a = _mm512_unpacklo_ps(r0, r1), b = _mm512_unpackhi_ps(r0, r1);
-    const Real c = _mm512_unpacklo_ps(r2, r3), d = _mm512_unpackhi_ps(r2, r3);
-    t[0] = (Real)_mm512_unpacklo_pd((__m512d)a, (__m512d)c);
-    t[1] = (Real)_mm512_unpackhi_pd((__m512d)a, (__m512d)c);
-    t[2] = (Real)_mm512_unpacklo_pd((__m512d)b, (__m512d)d);
-    t[3] = (Real)_mm512_unpackhi_pd((__m512d)b, (__m512d)d);
+    transpose(load_halves(p, i, k), load_halves(p, i, k + 1), load_halves(p, i, k + 2), load_halves(p, i, k + 3), t);
 }
 PLUMB_INLINE void load_records(const Half* p, const Places& places, Real* t) {
     Real a[4], b[4];

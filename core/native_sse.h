@@ -69,6 +69,14 @@ PLUMB_INLINE void load_texels(const Component* p, int stride, Int i, Real* t) {
     t[3] = load4(p + stride * std::ptrdiff_t(lane[3]));
     _MM_TRANSPOSE4_PS(t[0], t[1], t[2], t[3]);
 }
+// The other way: t[c] is component c of all lanes; 16 bytes a lane.
+PLUMB_INLINE void store_texels(float* p, Int i, const Real* t) {
+    alignas(16) std::int32_t lane[4];
+    std::memcpy(lane, &i, 16);
+    Real r[4] = {t[0], t[1], t[2], t[3]};
+    _MM_TRANSPOSE4_PS(r[0], r[1], r[2], r[3]);
+    for (int k = 0; k < 4; ++k) _mm_storeu_ps(p + 4 * std::ptrdiff_t(lane[k]), r[k]);
+}
 // Where each lane's record lies, in bytes from the first.
 struct Places {
     alignas(16) std::int64_t byte[4];

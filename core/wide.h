@@ -160,8 +160,10 @@ struct number<PLUMB_ISA::Wide> {
             if (on.lane[k]) p[at.lane[k]] = v.lane[k];
     }
     static PLUMB_INLINE void store4(float* p, index i, const vec4<F>& value, mask active) {
-        const Lanes<float> x(canonical(value.x).v), y(canonical(value.y).v), z(canonical(value.z).v),
-            w(canonical(value.w).v);
+        const PLUMB_ISA::native::Real t[4] = {canonical(value.x).v, canonical(value.y).v, canonical(value.z).v,
+                                              canonical(value.w).v};
+        if (!any(!active)) return PLUMB_ISA::native::store_texels(p, i.v, t);
+        const Lanes<float> x(t[0]), y(t[1]), z(t[2]), w(t[3]);
         const Lanes<std::int32_t> at(i.v), on(select(active, index(-1), index(0)).v);
         for (int k = 0; k < width; ++k) {
             if (!on.lane[k]) continue;

@@ -20,7 +20,8 @@ enum RealRow {
     row_add, row_subtract, row_multiply, row_divide, row_negate, row_assign, row_min, row_max, row_abs, row_sqrt,
     row_floor, row_clamp, row_select, row_dot3, row_normalize3, row_from_index, row_from_bits, row_fetch, row_stored,
     row_fused, row_texel, row_record = row_texel + 4, row_half_texel = row_record + 12,
-    row_half_record = row_half_texel + 4, row_stored4 = row_half_record + 12, real_rows = row_stored4 + 4,
+    row_half_record = row_half_texel + 4, row_stored4 = row_half_record + 12, row_stored4_whole = row_stored4 + 4,
+    real_rows = row_stored4_whole + 4,
 };
 enum IntegerRow {
     row_round, row_truncate, row_bits, row_less, row_less_equal, row_greater, row_greater_equal, row_equal, row_and,
@@ -30,7 +31,8 @@ enum IntegerRow {
     row_int_select, row_int_min, row_int_max, row_int_fetch, integer_rows,
 };
 
-// Row r is at r * count. The four rows of row_stored4 hold texels instead: element i at 4 i.
+// Row r is at r * count. The four rows of row_stored4, and of row_stored4_whole, whose lanes are all active, hold texels instead:
+// element i at 4 i.
 struct ProbeOutput {
     float* reals;
     std::int32_t* integers;

@@ -57,6 +57,7 @@ void probe_reals(const Packet& p, F a, F b, F c, I at) {
     const mask_t<F> active = (at < I(p.in.active)) & !(a < b);
     N::store(p.out.reals + std::ptrdiff_t(row_stored) * p.in.count, at, a, active);
     N::store4(p.out.reals + std::ptrdiff_t(row_stored4) * p.in.count, at, {a, b, c, a}, active);
+    N::store4(p.out.reals + std::ptrdiff_t(row_stored4_whole) * p.in.count, at, {c, a, b, c}, I(0) < I(1));
 }
 
 void probe_conversions_and_comparisons(const Packet& p, F a, F b, F c) {

@@ -203,9 +203,10 @@ TEST_CASE("number: every instruction set computes what plain C++ computes", "[nu
 TEST_CASE("number: stores write active lanes alone, each at its own place", "[number]") {
     const Inputs& in = inputs();
     const int count = in.probe.count;
-    std::vector<float> expected(count, sentinel), expected4(4 * count, sentinel);
+    std::vector<float> expected(count, sentinel), expected4(4 * count, sentinel), whole(4 * count, sentinel);
     for (int i = 0; i < count; ++i) {
         const int at = in.at[i];
+        whole[4 * at] = whole[4 * at + 3] = in.c[i], whole[4 * at + 1] = in.a[i], whole[4 * at + 2] = in.b[i];
         if (at >= in.probe.active || in.a[i] < in.b[i]) continue;
         expected[at] = in.a[i];
         expected4[4 * at] = expected4[4 * at + 3] = in.a[i];
@@ -218,6 +219,8 @@ TEST_CASE("number: stores write active lanes alone, each at its own place", "[nu
         for (int i = 0; i < count; ++i) wrong += canonical(out.reals[row_stored * count + i]) != canonical(expected[i]);
         for (int i = 0; i < 4 * count; ++i)
             wrong += canonical(out.reals[row_stored4 * count + i]) != canonical(expected4[i]);
+        for (int i = 0; i < 4 * count; ++i)
+            wrong += canonical(out.reals[row_stored4_whole * count + i]) != canonical(whole[i]);
         INFO(isa_name(isa));
         CHECK(wrong == 0);
     }
