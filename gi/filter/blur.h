@@ -47,7 +47,7 @@ StageData data_of(const FilterParams& params, const BlurInputs& in);
 // weight the kernel knows.
 Buffer<float> spatial_weights(const FilterParams& params, Direction direction);
 
-// The blur of params.blur: nothing, one dispatch, or two.
+// The blur of params.blur: nothing, one dispatch, or two; automatic is separable.
 void run_blur(const FilterParams& params, const BlurInputs& in, const RunOptions& options, Image4& blurred);
 
 }  // namespace plumb::filter

@@ -25,7 +25,8 @@ std::vector<Field> fields(FilterParams& p) {
          "how half resolution becomes full: bilinear weights times depth and normal (ours), bilinear alone, or bilinear "
          "as a GPU places pixels (published, VRSM 4.5)", 0, 2, {"bilateral", "bilinear", "published"}, true},
         {"blur", as_int(p.blur), "", "edge-aware blur of the indirect light (VRSM 4.5): all of the kernel, or a row and "
-         "then a column of it", 0, 2, {"none", "full", "separable"}, false},
+         "then a column of it; automatic: separable after gathers that sample a map (disc, paths) where no frames share light, "
+         "else none", 0, 3, {"automatic", "none", "full", "separable"}, false},
         {"kernel", &p.kernel, "pixels", "side of the blur, odd; 17 is VRSM 4.5's", 1, 33, {}, false},
         {"sigma_distance", &p.sigma_distance, "pixels", "of the Gaussian within the kernel; ours", 1e-3, 1e6, {}, false},
         {"similarity", as_int(p.similarity), "",

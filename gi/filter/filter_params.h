@@ -9,12 +9,12 @@
 namespace plumb::filter {
 
 enum class Resolution : int { full, half };
-enum class Blur : int { none, full, separable };
+enum class Blur : int { automatic, none, full, separable };
 
 struct FilterParams {
     Resolution resolution = Resolution::full;
     Upsample upsample = Upsample::bilateral;
-    Blur blur = Blur::none;
+    Blur blur = Blur::automatic;
     int kernel = 17;
     float sigma_distance = 3;
     Similarity similarity = Similarity::plane;

@@ -59,8 +59,8 @@ void forget(Context& c, const Plan& plan) {
     if (!half) f.half_position = f.half_normal = {};
     if (!filters_indirect(c.settings)) f.gathered = {};
     if (!reuses_light(c.settings)) f.reused = f.reused_age = {}, f.last_light = f.next_light = {}, f.light_frames = 0;
-    if (!half || c.settings.indirect.blur == filter::Blur::none) f.upsampled = {};
-    if (!filters_indirect(c.settings) || c.settings.indirect.blur != filter::Blur::separable) f.blurred_across = {};
+    if (!half || blur_of(c.settings) == filter::Blur::none) f.upsampled = {};
+    if (!filters_indirect(c.settings) || blur_of(c.settings) != filter::Blur::separable) f.blurred_across = {};
     if (c.keeps && c.settings.method == Method::rsm) return;
     for (Image4& image : c.memory->irradiance) image = {};
     for (Image4& image : c.memory->irradiance_error) image = {};

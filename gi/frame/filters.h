@@ -15,6 +15,9 @@ bool sums_gathers(const Settings& settings);     // indirect light is a sum of g
 bool filters_indirect(const Settings& settings);
 bool halves_indirect(const Settings& settings);  // gathers run at half size
 
+// What [indirect] blur means: automatic is separable where a gather samples the map and no frames share light, else none.
+filter::Blur blur_of(const Settings& settings);
+
 // Size of the images that gathers write.
 glm::ivec2 gather_size(const Settings& settings, glm::ivec2 frame_size);
 // The sum of the gathers, filtered or not.

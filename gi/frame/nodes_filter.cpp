@@ -12,9 +12,15 @@ bool halves_indirect(const Settings& settings) {
 
 bool sums_gathers(const Settings& settings) { return !gathers_isr(settings) && !lights_probes(settings) && !solves_radiosity(settings); }
 
+filter::Blur blur_of(const Settings& settings) {
+    if (settings.method != Method::rsm) return filter::Blur::none;
+    if (settings.indirect.blur != filter::Blur::automatic) return settings.indirect.blur;
+    const bool samples = settings.rsm.gather == rsm::Gather::disc || settings.rsm.gather == rsm::Gather::paths;
+    return samples && !reuses_light(settings) ? filter::Blur::separable : filter::Blur::none;
+}
+
 bool filters_indirect(const Settings& settings) {
-    return halves_indirect(settings) || reuses_light(settings) ||
-           (settings.method == Method::rsm && settings.indirect.blur != filter::Blur::none);
+    return halves_indirect(settings) || reuses_light(settings) || blur_of(settings) != filter::Blur::none;
 }
 
 glm::ivec2 gather_size(const Settings& settings, glm::ivec2 frame_size) {
@@ -105,7 +111,7 @@ void add_filters_before(Context& c, Nodes& nodes) {
 void add_filters_after(Context& c, Nodes& nodes) {
     if (!filters_indirect(c.settings)) return;
     const bool half = halves_indirect(c.settings);
-    const filter::Blur blur = c.settings.indirect.blur;
+    const filter::Blur blur = blur_of(c.settings);
     if (reuses_light(c.settings)) add_reuse(c, nodes);
     const Image4 Frame::*sum = reuses_light(c.settings) ? &Frame::reused : &Frame::gathered;
     if (half) add_upsample(c, sum, blur == filter::Blur::none ? &Frame::indirect : &Frame::upsampled, nodes);

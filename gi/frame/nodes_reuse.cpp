@@ -55,7 +55,7 @@ void add_latch(Context& c, Image4 Frame::*light, Nodes& nodes) {
 
 void add_reuse(Context& c, Nodes& nodes) {
     screen::validate(c.settings.reuse);
-    const bool half = halves_indirect(c.settings), filtered = half || c.settings.indirect.blur != filter::Blur::none;
+    const bool half = halves_indirect(c.settings), filtered = half || blur_of(c.settings) != filter::Blur::none;
     Image4 Frame::*light = filtered ? &Frame::reused : &Frame::indirect;
     const StageBinding& binding = stage<screen::ReuseKernel>();
     const glm::ivec2 size = gather_size(c.settings, c.size);

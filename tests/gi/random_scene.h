@@ -270,7 +270,7 @@ inline frame::Settings random_settings(std::uint32_t seed) {
     }
     if (t.rsm.gather == rsm::Gather::all_rays) return t;  // a truth is not filtered
     if (dice.one_in(3)) t.indirect.resolution = filter::Resolution::half;
-    if (dice.one_in(3)) t.indirect.blur = filter::Blur(1 + dice.below(2));
+    if (dice.one_in(3)) t.indirect.blur = filter::Blur(dice.below(4));
     t.indirect.upsample = filter::Upsample(dice.below(3)), t.indirect.similarity = filter::Similarity(dice.below(2));
     t.indirect.kernel = 1 + 2 * dice.below(4);
     return t;

@@ -26,6 +26,7 @@ struct Case {
 Case base() {
     Case c{moving::scene(), {}};
     c.settings.rsm.samples = 16;
+    c.settings.indirect.blur = filter::Blur::none;  // test_filter_frame.cpp has frames with filters
     c.settings.reference.samples = 2, c.settings.reference.rounds = 2, c.settings.reference.rays = Rays::exact;
     c.settings.truth = true;
     c.settings.pruning = false;  // what is wanted of a buffer then depends on nothing

@@ -265,7 +265,7 @@ TEST_CASE("frames: filters, visibility and gathers in turns keep what they may, 
         settings.rsm.slots = i % 5 + 2;
         const bool filters = settings.rsm.gather != rsm::Gather::all_rays;
         settings.indirect.resolution = filter::Resolution(filters && (i / 3) % 2);
-        settings.indirect.blur = filter::Blur(filters ? (i / 2) % 3 : 0);
+        settings.indirect.blur = filter::Blur(1 + (filters ? (i / 2) % 3 : 0));
         if (i % 13 == 12) settings.method = frame::Method::isr;
         const frame::Frame& frame = frame::execute(scene, settings, frame::plan(scene, settings), {}, kept);
         REQUIRE(differences(frame, fresh(scene, settings), scene.frame_size) == Labels{});

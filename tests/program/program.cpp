@@ -236,6 +236,8 @@ rsm_size = 16
 on = false
 [rsm]
 samples = 37
+[indirect]
+blur = "none"
 )");
     return scene;
 }
