@@ -14,6 +14,7 @@ layout(std140, binding = 0) uniform ComposeUniforms {
     int published;
     int width;
     int height;
+    float light_unit;  // W/(m2 sr) for which a colour of 1 stands; read where published
 } u;
 layout(binding = 1) uniform sampler2D normal_image;    // w: 1 on a surface, 0 where nothing is
 layout(binding = 2) uniform sampler2D albedo_image;    // rho
@@ -35,7 +36,8 @@ vec3 compose(ivec2 pixel) {
     precise vec3 e = u.k_isr * indirect;
     precise vec3 radiance;
     if (u.published != 0) {
-        radiance = (rho * (direct * passes) + exitance) * u.inv_pi + e;
+        precise vec3 added = u.light_unit * e;
+        radiance = (rho * (direct * passes) + exitance) * u.inv_pi + added;
     } else {
         precise vec3 ambient = open * u.ambient.xyz;
         radiance = (rho * (direct * passes + e + ambient) + exitance) * u.inv_pi;

@@ -5,7 +5,8 @@
 // E irradiance from surfaces, A accessibility, E_ambient = pi times the environment's radiance.
 //
 // differs: as printed, and in variant `published`, L = rho E_direct / pi saturate(A + 1 - k_ssao) + k_isr E: there the
-// gather holds a factor of the receiver (its mask), but neither its reflectance nor 1 / pi, and nothing is ambient.
+// gather holds a factor of the receiver (its mask), but neither its reflectance nor 1 / pi, and nothing is ambient. E is then
+// made of colours without a unit, and is added times the radiance for which a colour of 1 stands.
 //
 // With k_isr = 0, k_ssao = 0 and no ambient light this is gi/compose without indirect light, to the bit.
 #pragma once
@@ -22,7 +23,8 @@ struct ComposeUniforms {
     float k_ssao, k_isr;   // 0..1
     std::int32_t published;
     std::int32_t width, height;
-    std::int32_t padding[2];
+    float light_unit;      // W/(m2 sr) for which a colour of 1 stands; read where published
+    std::int32_t padding;
 };
 static_assert(sizeof(ComposeUniforms) == 64);
 
@@ -47,7 +49,7 @@ PLUMB_INLINE vec3<F> compose(const ComposeInputsView& in, index_t<F> px, index_t
     const vec3<F> exitance = xyz<F>(N::fetch4(in.emission, pixel));  tap("emission", exitance, "M, W/m2");
     const vec3<F> direct = xyz<F>(N::fetch4(in.direct, pixel));      tap("direct", direct, "E_direct, W/m2");
     const vec4<F> lit = N::fetch4(in.indirect, pixel);
-    const vec3<F> indirect = xyz<F>(lit);                            tap("indirect", indirect, "E, W/m2");
+    const vec3<F> indirect = xyz<F>(lit);                            tap("indirect", indirect, "E, W/m2; published: a colour");
     const F open = lit.w;                                            tap("accessibility", open, "A");
 
     const F passes = clamp(open + F(1.0f) - F(u.k_ssao), F(0.0f), F(1.0f));
@@ -56,9 +58,10 @@ PLUMB_INLINE vec3<F> compose(const ComposeInputsView& in, index_t<F> px, index_t
     const F e[3] = {k_isr * indirect.x, k_isr * indirect.y, k_isr * indirect.z};
     vec3<F> radiance;
     if (u.published != 0) {
-        radiance = {(rho.x * (direct.x * passes) + exitance.x) * inv_pi + e[0],
-                    (rho.y * (direct.y * passes) + exitance.y) * inv_pi + e[1],
-                    (rho.z * (direct.z * passes) + exitance.z) * inv_pi + e[2]};
+        const F unit(u.light_unit);
+        radiance = {(rho.x * (direct.x * passes) + exitance.x) * inv_pi + unit * e[0],
+                    (rho.y * (direct.y * passes) + exitance.y) * inv_pi + unit * e[1],
+                    (rho.z * (direct.z * passes) + exitance.z) * inv_pi + unit * e[2]};
     } else {
         const F ambient[3] = {open * F(u.ambient[0]), open * F(u.ambient[1]), open * F(u.ambient[2])};
         radiance = {(rho.x * (direct.x * passes + e[0] + ambient[0]) + exitance.x) * inv_pi,

@@ -57,6 +57,7 @@ SampleUniforms uniforms(const IsrParams& params, const SsaoInputs& in) {
     u.full_reach = 3.4e38f;
     u.area = float(side * side / host::pi);
     u.scale = float(2 * host::pi / sample_count(params.ssao_rings));
+    u.per_length = params.length_unit > 0 ? float(1 / double(params.length_unit)) : 0;
     return u;
 }
 

@@ -15,7 +15,7 @@ struct GatherCameraUniforms {
     ViewProjection view;   // from the receivers' eye to the camera's image
     glm::vec4 camera_eye;  // xyz: the camera's eye as seen from the receivers', m
 };
-static_assert(sizeof(GatherCameraUniforms) == 352);
+static_assert(sizeof(GatherCameraUniforms) == 384);
 
 struct GatherCameraInputsView {
     GatherCameraUniforms u;

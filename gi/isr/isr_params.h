@@ -46,6 +46,8 @@ struct IsrParams {
     float blur_sigma = 0;
     Upsample upsample = Upsample::bilateral;
     float epsilon = 1e-3f;
+    float light_unit = 0;
+    float length_unit = 0;
     float k_ssao = 0;
     float k_isr = 1;
     Ambient ambient = Ambient::none;

@@ -67,6 +67,12 @@ std::vector<Field> fields(IsrParams& p) {
          {"bilateral", "bilinear"}, true},
         {"epsilon", &p.epsilon, "", "of ISR (27), added to the difference of depths; a share of the depth; ours", 1e-9, 1e9, {},
          true},
+        {"light_unit", &p.light_unit, "W/(m2 sr)",
+         "of variant = published: the radiance for which a colour of 1 in (25) and (29) stands; 0: what a white surface sends in "
+         "the mean where lamps shine in the frame; ours", 0, 1e30, {}, true},
+        {"length_unit", &p.length_unit, "m",
+         "of variant = published: the length for which 1 stands in the cosine of (26), whose vector is not unit; 0: the sample's "
+         "distance, with which it is; ours", 0, 1e20, {}, true},
         {"k_ssao", &p.k_ssao, "",
          "ambient occlusion's power over direct light, ISR (29); 0: none, as light travels; 0.5 is ISR 4.7's", 0, 1, {}, true},
         {"k_isr", &p.k_isr, "", "indirect light's power, ISR (29); 0.5 is ISR 4.7's", 0, 1, {}, true},
@@ -105,6 +111,8 @@ void validate(const IsrParams& params) {
     if (params.blur == Blur::edge_aware && params.position == Position::inverse_matrix)
         throw InputError("isr: blur = edge_aware with position = inverse_matrix: expected position = linear, since edges are "
                          "found in linear depth");
+    if (params.length_unit != 0 && !(params.length_unit >= 1e-20f))
+        throw InputError(fmt::format("isr: length_unit = {}: expected 0, or 1e-20 to 1e+20", params.length_unit));
     if (params.far_rings > 0 && params.full_depth <= 0)
         throw InputError(fmt::format("isr: far_rings = {}: expected a full_depth above 0", params.far_rings));
     if (params.far_rings > params.rings)

@@ -47,8 +47,10 @@ float occlusion_of(Surface p, Sphere x) {
     precise float ratio = min(1.0, (x.radius2 * inverse) * inverse);              TAP(ratio, ratio);
     // 1 - sqrt(1 - ratio), without its cancellation.
     precise float cap = ratio / (1.0 + sqrt(1.0 - ratio));
-    precise float printed = cap * cos_p;
-    precise float corrected = ratio * (cos_p * inverse);
+    float per_length = u.published != 0 && u.per_length > 0.0 ? u.per_length : inverse;
+    precise float cosine = cos_p * per_length;
+    precise float printed = cap * cosine;
+    precise float corrected = ratio * cosine;
     float occlusion = u.published != 0 ? printed : corrected;     TAP(occlusion, occlusion);
     return occlusion;
 }

@@ -7,7 +7,7 @@
 //     occlusion = sum_X min(1, r^2 / d^2) max(0, cos_p),    accessibility = clamp(1 - occlusion, 0, 1)
 //
 // differs: ISR (26) has the solid angle of a cap, 2 pi (1 - sqrt(1 - r^2 / d^2)), over N, times a cosine whose vector is
-// not normalised (variant `published`).
+// not normalised (variant `published`). A length has no place in it: the vector is in units of `length_unit`, or of |PX|.
 #pragma once
 
 #include "gi/isr/gather_kernel.h"
@@ -63,7 +63,7 @@ struct SphereImage {
 };
 
 template <class F, bool published, class Tap>
-PLUMB_INLINE F occlusion_of(const Surface<F>& p, const Sphere<F>& x, Tap& tap) {
+PLUMB_INLINE F occlusion_of(const Surface<F>& p, const Sphere<F>& x, float per_length, Tap& tap) {
     const vec3<F> d = x.position - p.position;
     const F distance = sqrt(max(dot3(d, d), F(least_distance2))); tap("distance", distance, "|X - P|, m");
     const F cos_p = max(F(0.0f), dot3(p.normal, d));              tap("cos_p", cos_p, "max(0, n_p.(X - P)), m");
@@ -72,7 +72,8 @@ PLUMB_INLINE F occlusion_of(const Surface<F>& p, const Sphere<F>& x, Tap& tap) {
     tap("ratio", ratio, "min(1, r^2 / d^2)");
     // 1 - sqrt(1 - ratio), without its cancellation.
     const F cap = published ? ratio / (F(1.0f) + sqrt(F(1.0f) - ratio)) : ratio;
-    const F occlusion = published ? cap * cos_p : cap * (cos_p * inverse);
+    const F cosine = cos_p * (published && per_length > 0.0f ? F(per_length) : inverse);
+    const F occlusion = cap * cosine;
     tap("occlusion", occlusion, "min(1, r^2 / d^2) cos_p; ISR (26): (1 - sqrt(1 - r^2 / d^2)) max(n.PX, 0)");
     return occlusion;
 }
@@ -87,7 +88,7 @@ PLUMB_INLINE F accessibility_by(const SampleUniforms& u, const Surface<F>& p, co
         tap.sample(k);
         const Sphere<F> x = spheres.at(k, tap);
         tap("x", x.position, "X, from the eye, m");
-        sum += occlusion_of<F, published>(p, x, tap);
+        sum += occlusion_of<F, published>(p, x, u.per_length, tap);
     }
     tap.sample(-1);
     const F occlusion = published ? sum * F(u.scale) : sum;       tap("sum", occlusion, "of all samples");

@@ -21,6 +21,7 @@ struct SampleUniforms {
     float least_cosine;
     float full_reach;
     float scale;
+    float per_length;
 };
 
 const float farthest = 1e15;

@@ -27,8 +27,10 @@ struct SampleUniforms {
     float least_cosine;
     float full_reach;                    // m: ring r beyond far_rings is for pixels with r z at most this
     float scale;                         // published: 2 pi / N
+    float per_length;                    // 1/m, isr.ssao published: the cosine of (26) is of PX times it; 0: of PX over |PX|
+    std::int32_t padding[3];
 };
-static_assert(sizeof(SampleUniforms) == 128);
+static_assert(sizeof(SampleUniforms) == 144);
 
 inline constexpr float farthest = 1e15f;       // m; squares of what lies beyond would leave the range of a float
 inline constexpr float least_distance2 = 1e-37f;  // m2: the floor of d^2; below it its inverse would overflow

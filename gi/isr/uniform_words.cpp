@@ -21,7 +21,8 @@ std::vector<StageWords> uniform_words() {
           {"inv_pi", "1/sr", "1 / pi = 0.31830987"},
           {"k_ssao", "", "share of the occlusion that counts, 0 to 1"},
           {"k_isr", "", "share of the indirect light that counts, 0 to 1"},
-          {"published", "", "1: the light's sum as printed", "0: the corrected form"}}},
+          {"published", "", "1: the light's sum as printed", "0: the corrected form"},
+          {"light_unit", "W/(m2 sr)", "the radiance for which a colour of 1 stands; read where published", "1", 1}}},
         {"isr.downsample",
          {{"full_width", "pixels", "of the full image"},
           {"full_height", "pixels", "of the full image"},
@@ -58,6 +59,7 @@ std::vector<StageWords> uniform_words() {
           {"least_cosine", "", "floor of the cosine by which that area is divided"},
           {"full_reach", "m", "ring r beyond far_rings is for pixels with r z at most this"},
           {"scale", "", "of published: 2 pi / N"},
+          {"per_length", "1/m", "of isr.ssao published: the cosine of (26) is of PX times it", "0: of PX over its length"},
           {"published", "", "1: ISR (25) and (26) as printed", "0: the corrected form"},
           {"view.eye", "m", "xyz: the first eye as seen from the view's"},
           {"view.to_x", "", "x in pixels = (to_x . X) / (forward . X), X from the view's eye"},
@@ -86,6 +88,7 @@ std::vector<StageWords> uniform_words() {
           {".least_cosine", "", "floor of the cosine by which that area is divided"},
           {".full_reach", "m", "ring r beyond far_rings is for pixels with r z at most this"},
           {".scale", "", "of published: 2 pi / N"},
+          {".per_length", "1/m", "of isr.ssao published", "0"},
           {".published", "", "1: ISR (25) and (26) as printed", "0: the corrected form"}}}
     };
 }

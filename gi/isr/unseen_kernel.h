@@ -29,7 +29,7 @@ struct UnseenUniforms {
     float reach;          // seen is what is no farther than the view's own depth times this, a little more than 1
     std::int32_t padding[3];
 };
-static_assert(sizeof(UnseenUniforms) == 224);
+static_assert(sizeof(UnseenUniforms) == 240);
 
 struct UnseenInputsView {
     UnseenUniforms u;

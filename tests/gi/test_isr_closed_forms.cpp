@@ -258,8 +258,8 @@ TEST_CASE("isr.ssao: spheres on a disc and on a wall occlude what their integral
 }
 
 TEST_CASE("isr.ssao: published, (26) as printed on one small sphere over its share", "[isr][ISR (26)][analytic]") {
-    // (26) on a distant small sphere is (2 pi / N) (r^2 / 2 d^2) d cos_p in the limit, d in metres: what it should be,
-    // r^2 / d^2 cos_p, times pi d / N. So it depends on the scene's unit, and on N.
+    // (26) on a distant small sphere is (2 pi / N) (r^2 / 2 d^2) d cos_p in the limit: what it should be, r^2 / d^2 cos_p, times
+    // pi d / N. So it falls with N, and d is in a unit that (26) does not name: of length_unit, or of its own length.
     const CoarseView one = head_on(33, [](const glm::dvec3& x) { return x.x * x.x + x.y * x.y <= 1e-4; });
     IsrParams params = every_pixel(33);
     params.variant = Variant::published;
@@ -267,8 +267,12 @@ TEST_CASE("isr.ssao: published, (26) as printed on one small sphere over its sha
     const Image4 receivers = receiver(one, {16, 20}, 98, {0, 0, -1});
     SsaoInputs in;
     in.surface = &receivers, in.source_surface = &one.surface, in.camera = one.camera, in.pattern = &pattern;
-    Image4 published, corrected;
+    Image4 published, corrected, in_metres, in_halves;
     run(params, in, {}, published);
+    params.length_unit = 1;
+    run(params, in, {}, in_metres);
+    params.length_unit = 0.5f;
+    run(params, in, {}, in_halves);
     params.variant = Variant::corrected;
     run(params, in, {}, corrected);
     const glm::dvec3 d = one.ray(16, 16) * 100.0 - one.ray(16, 20) * 98.0;
@@ -276,6 +280,8 @@ TEST_CASE("isr.ssao: published, (26) as printed on one small sphere over its sha
     const double side = one.camera.footprint * 100, ratio = side * side / M_PI / (distance * distance);
     // Accessibilities near 1 are rounded to 2^-24.
     CHECK(1 - double(corrected(16, 20).w) == Approx(ratio * cosine).margin(1e-7).epsilon(1e-3));
-    CHECK(1 - double(published(16, 20).w) ==
-          Approx(2 * M_PI / pattern.samples * (1 - std::sqrt(1 - ratio)) * cosine * distance).margin(1e-7));
+    const double printed = 2 * M_PI / pattern.samples * (1 - std::sqrt(1 - ratio)) * cosine;
+    CHECK(1 - double(published(16, 20).w) == Approx(printed).margin(1e-7));
+    CHECK(1 - double(in_metres(16, 20).w) == Approx(printed * distance).margin(1e-7));
+    CHECK(1 - double(in_halves(16, 20).w) == Approx(printed * distance * 2).margin(1e-7));
 }

@@ -366,7 +366,7 @@ TEST_CASE("isr.compose: (29) by hand, corrected and as printed", "[isr][ISR (29)
                 IsrParams params;
                 params.k_ssao = k_ssao, params.k_isr = k_isr, params.ambient = ambient;
                 IsrParams printed = params;
-                printed.variant = Variant::published;
+                printed.variant = Variant::published, printed.light_unit = 2.5f;
                 const double open = double(p.indirect(0, 0).w);
                 const double passes = std::clamp(open + 1 - double(k_ssao), 0.0, 1.0);
                 for (int c = 0; c < 3; ++c) {
@@ -376,10 +376,21 @@ TEST_CASE("isr.compose: (29) by hand, corrected and as printed", "[isr][ISR (29)
                     CHECK(p.of(params)[c] ==
                           Approx((rho * (direct * passes + double(k_isr) * e + open * sky) + m) / pi).epsilon(1e-6));
                     CHECK(p.of(printed)[c] ==
-                          Approx(rho * direct / pi * passes + double(k_isr) * e + m / pi).epsilon(1e-6));
+                          Approx(rho * direct / pi * passes + 2.5 * double(k_isr) * e + m / pi).epsilon(1e-6));
                 }
                 CHECK(p.of(params).w == 0);
             }
+    // Without a unit that is given a colour of 1 stands for what a white surface sends here: the luminance of E over pi.
+    IsrParams scaled;
+    scaled.variant = Variant::published;
+    const glm::vec4 e = p.direct(0, 0);
+    scaled.light_unit = float((0.27 * double(e.x) + 0.67 * double(e.y) + 0.06 * double(e.z)) / pi);
+    const glm::vec4 given = p.of(scaled);
+    scaled.light_unit = 0;
+    CHECK(p.of(scaled) == given);
+    Pixel dark;
+    dark.direct(0, 0) = glm::vec4(0);
+    for (int c = 0; c < 3; ++c) CHECK(dark.of(scaled)[c] == Approx(double(dark.emission(0, 0)[c]) / pi).epsilon(1e-6));
     Pixel sky;
     sky.normal(0, 0) = glm::vec4(0);
     CHECK(sky.of({}) == glm::vec4(sky.environment, 0));

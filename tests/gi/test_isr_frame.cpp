@@ -88,6 +88,55 @@ TEST_CASE("isr: the modes of ISR's appendix D show what they say", "[frame][isr]
     CHECK(same(f3.direct, f5.direct));
 }
 
+namespace {
+
+// The same room, `length` times as large, under lamps that make `light` times the irradiance.
+Scene scaled(const Scene& scene, double length, double light) {
+    Scene s = scene;
+    for (Mesh& mesh : s.meshes)
+        for (Vertex& v : mesh.vertices) v.position *= float(length);
+    for (Light& lamp : s.lights) lamp.position *= float(length), lamp.intensity *= float(length * length * light);
+    s.camera.position *= length, s.camera.look_at *= length;
+    s.camera.near *= length, s.camera.far *= length;
+    return s;
+}
+
+}  // namespace
+
+TEST_CASE("isr: published, the picture is the same for every scale of lamps and of the scene", "[frame][isr][ISR (29)]") {
+    const Scene scene = cornell();
+    frame::Settings settings = isr_settings();
+    settings.isr.variant = isr::Variant::published, settings.isr.k_ssao = settings.isr.k_isr = 0.5f;
+    auto shown = [&](double length, double light) {
+        frame::Settings s = settings;
+        s.shadow.bias *= float(length), s.tonemap.exposure /= float(light);
+        return render(scaled(scene, length, light), s);
+    };
+    const frame::Frame once = shown(1, 1);
+    // Indirect light and occlusion are there to be seen.
+    frame::Settings without = settings;
+    without.isr.k_isr = 0;
+    CHECK(mean(once.display) > 1.01 * mean(render(scene, without).display));
+    without.isr.k_ssao = 0;
+    const frame::Frame direct = render(scene, without);
+    without.isr.k_ssao = 0.5f;
+    CHECK(mean(render(scene, without).display) < 0.995 * mean(direct.display));
+    // To the bit by powers of two.
+    CHECK(same(shown(1, 128).display, once.display));
+    CHECK(same(shown(8, 1).display, once.display));
+    CHECK(same(shown(0.25, 1024).display, once.display));
+    // By other factors up to roundings: of vertices, which move silhouettes and shadows by a pixel, hence the share.
+    for (const auto& [length, light] : {std::pair{1.0, 100.0}, std::pair{10.0, 1.0}, std::pair{10.0, 100.0}}) {
+        CAPTURE(length, light);
+        const frame::Frame other = shown(length, light);
+        int off = 0;
+        for (std::size_t i = 0; i < other.display.size(); ++i)
+            for (int c = 0; c < 3; ++c)
+                off += !(std::abs(double(other.display.texels[i][c]) - double(once.display.texels[i][c])) <= 1e-4);
+        CHECK(off <= int(other.display.size()) / 100);
+    }
+}
+
 TEST_CASE("isr: every convention sees the same picture, Direct3D 9's half pixel included", "[frame][isr]") {
     const frame::Settings settings = isr_settings();
     Scene scene = cornell({61, 47});

@@ -137,10 +137,11 @@ Reference expected_of(const Noise& room, const IsrParams& params, const Pattern&
         const double off_area = 16 * u * (1 + length(along) / slope);
         if (ssao) {
             const double ratio = std::min(1.0, head_on / M_PI / (distance * distance));
-            const double cap = published ? (1 - std::sqrt(1 - ratio)) * distance : ratio;
+            const double unit = published && params.length_unit > 0 ? distance / double(params.length_unit) : 1;
+            const double cap = (published ? 1 - std::sqrt(1 - ratio) : ratio) * unit;
             r.occlusion += cap * cos_p;
             // At ratio = 1 the cap's slope has no bound; its square root errs by the root of what the ratio does.
-            const double root = published && ratio > 0.9 ? std::sqrt(2 * off + 16 * u) * distance : 0;
+            const double root = published && ratio > 0.9 ? std::sqrt(2 * off + 16 * u) * unit : 0;
             r.occlusion_error += cap * (5 * off + 32 * u) + root;
             continue;
         }
