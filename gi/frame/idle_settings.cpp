@@ -47,7 +47,7 @@ const std::vector<Idle>& idles() {
         {"rsm", {}, "", [](const Settings& s, const Scene&) { return s.method != Method::rsm; }, ""},
         {"indirect", {}, "", [](const Settings& s, const Scene&) { return s.method != Method::rsm; }, ""},
         {"isr", {}, "", [](const Settings& s, const Scene&) { return s.method != Method::isr; }, ""},
-        {"isr", {"light_unit", "length_unit"}, "", [](const Settings& s, const Scene&) { return s.isr.variant == isr::Variant::corrected; }, "isr.variant is corrected"},
+        {"isr", {"solid_angle", "ssao_term", "light_unit", "length_unit"}, "", [](const Settings& s, const Scene&) { return s.isr.variant == isr::Variant::corrected; }, "isr.variant is corrected"},
         {"probes", {}, "", [](const Settings& s, const Scene&) { return s.method != Method::probes; }, ""},
         {"lod", {}, "", [](const Settings& s, const Scene&) { return s.method != Method::probes; }, ""},
         {"radiosity", {}, "", [](const Settings& s, const Scene&) { return s.method != Method::radiosity; }, ""},

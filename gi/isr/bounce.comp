@@ -11,6 +11,7 @@ layout(std140, binding = 0) uniform BounceUniforms {
     int receivers_width;
     int receivers_height;
     int margin;
+    int reflected;  // 1: E has rho already
 } u;
 layout(binding = 1) uniform sampler2D radiosity_image;    // xyz B0, W/m2, w radiation mask
 layout(binding = 2) uniform sampler2D reflectance_image;  // xyz rho
@@ -23,7 +24,8 @@ vec4 bounce(ivec2 pixel) {
     bool inside = at.x >= 0 && at.x < u.receivers_width && at.y >= 0 && at.y < u.receivers_height;
     TAP(inside, inside);
     ivec2 fetched = inside ? at : ivec2(0);
-    vec3 rho = texelFetch(reflectance_image, fetched, 0).xyz;     TAP(rho, rho);
+    vec3 rho = u.reflected != 0 ? vec3(1.0) : texelFetch(reflectance_image, fetched, 0).xyz;
+    TAP(rho, rho);
     vec3 e = texelFetch(gathered_image, fetched, 0).xyz;          TAP(irradiance, e);
     precise vec3 sent = vec3(b0.x + rho.x * e.x, b0.y + rho.y * e.y, b0.z + rho.z * e.z);
     vec3 b = inside ? sent : b0.xyz;                              TAP(radiosity, b);

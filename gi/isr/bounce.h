@@ -31,7 +31,7 @@ inline StageDescription<BounceInputsView> describe(BounceKernel) {
                     .size = receivers, .why = why}},
         .outputs = {{.name = "bounced", .at = &View::bounced, .unit = "W/m2",
                      .meaning = "B = B0 + rho E of all sources; w: radiation mask"}},
-        .params = params_of({"bounces"}),
+        .params = params_of({"variant", "bounces"}),
         .uniforms = {{"receivers_width", 1, 32767}, {"receivers_height", 1, 32767}},
         .cost = {4, "pixels"},
     };

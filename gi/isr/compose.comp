@@ -14,7 +14,8 @@ layout(std140, binding = 0) uniform ComposeUniforms {
     int published;
     int width;
     int height;
-    float light_unit;  // W/(m2 sr) for which a colour of 1 stands; read where published
+    float light_unit;  // W/(m2 sr) of a colour of 1, read where published
+    int occlusion;     // 1: (29) adds what is occluded, read where published
 } u;
 layout(binding = 1) uniform sampler2D normal_image;    // w: 1 on a surface, 0 where nothing is
 layout(binding = 2) uniform sampler2D albedo_image;    // rho
@@ -32,7 +33,9 @@ vec3 compose(ivec2 pixel) {
     vec3 indirect = lit.xyz;                                    TAP(indirect, indirect);
     float open = lit.w;                                         TAP(accessibility, open);
 
-    precise float passes = min(max(open + 1.0 - u.k_ssao, 0.0), 1.0);  TAP(passes, passes);
+    precise float occluded = 1.0 - open;
+    float term = u.published != 0 && u.occlusion != 0 ? occluded : open;
+    precise float passes = min(max(term + 1.0 - u.k_ssao, 0.0), 1.0);  TAP(passes, passes);
     precise vec3 e = u.k_isr * indirect;
     precise vec3 radiance;
     if (u.published != 0) {

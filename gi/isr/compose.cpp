@@ -29,6 +29,7 @@ ComposeUniforms uniforms(const IsrParams& params, const ComposeInputs& in) {
     u.inv_pi = float(1 / host::pi);
     u.k_ssao = params.k_ssao, u.k_isr = params.k_isr;
     u.published = params.variant == Variant::published;
+    u.occlusion = u.published && params.ssao_term == SsaoTerm::occlusion;
     if (u.published) u.light_unit = params.light_unit > 0 ? params.light_unit : mean_light(bound("isr.compose", "direct", in.direct));
     u.width = in.normal->width, u.height = in.normal->height;
     return u;

@@ -31,7 +31,7 @@ inline StageDescription<ComposeInputsView> describe(ComposeKernel) {
                     .meaning = "indirect irradiance; w: accessibility"}},
         .outputs = {{.name = "radiance", .at = &View::radiance, .unit = "W/(m2 sr)",
                      .meaning = "outgoing radiance towards the viewer"}},
-        .params = params_of({"variant", "light_unit", "k_ssao", "k_isr", "ambient"}),
+        .params = params_of({"variant", "ssao_term", "light_unit", "k_ssao", "k_isr", "ambient"}),
         .uniforms = {{"published", 0, 1}},
         .cost = {5, "pixels"},
     };

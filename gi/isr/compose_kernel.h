@@ -24,7 +24,7 @@ struct ComposeUniforms {
     std::int32_t published;
     std::int32_t width, height;
     float light_unit;      // W/(m2 sr) for which a colour of 1 stands; read where published
-    std::int32_t padding;
+    std::int32_t occlusion;  // 1: (29) adds occlusion; read where published
 };
 static_assert(sizeof(ComposeUniforms) == 64);
 
@@ -52,7 +52,8 @@ PLUMB_INLINE vec3<F> compose(const ComposeInputsView& in, index_t<F> px, index_t
     const vec3<F> indirect = xyz<F>(lit);                            tap("indirect", indirect, "E, W/m2; published: a colour");
     const F open = lit.w;                                            tap("accessibility", open, "A");
 
-    const F passes = clamp(open + F(1.0f) - F(u.k_ssao), F(0.0f), F(1.0f));
+    const F term = u.published != 0 && u.occlusion != 0 ? F(1.0f) - open : open;
+    const F passes = clamp(term + F(1.0f) - F(u.k_ssao), F(0.0f), F(1.0f));
     tap("passes", passes, "ISR (29): saturate(A + 1 - k_ssao)");
     const F k_isr(u.k_isr), inv_pi(u.inv_pi);
     const F e[3] = {k_isr * indirect.x, k_isr * indirect.y, k_isr * indirect.z};

@@ -34,10 +34,15 @@ SampleUniforms sample_uniforms(const IsrParams& params, const Image4& surface, c
     const IsrParams p = resolved(params);
     u.rotations = p.rotations, u.seed = seed;
     u.tile = p.turn == Turn::tile ? tile_of(p.rotations) : 0;
-    u.published = params.variant == Variant::published;
+    u.published = params.variant == Variant::published ? 1 + int(params.solid_angle) : 0;
     u.inverse_matrix = params.position == Position::inverse_matrix;
     u.least_cosine = params.least_cosine;
     return u;
+}
+
+// Of published: what the sums of (25) and (26) are multiplied by.
+float scale_of(const IsrParams& params, int rings) {
+    return params.solid_angle == SolidAngle::none ? 1.0f : float(2 * host::pi / sample_count(rings));
 }
 
 void check_pattern(const char* stage, const Pattern* pattern, int rings, const IsrParams& params) {
@@ -56,7 +61,7 @@ SampleUniforms uniforms(const IsrParams& params, const SsaoInputs& in) {
     u.rings = params.ssao_rings;
     u.full_reach = 3.4e38f;
     u.area = float(side * side / host::pi);
-    u.scale = float(2 * host::pi / sample_count(params.ssao_rings));
+    u.scale = scale_of(params, params.ssao_rings);
     u.per_length = params.length_unit > 0 ? float(1 / double(params.length_unit)) : 0;
     return u;
 }
@@ -70,7 +75,7 @@ SampleUniforms uniforms(const IsrParams& params, const GatherInputs& in) {
     u.far_rings = params.far_rings;
     u.full_reach = params.far_rings > 0 ? float(params.rings * double(params.full_depth)) : 3.4e38f;
     u.area = float(side * side);
-    u.scale = float(2 * host::pi / sample_count(params.rings));
+    u.scale = scale_of(params, params.rings);
     return u;
 }
 
@@ -106,14 +111,15 @@ StageData data_of(const IsrParams& params, const SsaoInputs& in) {
     return d;
 }
 
-StageData data_of(const IsrParams&, const BounceInputs& in) {
+StageData data_of(const IsrParams& params, const BounceInputs& in) {
     const char* stage = "isr.bounce";
     const glm::ivec2 size = size_of(bound(stage, "radiosity", in.radiosity));
     const glm::ivec2 receivers = size_of(bound(stage, "reflectance", in.reflectance));
     if (in.margin < 0 || size.x < receivers.x + in.margin || size.y < receivers.y + in.margin)
         throw InputError(fmt::format("{}: margin = {}: expected 0 or more, and radiosity of at least {} x {}: it is {} x {}",
                                      stage, in.margin, receivers.x + in.margin, receivers.y + in.margin, size.x, size.y));
-    StageData d = begin_data<BounceKernel>(size, BounceUniforms{size.x, size.y, receivers.x, receivers.y, in.margin, {}});
+    StageData d = begin_data<BounceKernel>(size, BounceUniforms{size.x, size.y, receivers.x, receivers.y, in.margin,
+                                                               params.variant == Variant::published, {}});
     lend(d, {{"radiosity", in.radiosity}, {"reflectance", in.reflectance}, {"gathered", in.gathered}});
     return d;
 }

@@ -56,7 +56,7 @@ inline StageDescription<GatherInputsView> describe(GatherKernel) {
                     .count = [](const View& v) { return std::size_t(sample_count(v.u.rings)); }, .why = "one for each sample", .optional = true}},
         .outputs = {{.name = "gathered", .at = &View::gathered, .unit = "W/m2",
                      .meaning = "irradiance; w: sum of form factors"}},
-        .params = params_of({"variant", "pattern", "rings", "reach", "growth", "spacing", "rotations", "turn", "far_rings", "full_depth", "position",
+        .params = params_of({"variant", "solid_angle", "pattern", "rings", "reach", "growth", "spacing", "rotations", "turn", "far_rings", "full_depth", "position",
                              "least_cosine"}),
         .uniforms = {{"rings", 0, 127}, {"source_width", 1, 32767}, {"source_height", 1, 32767}},
         .refuses = [](const View& v, glm::ivec2 size) { return refuse_samples(v.u, size); },

@@ -7,6 +7,11 @@ float form_factor(vec3 n_p, Source x) {
     precise float cos_p = max(0.0, n_p.x * d.x + n_p.y * d.y + n_p.z * d.z);       TAP(cos_p, cos_p);
     precise float cos_x = max(0.0, -(x.normal.x * d.x + x.normal.y * d.y + x.normal.z * d.z));
     TAP(cos_x, cos_x);
+    if (u.published == 3) {
+        precise float seen = cos_x > 0.0 ? cos_p / sqrt(d2) : 0.0;
+        precise float share = seen * 0.318309886;                 TAP(form, share);
+        return share;
+    }
     precise float cosines = cos_p * (1.0 / d2) * cos_x;
     precise float pi_d2 = 3.14159265 * d2;
     precise float divisor = u.published != 0 ? pi_d2 : pi_d2 + x.area;
@@ -42,7 +47,10 @@ vec4 gather_by(Surface p, vec4 before, float mask, ivec2 pixel, int rotation) {
         }
     }
     TAP_SAMPLE(-1);
-    precise float by_mask = mask * u.scale;
+    // N of (25) is of the samples that the pixel has: with fewer far away fewer than 4 k (k + 1).
+    precise float fewer = float(4 * u.rings * (u.rings + 1)) / max(float(k), 1.0);
+    precise float scaled = u.scale * fewer;
+    precise float by_mask = mask * (u.published == 2 ? u.scale : scaled);
     precise float by_forms = 1.0 / max(1.0, forms);
     float share = published ? by_mask : by_forms;
     precise vec3 light = sum * share;

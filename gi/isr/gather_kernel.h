@@ -90,12 +90,18 @@ PLUMB_INLINE index_t<F> rotation_of(const SampleUniforms& u, index_t<F> px, inde
 }
 
 // F_pX. Dividing twice keeps the range of a float, where d^4 would overflow from 4e9 m and vanish below 1e-10 m.
+// by_angle: as if a sample, wherever it lies, had its share of the hemisphere, which the caller multiplies: cos_p / pi.
 template <class F, bool published, class Tap>
-PLUMB_INLINE F form_factor(const vec3<F>& n_p, const Source<F>& x, Tap& tap) {
+PLUMB_INLINE F form_factor(const vec3<F>& n_p, const Source<F>& x, bool by_angle, Tap& tap) {
     const vec3<F> d = x.to;
     const F d2 = max(dot3(d, d), F(least_distance2));             tap("d2", d2, "|X - P|^2, m2");
     const F cos_p = max(F(0.0f), dot3(n_p, d));                   tap("cos_p", cos_p, "max(0, n_p.(X - P)), m");
     const F cos_x = max(F(0.0f), -dot3(x.normal, d));             tap("cos_x", cos_x, "max(0, n_X.(P - X)), m");
+    if (published && by_angle) {
+        const F seen = select(cos_x > F(0.0f), cos_p / sqrt(d2), F(0.0f));
+        const F form = seen * F(0.318309886f);                    tap("form", form, "cos_p / pi where X faces P");
+        return form;
+    }
     const F cosines = cos_p * (F(1.0f) / d2) * cos_x;
     const F pi_d2 = F(3.14159265f) * d2;
     const F form = cosines * (x.area / (published ? pi_d2 : pi_d2 + x.area));
@@ -111,7 +117,7 @@ PLUMB_INLINE vec4<F> gather_by(const SampleUniforms& u, const Surface<F>& p, con
     const vec3<F> none{zero, zero, zero};
     const F largest = published ? one : max(one, before.w);
     vec3<F> sum = published ? none : vec3<F>{before.x * largest, before.y * largest, before.z * largest};
-    F forms = before.w;
+    F forms = before.w, taken = zero;
     int k = 0;
     for (int ring = 1; ring <= u.rings; ++ring) {
         // ISR chapter 6: fewer samples for pixels far away.
@@ -120,6 +126,7 @@ PLUMB_INLINE vec4<F> gather_by(const SampleUniforms& u, const Surface<F>& p, con
         if (!any(active)) break;
         // Without a normal nothing is gathered.
         const vec3<F> n_p = select3<F>(active, p.normal, none);
+        taken += select(active, F(float(8 * ring)), zero);
         for (int i = 0; i < 8 * ring; ++i, ++k) {
             tap.sample(k);
             const Source<F> x = sources.at(k, p, tap);
@@ -127,7 +134,7 @@ PLUMB_INLINE vec4<F> gather_by(const SampleUniforms& u, const Surface<F>& p, con
             tap("n_x", x.normal, "unit normal of X");
             tap("area", x.area, "A_X, m2");
             tap("radiosity", x.radiosity, "B_X, W/m2");
-            const F form = x.weight * form_factor<F, published>(n_p, x, tap);
+            const F form = x.weight * form_factor<F, published>(n_p, x, u.published == 3, tap);
             sum.x += form * x.radiosity.x;
             sum.y += form * x.radiosity.y;
             sum.z += form * x.radiosity.z;
@@ -135,7 +142,9 @@ PLUMB_INLINE vec4<F> gather_by(const SampleUniforms& u, const Surface<F>& p, con
         }
     }
     tap.sample(-1);
-    const F share = published ? mask * F(u.scale) : one / max(one, forms);
+    // N of (25) is of the samples that the pixel has: with fewer far away fewer than 4 k (k + 1).
+    const F fewer = F(float(4 * u.rings * (u.rings + 1))) / max(taken, one);
+    const F share = published ? mask * (u.published == 2 ? F(u.scale) : F(u.scale) * fewer) : one / max(one, forms);
     vec3<F> light = sum * share;
     if (published) light = light + xyz<F>(before);
     const vec3<F> irradiance = select3<F>(covered, light, none);

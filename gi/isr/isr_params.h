@@ -17,6 +17,8 @@ enum class Blur : int { automatic, none, gaussian, edge_aware };
 enum class Upsample : int { bilateral, bilinear };
 enum class Ambient : int { none, environment };
 enum class Turn : int { automatic, hash, tile };
+enum class SolidAngle : int { printed, none, hemisphere };
+enum class SsaoTerm : int { accessibility, occlusion };
 enum class PatternKind : int { automatic, rings, grid };
 
 // The table [isr] of a scene file; fields() says what each means.
@@ -46,6 +48,8 @@ struct IsrParams {
     float blur_sigma = 0;
     Upsample upsample = Upsample::bilateral;
     float epsilon = 1e-3f;
+    SolidAngle solid_angle = SolidAngle::printed;
+    SsaoTerm ssao_term = SsaoTerm::accessibility;
     float light_unit = 0;
     float length_unit = 0;
     float k_ssao = 0;

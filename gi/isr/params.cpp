@@ -67,6 +67,13 @@ std::vector<Field> fields(IsrParams& p) {
          {"bilateral", "bilinear"}, true},
         {"epsilon", &p.epsilon, "", "of ISR (27), added to the difference of depths; a share of the depth; ours", 1e-9, 1e9, {},
          true},
+        {"solid_angle", as_int(p.solid_angle), "",
+         "of variant = published, what 2 pi / N of (25) and (26) is: printed, a factor beside the form factor; none, since form factor "
+         "and cap have their solid angle; hemisphere, the solid angle that the sample itself has, in place of the area in (6)",
+         0, 2, {"printed", "none", "hemisphere"}, true},
+        {"ssao_term", as_int(p.ssao_term), "",
+         "of variant = published, what (29) adds to 1 - k_ssao: accessibility, 1 less the occlusion of (26), or occlusion itself, as "
+         "printed, more of which brightens", 0, 1, {"accessibility", "occlusion"}, true},
         {"light_unit", &p.light_unit, "W/(m2 sr)",
          "of variant = published: the radiance for which a colour of 1 in (25) and (29) stands; 0: what a white surface sends in "
          "the mean where lamps shine in the frame; ours", 0, 1e30, {}, true},

@@ -39,7 +39,7 @@ inline StageDescription<SsaoInputsView> describe(SsaoKernel) {
                     .why = "samples x rotations"}},
         .outputs = {{.name = "lit", .at = &View::lit, .unit = "W/m2", .meaning = "irradiance; w: accessibility",
                      .unwritten = {0, 0, 0, 1}}},
-        .params = params_of({"variant", "ssao_rings", "ssao_spacing", "rotations", "turn", "position", "length_unit"}),
+        .params = params_of({"variant", "solid_angle", "ssao_rings", "ssao_spacing", "rotations", "turn", "position", "length_unit"}),
         .uniforms = {{"rings", 0, 127}, {"source_width", 1, 32767}, {"source_height", 1, 32767}},
         .refuses = [](const View& v, glm::ivec2 size) { return refuse_samples(v.u, size); },
         .cost = {1, "samples"},

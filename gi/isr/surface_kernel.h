@@ -20,13 +20,13 @@ struct SampleUniforms {
     std::int32_t rotations;              // a power of two
     std::uint32_t seed;
     std::int32_t far_rings;              // that every pixel has
-    std::int32_t published;              // 1: ISR (25) and (26)
+    std::int32_t published;              // ISR (25) and (26): 1 as printed, 2 without 2 pi / N, 3 that in place of an area
     std::int32_t inverse_matrix;         // 1: surfaces hold clip depth
     std::int32_t tile;                   // side of the tile that deals out rotations, pixels; 0: a hash does
     float area;                          // m2 of the patch around a sample at eye depth 1, seen head-on; isr.ssao: over pi
     float least_cosine;
     float full_reach;                    // m: ring r beyond far_rings is for pixels with r z at most this
-    float scale;                         // published: 2 pi / N
+    float scale;                         // published: 2 pi / N, of all rings; without it 1
     float per_length;                    // 1/m, isr.ssao published: the cosine of (26) is of PX times it; 0: of PX over |PX|
     std::int32_t padding[3];
 };

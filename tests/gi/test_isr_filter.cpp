@@ -388,8 +388,18 @@ TEST_CASE("isr.compose: (29) by hand, corrected and as printed", "[isr][ISR (29)
     const glm::vec4 given = p.of(scaled);
     scaled.light_unit = 0;
     CHECK(p.of(scaled) == given);
+    // (29) with the occlusion of (26) itself: more of it brightens.
+    scaled.ssao_term = SsaoTerm::occlusion, scaled.k_ssao = 0.5f, scaled.k_isr = 0;
+    for (float open : {0.25f, 0.75f, 1.0f}) {
+        Pixel q;
+        q.indirect(0, 0).w = open;
+        const double passes = std::min(1.0, 1 - double(open) + 0.5);
+        for (int c = 0; c < 3; ++c)
+            CHECK(q.of(scaled)[c] == Approx((double(q.albedo(0, 0)[c]) * double(q.direct(0, 0)[c]) * passes + double(q.emission(0, 0)[c])) / pi).epsilon(1e-6));
+    }
     Pixel dark;
     dark.direct(0, 0) = glm::vec4(0);
+    scaled.k_isr = 1;
     for (int c = 0; c < 3; ++c) CHECK(dark.of(scaled)[c] == Approx(double(dark.emission(0, 0)[c]) / pi).epsilon(1e-6));
     Pixel sky;
     sky.normal(0, 0) = glm::vec4(0);

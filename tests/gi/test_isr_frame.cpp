@@ -106,7 +106,8 @@ Scene scaled(const Scene& scene, double length, double light) {
 TEST_CASE("isr: published, the picture is the same for every scale of lamps and of the scene", "[frame][isr][ISR (29)]") {
     const Scene scene = cornell();
     frame::Settings settings = isr_settings();
-    settings.isr.variant = isr::Variant::published, settings.isr.k_ssao = settings.isr.k_isr = 0.5f;
+    settings.isr.variant = isr::Variant::published, settings.isr.k_ssao = 1, settings.isr.k_isr = 0.5f;
+    settings.isr.solid_angle = isr::SolidAngle::none;
     auto shown = [&](double length, double light) {
         frame::Settings s = settings;
         s.shadow.bias *= float(length), s.tonemap.exposure /= float(light);
@@ -119,7 +120,7 @@ TEST_CASE("isr: published, the picture is the same for every scale of lamps and 
     CHECK(mean(once.display) > 1.01 * mean(render(scene, without).display));
     without.isr.k_ssao = 0;
     const frame::Frame direct = render(scene, without);
-    without.isr.k_ssao = 0.5f;
+    without.isr.k_ssao = 1;
     CHECK(mean(render(scene, without).display) < 0.995 * mean(direct.display));
     // To the bit by powers of two.
     CHECK(same(shown(1, 128).display, once.display));

@@ -146,20 +146,25 @@ Reference expected_of(const Noise& room, const IsrParams& params, const Pattern&
             continue;
         }
         const double pattern_weight = double(pattern.weights[std::size_t(k)]);
-        const double weight = area / (M_PI * distance * distance + (published ? 0 : area));
-        const double form = cos_p * cos_x * weight * pattern_weight, error = pattern_weight * weight * (4 * off + off_area + 16 * u);
+        const bool by_angle = published && params.solid_angle == SolidAngle::hemisphere;
+        // A sample whose cosine is nearly 0 may face away after rounding: then it is all of the error.
+        const double weight = by_angle ? 1 / M_PI : area / (M_PI * distance * distance + (published ? 0 : area));
+        const bool faces = by_angle ? cos_x > 0 : true;
+        const double form = cos_p * (by_angle ? double(faces) : cos_x) * weight * pattern_weight;
+        const double edge = by_angle && cos_x <= 4 * off ? cos_p * weight : 0, error = pattern_weight * weight * (4 * off + off_area + 16 * u) + edge;
         const glm::dvec3 b(room.source_radiosity(x, y));
         r.forms += form, sum += form * b;
         largest = std::max(largest, std::max(b.x, std::max(b.y, b.z)));
         r.forms_error += error + pattern.samples * u * form;
     }
     if (ssao) {
-        const double scale = published ? 2 * M_PI / pattern.samples : 1;
+        const double scale = published && params.solid_angle != SolidAngle::none ? 2 * M_PI / pattern.samples : 1;
         r.occlusion *= scale, r.occlusion_error = scale * r.occlusion_error + pattern.samples * u * r.occlusion;
         return r;
     }
     const double mask = double(room.source_radiosity(px + room.margin, py + room.margin).w);
-    const double share = published ? mask * 2 * M_PI / pattern.samples : 1 / std::max(1.0, r.forms);
+    const double part = params.solid_angle == SolidAngle::none ? 1 : 2 * M_PI / pattern.samples;
+    const double share = published ? mask * part : 1 / std::max(1.0, r.forms);
     r.irradiance = sum * share;
     // E = sum / max(1, S): both move.
     r.light_error = 2 * r.forms_error * share * largest + 8 * u * largest * share * r.forms;
@@ -324,7 +329,7 @@ TEST_CASE("isr.downsample: means over what sees a surface, by hand", "[isr][ISR 
 // ---- Gather and ambient occlusion ----------------------------------------------------------------------------------
 
 TEST_CASE("isr.gather, isr.ssao: the equations, in double, within what rounding may change", "[isr][ISR (25)][ISR (26)]") {
-    for (int kind : {0, 1, 2})
+    for (int kind : {0, 1, 2, 3, 4})
         for (Position position : {Position::linear, Position::inverse_matrix})
             for (int margin : {0, 5}) {
                 CAPTURE(kind, int(position), margin);
@@ -332,6 +337,8 @@ TEST_CASE("isr.gather, isr.ssao: the equations, in double, within what rounding 
                 IsrParams params = small_params();
                 if (kind == 1) params.variant = Variant::published;
                 if (kind == 2) in_rings(params), params.rotations = 1;
+                if (kind == 3) params.variant = Variant::published, params.solid_angle = SolidAngle::none, params.length_unit = 0.25f;
+                if (kind == 4) params.variant = Variant::published, params.solid_angle = SolidAngle::hemisphere;
                 const Pattern pattern = gather_pattern(params, some_height), near = ssao_pattern(params);
                 // Clip depth in a float holds eye depth to 2^-24 z / near; the reference has the linear one.
                 Noise stored = room;
@@ -524,6 +531,75 @@ TEST_CASE("isr.gather: pixels far away have fewer rings", "[isr][ISR 6]") {
     IsrParams all = small_params();
     const Image4 near = gathered(all, room.gather(pattern)), far = gathered(one, room.gather(inner));
     for (std::size_t i = 0; i < mixed.size(); ++i) CHECK(mixed.texels[i] == (i % 2 ? near : far).texels[i]);
+}
+
+TEST_CASE("isr.gather: published, N is of the samples that a pixel has", "[isr][ISR (25)][ISR 6]") {
+    Noise room({30, 20});
+    IsrParams params = small_params();
+    params.variant = Variant::published;
+    IsrParams fewer = params, one = params;
+    fewer.far_rings = 1, fewer.full_depth = 0.75f;
+    one.rings = 1;
+    for (std::size_t i = 0; i < room.surface.size(); ++i)
+        if (room.surface.texels[i].w > 0) room.surface.texels[i].w = room.source_surface.texels[i].w = i % 2 ? 0.5f : 5.0f;
+    const Pattern pattern = gather_pattern(params, some_height), inner = gather_pattern(one, some_height);
+    for (SolidAngle of : {SolidAngle::printed, SolidAngle::none, SolidAngle::hemisphere}) {
+        CAPTURE(int(of));
+        params.solid_angle = fewer.solid_angle = one.solid_angle = of;
+        const Image4 mixed = gathered(fewer, room.gather(pattern)), near = gathered(params, room.gather(pattern)),
+                     far = gathered(one, room.gather(inner));
+        CHECK(same_bits(mixed, gathered(fewer, room.gather(pattern), scalar())));
+        bool lit = false;
+        for (std::size_t i = 0; i < mixed.size(); ++i) {
+            if (i % 2) CHECK(mixed.texels[i] == near.texels[i]);
+            for (int c = 0; c < 4 && i % 2 == 0; ++c) {
+                CHECK(mixed.texels[i][c] == Approx(far.texels[i][c]).epsilon(1e-6));
+                lit = lit || far.texels[i][c] > 0;
+            }
+        }
+        CHECK(lit);
+    }
+}
+
+TEST_CASE("isr.bounce: as printed, what is gathered has the receiver's reflectance once", "[isr][ISR (8)][analytic]") {
+    // (25) is a term of (8) with rho_p in it: M_i = M0_i + rho_i sum M_j F_ij. Two bounces by hand, of masks that differ.
+    const Noise room({7, 5}, 2);
+    Image4 e(7, 5, glm::vec4(2, 3, 4, 9)), out;
+    IsrParams printed;
+    printed.variant = Variant::published;
+    run(printed, BounceInputs{&room.source_radiosity, &room.reflectance, &e, 2}, {}, out);
+    for (int y = 0; y < out.height; ++y)
+        for (int x = 0; x < out.width; ++x) {
+            const glm::vec4 b0 = room.source_radiosity(x, y);
+            const bool inside = x >= 2 && y >= 2 && x < 9 && y < 7;
+            CHECK(out(x, y) == glm::vec4(glm::vec3(b0) + (inside ? glm::vec3(2, 3, 4) : glm::vec3(0)), b0.w));
+        }
+    // Through both stages: the second bounce is linear in the first one's light, with the mask once a bounce.
+    IsrParams params = small_params();
+    params.variant = Variant::published;
+    Noise halved({24, 17});
+    const Noise full = halved;
+    for (glm::vec4& b : halved.source_radiosity.texels) b.w *= 0.5f;
+    const Pattern pattern = gather_pattern(params, some_height);
+    auto second = [&](const Noise& of) {
+        GatherInputs in = of.gather(pattern);
+        const Image4 first = gathered(params, in);
+        Image4 sent;
+        run(params, BounceInputs{&of.source_radiosity, &of.reflectance, &first, 0}, {}, sent);
+        in.source_radiosity = &sent;
+        std::pair<Image4, Image4> both{first, gathered(params, in)};
+        return both;
+    };
+    const auto [a1, a2] = second(full);
+    const auto [b1, b2] = second(halved);
+    double more = 0;
+    for (std::size_t i = 0; i < a1.size(); ++i)
+        for (int c = 0; c < 3; ++c) {
+            CHECK(b1.texels[i][c] == Approx(0.5f * a1.texels[i][c]).epsilon(1e-6));
+            CHECK(b2.texels[i][c] - b1.texels[i][c] == Approx(0.25f * (a2.texels[i][c] - a1.texels[i][c])).epsilon(1e-3).margin(1e-7));
+            more = std::max(more, double(a2.texels[i][c] - a1.texels[i][c]));
+        }
+    CHECK(more > 1e-4);
 }
 
 TEST_CASE("isr: the same bits for every instruction set and thread count, from planes and from images", "[isr][bits]") {

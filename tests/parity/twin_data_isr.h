@@ -81,12 +81,15 @@ inline StageData isr_ssao_case(glm::ivec2 size, const isr::IsrParams& params, co
     return named(owned_data(isr::data_of(params, in)), id);
 }
 
-inline StageData isr_bounce_case(glm::ivec2 size, int margin, const std::string& id) {
+inline StageData isr_bounce_case(glm::ivec2 size, int margin, const std::string& id,
+                                 isr::Variant variant = isr::Variant::corrected) {
     const glm::ivec2 receivers = size - 2 * margin;
     const Image4 radiosity = noise_image(size, 66, 0, 3), reflectance = noise_image(receivers, 67, 0, 1),
                  gathered = noise_image(receivers, 68, 0, 5);
     const isr::BounceInputs in{&radiosity, &reflectance, &gathered, margin};
-    return named(owned_data(isr::data_of({}, in)), id);
+    isr::IsrParams params;
+    params.variant = variant;
+    return named(owned_data(isr::data_of(params, in)), id);
 }
 
 inline StageData isr_unseen_case(glm::ivec2 size, int margin, isr::Position position, const std::string& id) {
@@ -138,12 +141,14 @@ inline StageData isr_upsample_case(glm::ivec2 size, isr::Upsample mode, isr::Var
     return named(owned_data(isr::data_of(params, in)), id);
 }
 
-inline StageData isr_compose_case(glm::ivec2 size, isr::Variant variant, const std::string& id) {
+inline StageData isr_compose_case(glm::ivec2 size, isr::Variant variant, const std::string& id,
+                                  isr::SsaoTerm term = isr::SsaoTerm::accessibility, float light_unit = 0) {
     const Points p = room(size, 5);
     const Image4 albedo = noise_image(size, 21, 0, 1), emission = noise_image(size, 22, 0, 3),
                  direct = noise_image(size, 23, 0, 1e3f), indirect = noise_image(size, 24, 0, 1.25f);
     isr::IsrParams params;
     params.variant = variant, params.k_ssao = 0.5f, params.k_isr = 0.75f, params.ambient = isr::Ambient::environment;
+    params.ssao_term = term, params.light_unit = light_unit;
     const isr::ComposeInputs in{&p.normal, &albedo, &emission, &direct, &indirect, {0.25f, 0.5f, 1}};
     return named(owned_data(isr::data_of(params, in)), id);
 }
@@ -156,6 +161,9 @@ inline std::vector<StageData> isr_cases(glm::ivec2 size) {
     fewer.far_rings = 1, fewer.full_depth = 1, fewer.rotations = 2;
     ringed.spacing = 0, ringed.reach = 0.5f, ringed.rotations = 8;
     tiled.spacing = 0, tiled.reach = 0.5f, tiled.rotations = 16;
+    IsrParams summed = printed, by_angle = printed;
+    summed.solid_angle = SolidAngle::none, summed.length_unit = 0.25f;
+    by_angle.solid_angle = SolidAngle::hemisphere, by_angle.far_rings = 1, by_angle.full_depth = 1;
     const auto horizontal = Direction::horizontal, vertical = Direction::vertical;
     const auto corrected = Variant::corrected, published = Variant::published;
     const auto linear = Position::linear, inverse_matrix = Position::inverse_matrix;
@@ -173,8 +181,11 @@ inline std::vector<StageData> isr_cases(glm::ivec2 size) {
         isr_gather_case(size, tiled, "isr.gather.tiles", 3, true),
         isr_gather_case(size, inverse, "isr.gather.inverse", 2),
         isr_gather_case(size, printed, "isr.gather.published", 2, true),
+        isr_gather_case(size, summed, "isr.gather.published.sum", 2, true),
+        isr_gather_case(size, by_angle, "isr.gather.published.hemisphere"),
         isr_bounce_case(size, 0, "isr.bounce"),
         isr_bounce_case(size, 2, "isr.bounce.guard"),
+        isr_bounce_case(size, 2, "isr.bounce.published", published),
         isr_unseen_case(size, 0, linear, "isr.unseen"),
         isr_unseen_case(size, 3, inverse_matrix, "isr.unseen.inverse"),
         isr_gather_camera_case(size, turned, "isr.gather_camera", true),
@@ -186,6 +197,7 @@ inline std::vector<StageData> isr_cases(glm::ivec2 size) {
         isr_ssao_case(size, tiled, "isr.ssao.tiles", 3),
         isr_ssao_case(size, inverse, "isr.ssao.inverse", 2),
         isr_ssao_case(size, printed, "isr.ssao.published"),
+        isr_ssao_case(size, summed, "isr.ssao.published.sum"),
         isr_blur_case(size, Blur::gaussian, corrected, horizontal, "isr.blur.rows"),
         isr_blur_case(size, Blur::gaussian, corrected, vertical, "isr.blur.columns"),
         isr_blur_case(size, Blur::edge_aware, corrected, horizontal, "isr.blur.edges.rows"),
@@ -199,6 +211,7 @@ inline std::vector<StageData> isr_cases(glm::ivec2 size) {
         isr_upsample_case(size, Upsample::bilinear, published, linear, "isr.upsample.bilinear.published"),
         isr_compose_case(size, corrected, "isr.compose"),
         isr_compose_case(size, published, "isr.compose.published"),
+        isr_compose_case(size, published, "isr.compose.published.occlusion", SsaoTerm::occlusion, 2.5f),
     };
 }
 
