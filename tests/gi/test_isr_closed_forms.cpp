@@ -257,6 +257,35 @@ TEST_CASE("isr.ssao: spheres on a disc and on a wall occlude what their integral
     }
 }
 
+TEST_CASE("isr.ssao: a sphere's occlusion is (11) over its cap, which neither (13) nor (14) is", "[isr][ISR (13)][ISR (14)][analytic]") {
+    // README, Ambient occlusion: 1 / pi times the cosine's integral over directions within asin(q) of the sphere's centre, which
+    // lies `tilt` from the normal; by the midpoint rule.
+    auto over_cap = [](double q, double tilt) {
+        const int n = 400;
+        const double edge = std::asin(q);
+        double sum = 0;
+        for (int i = 0; i < n; ++i)
+            for (int j = 0; j < n; ++j) {
+                const double theta = edge * (i + 0.5) / n, phi = 2 * M_PI * (j + 0.5) / n;
+                const double cosine = std::cos(tilt) * std::cos(theta) + std::sin(tilt) * std::sin(theta) * std::cos(phi);
+                sum += std::max(0.0, cosine) * std::sin(theta);
+            }
+        return sum * (edge / n) * (2 * M_PI / n) / M_PI;
+    };
+    const double printed[] = {0.0050, 0.1340, 0.5641};
+    int row = 0;
+    for (double q : {0.1, 0.5, 0.9}) {
+        CAPTURE(q);
+        for (double tilt : {0.0, 0.4 * std::acos(q)})  // above the horizon
+            CHECK(over_cap(q, tilt) == Approx(q * q * std::cos(tilt)).epsilon(1e-4));
+        const double h = 1 - std::sqrt(1 - q * q);
+        CHECK(h == Approx(printed[row++]).margin(5e-5));
+        CHECK(h < 0.7 * over_cap(q, 0));      // (14) at 1 m
+        CHECK(2 * h > over_cap(q, 0));        // with 2 pi and 1 / pi, but one cosine for all of the cap
+    }
+    CHECK(2 * (1 - std::sqrt(1 - 0.01)) == Approx(over_cap(0.1, 0)).epsilon(0.003));
+}
+
 TEST_CASE("isr.ssao: published, (26) as printed on one small sphere over its share", "[isr][ISR (26)][analytic]") {
     // (26) on a distant small sphere is (2 pi / N) (r^2 / 2 d^2) d cos_p in the limit: what it should be, r^2 / d^2 cos_p, times
     // pi d / N. So it falls with N, and d is in a unit that (26) does not name: of length_unit, or of its own length.
