@@ -9,6 +9,7 @@
 #include "core/host_math.h"
 #include "gi/probes/bake.h"
 #include "gi/screen/lobe.h"
+#include "raster/gbuffer.h"
 
 namespace plumb::frame {
 
@@ -21,8 +22,28 @@ double guarded_fov_deg(double fov_y_deg, int height, int guard) {
     return 2 * host::atan(host::tan(half) * (height + 2.0 * guard) / height) / to_radians;
 }
 
-// A camera turned about the point that it looks at: to the right, to the left, upwards, downwards.
-Camera turned(const Camera& camera, int which, double angle_deg) {
+// The median of the linear depths that the frame shows, of a picture of few pixels; where it shows nothing, the distance of the
+// point that the camera looks at. `look_at` itself says a direction: how far along it lies is nothing that anyone sees.
+double median_depth(const Scene& scene) {
+    constexpr glm::ivec2 few(64, 48);
+    const Geometry geometry = flatten(scene);
+    const View view = make_view(scene.camera, double(scene.frame_size.x) / scene.frame_size.y);
+    raster::GBuffer g;
+    RunOptions options;
+    options.threads = 1;
+    raster::draw_gbuffer(geometry, raster::prepare(scene, geometry), view, few, raster::Layout::fp32, options, g);
+    std::vector<float> depths;
+    for (std::size_t i = 0; i < g.normal.size(); ++i)
+        if (g.normal.texels[i].w > 0) depths.push_back(g.position.texels[i].w);
+    const glm::dvec3 to = scene.camera.look_at - scene.camera.position;
+    if (depths.empty()) return std::sqrt(to.x * to.x + to.y * to.y + to.z * to.z);
+    const auto middle = depths.begin() + std::ptrdiff_t(depths.size() / 2);
+    std::nth_element(depths.begin(), middle, depths.end());
+    return double(*middle);
+}
+
+// A camera turned about the point in the middle of its picture at that depth: to the right, to the left, upwards, downwards.
+Camera turned(const Camera& camera, double depth, int which, double angle_deg) {
     const CameraAxes a = axes(camera);
     const glm::dvec3 axis = which < 2 ? a.up : a.right;
     const double angle = (which % 2 == 0 ? 1 : -1) * (which < 2 ? 1 : -1) * angle_deg * (host::pi / 180);
@@ -33,7 +54,8 @@ Camera turned(const Camera& camera, int which, double angle_deg) {
         return v * cosine + across * sine + axis * (along * (1 - cosine));
     };
     Camera other = camera;
-    other.position = camera.look_at + rotate(camera.position - camera.look_at);
+    other.look_at = camera.position + a.forward * depth;
+    other.position = other.look_at + rotate(a.forward * -depth);
     other.up = rotate(a.up);
     return other;
 }
@@ -98,9 +120,10 @@ std::vector<IsrView> isr_views(const Scene& scene, const Settings& settings) {
         views.push_back(next);
     }
     // Half the frame's resolution: what they add is seen at grazing angles, or not at all (ISR chapter 6).
+    const double pivot = settings.isr.cameras > 0 ? median_depth(scene) : 0;
     for (int i = 0; i < settings.isr.cameras; ++i)
         views.push_back({ViewKind::camera, fmt::format("camera {}", i + 1),
-                         turned(scene.camera, i, double(settings.isr.camera_angle)), (scene.frame_size + 1) / 2});
+                         turned(scene.camera, pivot, i, double(settings.isr.camera_angle)), (scene.frame_size + 1) / 2});
     return with_mirrored();
 }
 

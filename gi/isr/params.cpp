@@ -50,7 +50,7 @@ std::vector<Field> fields(IsrParams& p) {
          {SweepRange::Role::curves, {}, "", ""}},
         {"cameras", &p.cameras, "", "additional cameras whose surfaces send light (ISR chapter 6)", 0, 4, {}, false,
          {SweepRange::Role::curves, {}, "", ""}},
-        {"camera_angle", &p.camera_angle, "degrees", "by which they are turned about the point that the camera looks at; ours",
+        {"camera_angle", &p.camera_angle, "degrees", "by which they are turned about the point in the frame's middle, as far away as the median of what the frame shows; ours",
          1, 180, {}, false},
         {"position", as_int(p.position), "",
          "how positions are rebuilt: from linear depth (ISR 4.3), or by inverse matrices and a division by w (4.7)", 0, 1,

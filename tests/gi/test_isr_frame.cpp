@@ -3,6 +3,7 @@
 #include <cstring>
 
 #include "core/error.h"
+#include "gi/frame/isr.h"
 #include "tests/gi/keys_of.h"
 #include "tests/gi/moving_scene.h"
 
@@ -255,6 +256,48 @@ TEST_CASE("isr: a camera that sees what the frame sees adds nothing", "[frame][i
     const frame::Frame more = render(scene, settings);
     CHECK(mean(more.isr.lit) < 1.02 * mean(alone.isr.lit));
     CHECK(mean(more.isr.lit) >= mean(alone.isr.lit));
+}
+
+TEST_CASE("isr: cameras turn about what the frame shows, however far along its axis look_at lies", "[frame][isr]") {
+    Scene scene = cornell();
+    frame::Settings settings = isr_settings();
+    settings.isr.cameras = 4;
+    const frame::Frame near = render(scene, settings);
+    // Four cameras that turn by 30 degrees about a point in the room stand near it; what they see is light that the frame lacks.
+    settings.isr.cameras = 0;
+    CHECK(mean(near.isr.lit) > 1.02 * mean(render(scene, settings).isr.lit));
+    settings.isr.cameras = 4;
+    // Along the axis z the direction is the same to the bit.
+    for (const double z : {3.5, -40.0, -1e6}) {
+        CAPTURE(z);
+        scene.camera.look_at.z = z;
+        const frame::Frame other = render(scene, settings);
+        CHECK(same(near.radiance, other.radiance));
+        CHECK(same(near.isr.lit, other.isr.lit));
+    }
+    // In the middle of the frame at the median depth: halfway from the eye the room's surfaces are nearer and farther.
+    const std::vector<frame::IsrView> views = frame::isr_views(scene, settings);
+    std::vector<float> depths;
+    for (std::size_t i = 0; i < near.gbuffer.normal.size(); ++i)
+        if (near.gbuffer.normal.texels[i].w > 0) depths.push_back(near.gbuffer.position.texels[i].w);
+    std::sort(depths.begin(), depths.end());
+    const double low = double(depths[depths.size() * 45 / 100]), high = double(depths[depths.size() * 55 / 100]);
+    REQUIRE(views.size() == 5);
+    for (std::size_t v = 1; v < views.size(); ++v) {
+        const Camera& camera = views[v].camera;
+        const double depth = scene.camera.position.z - camera.look_at.z;
+        CHECK(camera.look_at.x == 0.0);
+        CHECK(camera.look_at.y == 1.0);
+        CHECK(depth >= low);
+        CHECK(depth <= high);
+        const glm::dvec3 from = camera.position - camera.look_at;
+        CHECK(std::sqrt(from.x * from.x + from.y * from.y + from.z * from.z) == Approx(depth).epsilon(1e-12));
+    }
+    // Nothing to see: about the point that it looks at.
+    scene.meshes.clear();
+    scene.camera.look_at = {0, 1, 1.6};
+    for (const frame::IsrView& view : frame::isr_views(scene, settings))
+        if (view.kind == frame::ViewKind::camera) CHECK(view.camera.look_at.z == Approx(1.6).epsilon(1e-12));
 }
 
 TEST_CASE("isr: bounces grow to a limit that keeps energy", "[frame][isr]") {
