@@ -50,7 +50,10 @@ void forget(Context& c, const Plan& plan) {
     if (c.settings.probe_run.loop != probes::Loop::pipelined) f.probes.last = f.probes.next = {};
     if (isr.bounces < 2) f.isr.reflectance = {};
     if (isr.guard > 0) f.isr.radiosity = {};  // the wider view's takes its place
+    const bool native = isr.resolution == isr::Resolution::native;
     if (isr.blur == isr::Blur::none) f.isr.blurred_across = f.isr.blurred = {};
+    if (native && isr.blur == isr::Blur::none) f.isr.lit = {};
+    if (native) f.isr.blurred = {};
     if (!casts_shadows(c.settings))
         for (std::vector<raster::Rsm>& maps : f.rsms) maps.clear();
     if (!direct::blurs_maps(c.settings.shadow))

@@ -108,7 +108,8 @@ std::vector<IsrView> isr_views(const Scene& scene, const Settings& settings) {
     if (!gathers_isr(settings)) return with_mirrored();
     const int guard = settings.isr.guard;
     if (guard > 0) {
-        IsrView wide{ViewKind::guard, "guard", scene.camera, scene.frame_size + 2 * guard, guard / 2};
+        IsrView wide{ViewKind::guard, "guard", scene.camera, scene.frame_size + 2 * guard,
+                     guard / isr::coarse_side(settings.isr)};
         wide.camera.fov_y_deg = guarded_fov_deg(scene.camera.fov_y_deg, scene.frame_size.y, guard);
         views.push_back(wide);
     }

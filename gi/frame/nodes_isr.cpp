@@ -42,7 +42,7 @@ class Adder {
             add_blur("horizontal", isr::Direction::horizontal, &IsrBuffers::lit, &IsrBuffers::blurred_across);
             add_blur("vertical", isr::Direction::vertical, &IsrBuffers::blurred_across, &IsrBuffers::blurred);
         }
-        add_upsample();
+        if (!native()) add_upsample();
     }
 
   private:
@@ -71,13 +71,15 @@ class Adder {
         return [=] { result() = Image4(size.x, size.y, glm::vec4(0, 0, 0, 1)); };
     }
 
-    glm::ivec2 coarse() const { return isr::coarse_size(c_.size); }
+    bool native() const { return params_.resolution == isr::Resolution::native; }
+    int side() const { return isr::coarse_side(params_); }
+    glm::ivec2 coarse() const { return isr::coarse_size(c_.size, side()); }
     int drawn() const { return views_before_mirrors(c_.views); }
-    glm::ivec2 coarse_of(int view) const { return isr::coarse_size(c_.views[std::size_t(view)].size); }
-    isr::CoarseCamera frame_camera() const { return isr::coarse_camera(c_.scene.camera, c_.size); }
+    glm::ivec2 coarse_of(int view) const { return isr::coarse_size(c_.views[std::size_t(view)].size, side()); }
+    isr::CoarseCamera frame_camera() const { return isr::coarse_camera(c_.scene.camera, c_.size, 0, side()); }
     isr::CoarseCamera camera_of(int view) const {
         const IsrView& v = c_.views[std::size_t(view)];
-        return v.kind == ViewKind::camera ? isr::coarse_camera(v.camera, v.size) : frame_camera();
+        return v.kind == ViewKind::camera ? isr::coarse_camera(v.camera, v.size, 0, side()) : frame_camera();
     }
     static Image4& surface(Context& c, int view) {
         return view == 0 ? c.frame.isr.surface : c.frame.views[std::size_t(view)].surface;
@@ -218,7 +220,9 @@ class Adder {
         node.results = {{"accessibility", "", "accessibility", 3, 1}};
         node.covered = coarse_tiles();
         // What goes through it goes on without it.
-        node.leave_out = [=, &c = c_] { c.frame.isr.lit = c.frame.isr.gathered[std::size_t(gathered)]; };
+        const bool last = native() && params_.blur == isr::Blur::none;
+        auto result = [=, &c = c_]() -> Image4& { return last ? c.frame.indirect : c.frame.isr.lit; };
+        node.leave_out = [=, &c = c_] { result() = c.frame.isr.gathered[std::size_t(gathered)]; };
         node.reads_left_out = [=, &c = c_](graph::Reads& r) { r.image(c.frame.isr.gathered[std::size_t(gathered)]); };
         push(std::move(node),
              [=, &c = c_, pattern = std::make_shared<const isr::Pattern>(isr::ssao_pattern(params_)), eye = frame_camera(),
@@ -234,7 +238,7 @@ class Adder {
                  in.seed = std::uint32_t(pcg(std::int32_t(c.settings.seed)));
                  return in;
              },
-             [&c = c_]() -> Image4& { return c.frame.isr.lit; });
+             result);
     }
 
     void add_blur(const std::string& form, isr::Direction direction, Image4 IsrBuffers::*from, Image4 IsrBuffers::*to) {
@@ -242,7 +246,9 @@ class Adder {
                                                   2 * isr::resolved(params_).blur_radius + 1);
         set_form(node, form);
         node.covered = coarse_tiles();
-        auto result = [=, &c = c_]() -> Image4& { return c.frame.isr.*to; };
+        // At native resolution the last pass makes what upsampling would.
+        const bool last = native() && direction == isr::Direction::vertical;
+        auto result = [=, &c = c_]() -> Image4& { return last ? c.frame.indirect : c.frame.isr.*to; };
         node.leave_out = open(coarse(), result);
         push(std::move(node),
              [=, &c = c_] {

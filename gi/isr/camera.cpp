@@ -38,7 +38,7 @@ glm::dmat4 inverse_projection(const glm::dvec2& left_top, const glm::dvec2& righ
 
 }  // namespace
 
-CoarseCamera coarse_camera(const Camera& camera, glm::ivec2 frame_size, int guard) {
+CoarseCamera coarse_camera(const Camera& camera, glm::ivec2 frame_size, int guard, int side) {
     validate(camera);
     if (guard < 0 || guard % 2 != 0)
         throw InputError(fmt::format("isr: guard = {}: expected an even number, 0 or more", guard));
@@ -46,13 +46,13 @@ CoarseCamera coarse_camera(const Camera& camera, glm::ivec2 frame_size, int guar
     const Frustum frustum = frustum_of(camera, frame_size);
     CoarseCamera c;
     c.eye = camera.position;
-    c.footprint = 4 * frustum.top / frame_size.y;  // two pixels of 2 top / height
+    c.footprint = 2 * side * frustum.top / frame_size.y;  // pixels are 2 top / height
     c.f_u = a.right * c.footprint, c.f_v = a.up * -c.footprint;
-    c.f_o = a.forward + a.right * frustum.across(1) + a.up * frustum.above(1);
+    c.f_o = a.forward + a.right * frustum.across(side / 2.0) + a.up * frustum.above(side / 2.0);
     c.near = camera.near, c.far = camera.far;
-    c.size = coarse_size(frame_size) + guard;
+    c.size = coarse_size(frame_size, side) + 2 * guard / side;
     c.view_to_world = glm::dmat4(glm::dvec4(a.right, 0), glm::dvec4(a.up, 0), glm::dvec4(-a.forward, 0), {0, 0, 0, 1});
-    const glm::dvec2 first(-guard), last = first + 2.0 * glm::dvec2(c.size);  // window positions of the corners
+    const glm::dvec2 first(-guard), last = first + double(side) * glm::dvec2(c.size);  // window positions of the corners
     c.clip_to_view = inverse_projection({frustum.across(first.x), frustum.above(first.y)},
                                         {frustum.across(last.x), frustum.above(last.y)}, c.near, c.far);
     return c;

@@ -15,6 +15,7 @@ layout(std140, binding = 0) uniform DownsampleUniforms {
     int clip_depth;
     float depth_slope;
     float depth_offset;
+    int native;  // 1: a coarse pixel is one of the full image
 } u;
 layout(binding = 1) uniform sampler2D position_image;  // w: linear eye depth, m
 layout(binding = 2) uniform sampler2D normal_image;    // xyz unit, w 1
@@ -51,9 +52,9 @@ vec4 downsample(ivec2 pixel) {
     precise vec4 sum = vec4(0.0);
     vec3 first = vec3(0.0);
     precise float total = 0.0;
-    for (int k = 0; k < 4; ++k) {
+    for (int k = 0; k < (u.native != 0 ? 1 : 4); ++k) {
         TAP_SAMPLE(k);
-        ivec2 at = pixel + pixel + ivec2(k & 1, k >> 1);
+        ivec2 at = u.native != 0 ? pixel : pixel + pixel + ivec2(k & 1, k >> 1);
         bool inside = at.x >= 0 && at.x < u.full_width && at.y >= 0 && at.y < u.full_height;
         ivec2 texel = ivec2(min(at.x, u.full_width - 1), min(at.y, u.full_height - 1));
         vec4 normal = texelFetch(normal_image, texel, 0);         TAP(normal, normal.xyz);

@@ -32,11 +32,12 @@ StageData data_of(const IsrParams& params, const DownsampleInputs& in) {
     if (surface && params.position == Position::inverse_matrix && !(in.near > 0 && in.far > in.near))
         throw InputError(fmt::format("{}: near = {}, far = {}: expected 0 < near < far, which position = inverse_matrix "
                                      "reads", stage, in.near, in.far));
-    const glm::ivec2 full = size_of(bound(stage, "normal", in.normal)), coarse = coarse_size(full);
+    const glm::ivec2 full = size_of(bound(stage, "normal", in.normal)), coarse = coarse_size(full, coarse_side(params));
     const DepthMap depth = clip_depth_of(in);
     StageData d = begin_data<DownsampleKernel>(
         coarse, DownsampleUniforms{coarse.x, coarse.y, full.x, full.y, int(in.what), published,
-                                   params.position == Position::inverse_matrix, depth.slope, depth.offset, {}});
+                                   params.position == Position::inverse_matrix, depth.slope, depth.offset,
+                                   params.resolution == Resolution::native, {}});
     lend(d, {{"position", &or_nothing(surface, "position", in.position)},
              {"normal", in.normal},
              {"albedo", &or_nothing(!surface, "albedo", in.albedo)},

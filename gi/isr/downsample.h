@@ -47,12 +47,14 @@ inline StageDescription<DownsampleInputsView> describe(DownsampleKernel) {
                     .why = why, .read = lit}},
         .outputs = {{.name = "coarse", .at = &View::coarse,
                      .meaning = "surface, radiosity or reflectance of a quarter of the pixels"}},
-        .params = params_of({"variant", "position"}),
+        .params = params_of({"variant", "resolution", "position"}),
         .uniforms = {{"what", 0, int(Coarse::reflectance)}, {"full_width", 1, 32767}, {"full_height", 1, 32767}},
         .refuses = [](const View& v, glm::ivec2 size) -> std::string {
             const glm::ivec2 full(v.u.full_width, v.u.full_height);
-            if (full.x >= 1 && full.y >= 1 && coarse_size(full) == size) return "";
-            return fmt::format("{} x {} of {} x {}: expected half of it, rounded up", size.x, size.y, full.x, full.y);
+            const bool native = v.u.native != 0;
+            if (full.x >= 1 && full.y >= 1 && coarse_size(full, native ? 1 : 2) == size) return "";
+            return fmt::format("{} x {} of {} x {}: expected {}", size.x, size.y, full.x, full.y,
+                               native ? "the same" : "half of it, rounded up");
         },
         .cost = {4, "pixels"},
     };

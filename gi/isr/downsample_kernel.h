@@ -2,6 +2,8 @@
 //
 // A coarse pixel (x, y) is the mean over the full pixels (2 x, 2 y) .. (2 x + 1, 2 y + 1) that exist and see a surface.
 //
+// At native resolution (ISR chapter 6) it is the pixel (x, y) itself.
+//
 // differs: the thesis averages all four, whatever they see, lets normals shorten, and sends the unlit colour
 // (variant `published`).
 #pragma once
@@ -18,7 +20,8 @@ struct DownsampleUniforms {
     std::int32_t published;
     std::int32_t clip_depth;               // 1: the surface's w is clip depth
     float depth_slope, depth_offset;       // clip depth: slope + offset / z
-    std::int32_t padding[3];
+    std::int32_t native;                   // 1: a coarse pixel is one of the full image
+    std::int32_t padding[2];
 };
 static_assert(sizeof(DownsampleUniforms) == 48);
 
@@ -72,9 +75,9 @@ PLUMB_INLINE vec4<F> downsample(const DownsampleInputsView& in, index_t<F> px, i
     vec4<F> sum{zero, zero, zero, zero};
     vec3<F> first{zero, zero, zero};
     F total(0.0f);
-    for (int k = 0; k < 4; ++k) {
+    for (int k = 0; k < (u.native != 0 ? 1 : 4); ++k) {
         tap.sample(k);
-        const I x = px + px + I(k & 1), y = py + py + I(k >> 1);
+        const I x = u.native != 0 ? px : px + px + I(k & 1), y = u.native != 0 ? py : py + py + I(k >> 1);
         const mask_t<F> inside = in_range(x, I(u.full_width)) & in_range(y, I(u.full_height));
         const I i = min(y, I(u.full_height - 1)) * I(u.full_width) + min(x, I(u.full_width - 1));
         const vec4<F> normal = N::fetch4(in.normal, i);           tap("normal", xyz<F>(normal), "unit normal");

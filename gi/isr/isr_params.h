@@ -17,6 +17,7 @@ enum class Blur : int { automatic, none, gaussian, edge_aware };
 enum class Upsample : int { bilateral, bilinear };
 enum class Ambient : int { none, environment };
 enum class Turn : int { automatic, hash, tile };
+enum class Resolution : int { quarter, native };
 enum class SolidAngle : int { printed, none, hemisphere };
 enum class SsaoTerm : int { accessibility, occlusion };
 enum class PatternKind : int { automatic, rings, grid };
@@ -25,6 +26,7 @@ enum class PatternKind : int { automatic, rings, grid };
 struct IsrParams {
     Variant variant = Variant::corrected;
     Mode mode = Mode::f2;
+    Resolution resolution = Resolution::quarter;
     PatternKind pattern = PatternKind::automatic;
     int rings = 4;
     float reach = 1.25f;
@@ -72,7 +74,9 @@ int tile_of(int rotations);
 
 // (2 k + 1)^2 - 1
 inline int sample_count(int rings) { return (2 * rings + 1) * (2 * rings + 1) - 1; }
-inline glm::ivec2 coarse_size(glm::ivec2 size) { return (size + 1) / 2; }
+// Pixels of the frame along a side of a coarse pixel.
+inline int coarse_side(const IsrParams& params) { return params.resolution == Resolution::native ? 1 : 2; }
+inline glm::ivec2 coarse_size(glm::ivec2 size, int side = 2) { return (size + side - 1) / side; }
 
 // ---- The camera --------------------------------------------------------------------------------------------------------
 
@@ -87,8 +91,8 @@ struct CoarseCamera {
     glm::dmat4 clip_to_view{1};         // the inverse of the canonical projection of these coarse pixels' rectangle
     glm::ivec2 size{0};                 // coarse pixels
 };
-// `guard` full pixels on each side of the frame, an even number, belong to it as well.
-CoarseCamera coarse_camera(const Camera& camera, glm::ivec2 frame_size, int guard = 0);
+// `guard` full pixels on each side of the frame, an even number, belong to it as well. side: coarse_side().
+CoarseCamera coarse_camera(const Camera& camera, glm::ivec2 frame_size, int guard = 0, int side = 2);
 
 // f_o, f_u, f_v of ISR (23) and (24), corrected, through the matrices of a convention: what a program of it uploads for
 // texture coordinates u, v in 0..1 and z over the far plane. World space, relative to the eye.

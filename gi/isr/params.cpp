@@ -13,6 +13,9 @@ std::vector<Field> fields(IsrParams& p) {
         {"mode", as_int(p.mode), "",
          "what is shown (ISR appendix D): F2 indirect light and shadows, F3 without shadows, F4 direct light alone with "
          "shadows, F5 without", 0, 3, {"F2", "F3", "F4", "F5"}, false},
+        {"resolution", as_int(p.resolution), "",
+         "of the buffers in which light is gathered: a quarter of the frame's pixels (ISR 4.2), or all of them (chapter 6: full native "
+         "resolution), with no upsampling", 0, 1, {"quarter", "native"}, false, {SweepRange::Role::curves, {}, "", ""}},
         {"rings", &p.rings, "",
          "k: (2 k + 1)^2 - 1 samples of indirect light a pixel; 2, 3 and 4 are ISR 5.3.1's 24, 48 and 80", 1, 127, {}, false,
          {SweepRange::Role::along, {1, 2, 3, 4, 6, 8}, "", ""}},

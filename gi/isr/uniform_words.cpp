@@ -32,6 +32,7 @@ std::vector<StageWords> uniform_words() {
           {"clip_depth", "", "1: w of the surface is clip depth; 0: linear depth, m"},
           {"depth_slope", "", "clip depth is depth_slope + depth_offset / z"},
           {"depth_offset", "m", "see depth_slope"},
+          {"native", "", "1: a coarse pixel is one of the full image, and not four", "0"},
           {"published", "", "1: the document's own form, errors and all", "0: the corrected form"}}},
         {"isr.upsample",
          {{"coarse_width", "pixels", "of the coarse image"},

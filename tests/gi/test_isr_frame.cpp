@@ -300,6 +300,55 @@ TEST_CASE("isr: cameras turn about what the frame shows, however far along its a
         if (view.kind == frame::ViewKind::camera) CHECK(view.camera.look_at.z == Approx(1.6).epsilon(1e-12));
 }
 
+TEST_CASE("isr: at native resolution nothing is averaged and nothing upsampled", "[frame][isr][ISR 6]") {
+    const glm::ivec2 size(61, 47);
+    const Scene scene = cornell(size);
+    frame::Settings settings = isr_settings();
+    settings.isr.resolution = isr::Resolution::native;
+    for (const isr::Blur blur : {isr::Blur::none, isr::Blur::gaussian})
+        for (const int guard : {0, 6}) {
+            CAPTURE(int(blur), guard);
+            settings.isr.blur = blur, settings.isr.guard = guard, settings.isr.k_ssao = 0.5f;
+            const frame::Plan plan = frame::plan(scene, settings);
+            for (const auto& stage : plan.stages) CHECK(stage.name != "isr.upsample");
+            const frame::Frame f = frame::execute(scene, settings, plan, {});
+            // The surfaces are the G-buffer's own, with their light.
+            REQUIRE(f.isr.surface.width == size.x);
+            REQUIRE(f.indirect.height == size.y);
+            const Image4& sent = guard > 0 ? f.views[1].radiosity : f.isr.radiosity;
+            for (int y = 0; y < size.y; ++y)
+                for (int x = 0; x < size.x; ++x) {
+                    const glm::vec4 s = f.isr.surface(x, y), n = f.gbuffer.normal(x, y);
+                    CHECK(s.w == f.gbuffer.position(x, y).w);
+                    CHECK(std::abs(s.x - n.x) + std::abs(s.y - n.y) + std::abs(s.z - n.z) <= 1e-6f);
+                    if (guard == 0)
+                        CHECK(sent(x, y).x == Approx(f.gbuffer.albedo(x, y).x * f.direct(x, y).x + f.gbuffer.emission(x, y).x).epsilon(1e-6));
+                }
+            if (blur == isr::Blur::none) {
+                bool lit = false;
+                for (std::size_t i = 0; i < f.indirect.size(); ++i) {
+                    const glm::vec4 a = f.indirect.texels[i], b = f.isr.gathered.back().texels[i];
+                    CHECK(glm::vec3(a) == glm::vec3(b));
+                    lit = lit || b.x > 0;
+                }
+                CHECK(lit);
+            }
+        }
+    // The same light as in a quarter of the pixels of a frame twice as large, whose coarse pixels lie where these do.
+    frame::Settings quarter = isr_settings();
+    const frame::Frame of_quarter = render(cornell(2 * size), quarter);
+    quarter.isr.resolution = isr::Resolution::native;
+    const frame::Frame of_native = render(scene, quarter);
+    REQUIRE(of_quarter.isr.lit.size() == of_native.isr.lit.size());
+    double off = 0, sum = 0;
+    for (std::size_t i = 0; i < of_native.isr.lit.size(); ++i) {
+        off += std::abs(double(of_native.isr.lit.texels[i].x) - double(of_quarter.isr.lit.texels[i].x));
+        sum += double(of_quarter.isr.lit.texels[i].x);
+    }
+    CHECK(off < 0.05 * sum);
+    CHECK(off > 0);
+}
+
 TEST_CASE("isr: bounces grow to a limit that keeps energy", "[frame][isr]") {
     const Scene scene = cornell();
     frame::Settings settings = isr_settings();

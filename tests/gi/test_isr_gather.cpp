@@ -204,6 +204,27 @@ TEST_CASE("isr: coarse pixels' rays go through the corners that full pixels shar
     CHECK_THROWS_WITH(coarse_camera(some_camera(), {8, 8}, 3), "isr: guard = 3: expected an even number, 0 or more");
 }
 
+TEST_CASE("isr: at native resolution rays go through the centres of the frame's pixels", "[isr][ISR (24)][analytic]") {
+    for (glm::ivec2 size : {glm::ivec2(64, 48), glm::ivec2(33, 17), glm::ivec2(1, 1)})
+        for (int guard : {0, 8}) {
+            CAPTURE(size.x, size.y, guard);
+            const Camera camera = some_camera();
+            const CoarseCamera c = coarse_camera(camera, size, guard, 1);
+            CHECK(c.size == size + 2 * guard);
+            for (int y = -guard; y < c.size.y - guard; ++y)
+                for (int x = -guard; x < c.size.x - guard; ++x) {
+                    const glm::dvec3 ray = c.f_o + double(x) * c.f_u + double(y) * c.f_v;
+                    const Ray expected = ray_through(camera, size, {x + 0.5, y + 0.5});
+                    CHECK(length(ray - expected.direction / dot(axes(camera).forward, expected.direction)) <= 1e-12);
+                    const double ndc_x = 2 * (x + guard + 0.5) / c.size.x - 1, ndc_y = 2 * (y + guard + 0.5) / c.size.y - 1;
+                    const double depth = 5, clip = c.far / (c.far - c.near) * (1 - c.near / depth);
+                    const glm::dvec4 v = c.view_to_world * (c.clip_to_view * glm::dvec4(ndc_x, ndc_y, clip, 1));
+                    CHECK(length(glm::dvec3(v) / v.w - ray * depth) <= 1e-14 * depth * (100 + depth / c.near));
+                }
+            CHECK(c.footprint == Approx(coarse_camera(camera, size).footprint / 2).epsilon(1e-14));
+        }
+}
+
 TEST_CASE("isr: the frustum's vectors are the same through the matrices of every convention",
           "[isr][ISR (23)][ISR (24)][convention]") {
     const glm::ivec2 size(64, 48);

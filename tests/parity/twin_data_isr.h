@@ -43,13 +43,15 @@ inline isr::IsrParams isr_params() {
 // The last column of coarse pixels stands for one pixel and not two. Normals cancel, masks are left out.
 inline StageData isr_downsample_case(glm::ivec2 size, const isr::IsrParams& params, isr::Coarse what,
                                      const std::string& id) {
-    const glm::ivec2 full(2 * size.x - 1, 2 * size.y);
+    const glm::ivec2 full = params.resolution == isr::Resolution::native ? size : glm::ivec2(2 * size.x - 1, 2 * size.y);
     const Points p = room(full, 5);
     Image4 albedo = noise_image(full, 51, 0, 1);
     for (std::size_t i = 0; i < albedo.size(); i += 3) albedo.texels[i].w = 0;  // no radiation mask
     Image4 normal = p.normal;
-    normal(4, 4) = glm::vec4(0, 1, 0, 1), normal(5, 4) = glm::vec4(0, -1, 0, 1);  // that cancel
-    normal(4, 5) = normal(5, 5) = glm::vec4(0);
+    if (full.x > 5 && full.y > 5) {
+        normal(4, 4) = glm::vec4(0, 1, 0, 1), normal(5, 4) = glm::vec4(0, -1, 0, 1);  // that cancel
+        normal(4, 5) = normal(5, 5) = glm::vec4(0);
+    }
     const Image4 emission = noise_image(full, 52, 0, 3), direct = noise_image(full, 53, 0, 20);
     isr::DownsampleInputs in{what, &p.position, &normal, &albedo, &emission, &direct, 0.05, 300};
     return named(owned_data(isr::data_of(params, in)), id);
@@ -161,7 +163,8 @@ inline std::vector<StageData> isr_cases(glm::ivec2 size) {
     fewer.far_rings = 1, fewer.full_depth = 1, fewer.rotations = 2;
     ringed.spacing = 0, ringed.reach = 0.5f, ringed.rotations = 8;
     tiled.spacing = 0, tiled.reach = 0.5f, tiled.rotations = 16;
-    IsrParams summed = printed, by_angle = printed;
+    IsrParams native = plain, summed = printed, by_angle = printed;
+    native.resolution = Resolution::native;
     summed.solid_angle = SolidAngle::none, summed.length_unit = 0.25f;
     by_angle.solid_angle = SolidAngle::hemisphere, by_angle.far_rings = 1, by_angle.full_depth = 1;
     const auto horizontal = Direction::horizontal, vertical = Direction::vertical;
@@ -174,6 +177,8 @@ inline std::vector<StageData> isr_cases(glm::ivec2 size) {
         isr_downsample_case(size, plain, Coarse::radiosity, "isr.downsample.radiosity"),
         isr_downsample_case(size, printed, Coarse::radiosity, "isr.downsample.radiosity.published"),
         isr_downsample_case(size, plain, Coarse::reflectance, "isr.downsample.reflectance"),
+        isr_downsample_case(size, native, Coarse::surface, "isr.downsample.surface.native"),
+        isr_downsample_case(size, native, Coarse::radiosity, "isr.downsample.radiosity.native"),
         isr_gather_case(size, plain, "isr.gather"),
         isr_gather_case(size, turned, "isr.gather.turned", 3, true),
         isr_gather_case(size, fewer, "isr.gather.fewer"),
