@@ -21,9 +21,11 @@ struct PovOptions {
     glm::ivec2 size{0, 0};  // pixels, for the camera's aspect; 0: the scene's frame
     int bounces = 8;        // of preset physical: reflections before the light reaches the surface that is seen, 1 to 20
     int samples = 400;      // of preset physical: rays a gather, 1 to 1600
+    double brightness = 2.4;  // of preset published: table 1's, and Listing 9's
+    bool shadowless = false;  // no lamp casts a shadow, as in ISR's modes F3 and F5 and in Listing 9
 };
 
-// Throws InputError, naming what it is, for a light that ends at its radius, for numbers that are not finite and for
+// Throws InputError, naming what it is, for numbers that are not finite and for
 // options out of range. The script of one scene is the same on every machine.
 std::string pov_text(const Scene& scene, const PovOptions& options = {});
 // What the script leaves out or replaces of this scene, a line each; the script begins with them.

@@ -171,6 +171,21 @@ TEST_CASE("pov: what it cannot show is said, what is replaced is the mean", "[po
     CHECK_THAT(pov_notes(scene, with(PovPreset::direct)).back(), Contains("light nothing"));
 }
 
+TEST_CASE("pov: lamps without shadows, and brightness 1 of table 1's block", "[pov][ISR listing 9]") {
+    Scene scene = floor_from_above(0.5f);
+    Light point, sun;
+    point.type = LightType::point, sun.type = LightType::directional;
+    point.position = {0, 1, 0};
+    scene.lights = {point, sun};
+    CHECK(count(pov_text(scene, with(PovPreset::direct)), "shadowless") == 0);
+    PovOptions options = with(PovPreset::published);
+    options.shadowless = true, options.brightness = 1;
+    const std::string text = pov_text(scene, options);
+    CHECK(count(text, "light_source {") == 2);
+    CHECK(count(text, "  shadowless\n}") == 2);
+    CHECK_THAT(text, Contains("brightness 1\n") && !Contains("not physical"));
+}
+
 TEST_CASE("pov: bad scenes, options and places are refused in a line", "[pov]") {
     const Scene scene = floor_from_above(0.5f);
     auto refused = [&](auto&& change, PovOptions options = {}) {
@@ -182,8 +197,7 @@ TEST_CASE("pov: bad scenes, options and places are refused in a line", "[pov]") 
     };
     const float nan = std::numeric_limits<float>::quiet_NaN();
     CHECK(refused([](Scene&) {}).empty());
-    require_message(refused([](Scene& s) { s.lights[0].radius = 2; }), {"floor", "light \"key\"", "radius = 2", "expected 0"});
-    CHECK(refused([](Scene& s) { s.lights[0].radius = 2, s.lights[0].on = false; }).empty());
+    CHECK(refused([](Scene& s) { s.lights[0].radius = 2; }).empty());
     require_message(refused([&](Scene& s) { s.lights[0].intensity.x = nan; }), {"light \"key\"", "finite"});
     require_message(refused([&](Scene& s) { s.lights[0].direction = glm::vec3(0); }), {"light \"key\"", "direction"});
     require_message(refused([&](Scene& s) { s.materials[0].reflectance.y = nan; }), {"material \"m\"", "finite"});
@@ -226,6 +240,34 @@ TEST_CASE("pov: POV-Ray's lamp over a floor is P / (4 pi) h / (h^2 + r^2)^(3/2)"
             CAPTURE(x, y, p.x, p.z, r.at(x, y).x, want);
             CHECK(std::abs(r.at(x, y).x / want - 1) < 2 * half_rounding);
         }
+}
+
+TEST_CASE("pov: POV-Ray's sum of fadings is a light that ends at its radius, ISR (16)", "[pov][povray][ISR (16)][analytic]") {
+    if (!povray()) return;
+    const double h = 0.25, rho = 0.5, intensity = 3;
+    for (const double radius : {0.9, 2.0}) {
+        CAPTURE(radius);
+        Scene scene = floor_from_above(float(rho), 1.2);
+        Light lamp;
+        lamp.type = LightType::point;
+        lamp.position = {0.25f, float(h), -0.125f};
+        lamp.intensity = glm::vec3(float(intensity)), lamp.radius = float(radius);
+        scene.lights = {lamp};
+        CHECK_THAT(pov_notes(scene).front(), Contains("end at a radius"));
+        const Rendered r = rendered(scene, with(PovPreset::direct));
+        int lit = 0, dark = 0;
+        for (int y = 0; y < 30; ++y)
+            for (int x = 0; x < 40; ++x) {
+                const glm::dvec3 p = on_floor(scene, x, y);
+                const double dx = p.x - 0.25, dz = p.z + 0.125, d = std::sqrt(h * h + dx * dx + dz * dz);
+                const double full = rho / host::pi * intensity * h / d, sent = std::max(0.0, 1 - d * d / (radius * radius));
+                CAPTURE(x, y, d, r.at(x, y).x, full * sent);
+                CHECK(std::abs(r.at(x, y).x - full * sent) <= 0.015 * full + half_rounding * full);
+                lit += sent > 0.2, dark += sent == 0;
+            }
+        CHECK(lit > 100);
+        if (radius < 1) CHECK(dark > 20);
+    }
 }
 
 TEST_CASE("pov: POV-Ray's spot falls off as ours between its cones", "[pov][povray][analytic]") {

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
+#include "gi/frame/isr.h"
 #include "io/file.h"
 #include "tools/plumb/cli.h"
 #include "tools/shared/outputs.h"
@@ -19,6 +20,7 @@ struct Given {
     SceneOptions scene;
     Common common;
     std::string file, preset = "physical";
+    bool shadowless = false;
     io::PovOptions options;
 };
 
@@ -34,6 +36,7 @@ int write_script(Given given) {
     given.options.preset = parse_preset(given.preset);
     const Scene scene = load(given.scene);
     given.options.size = scene.frame_size;
+    given.options.shadowless = given.shadowless || !frame::casts_shadows(settings_of(scene, given.scene));
     const std::filesystem::path path(given.file.empty() ? io::stem_of(given.scene.file) + ".pov" : given.file);
     const std::filesystem::path folder = path.parent_path();
     Outputs outputs(folder.empty() ? "." : folder.string());
@@ -82,6 +85,8 @@ void add_pov(CLI::App& program, Action& action) {
     command->add_option("--samples", given->options.samples, "rays a gather of preset physical, 1 to 1600; 400 otherwise")
         ->check(number_within(1, 1600))
         ->type_name("N");
+    command->add_flag("--shadowless", given->shadowless,
+                      "no lamp casts a shadow, as where the scene's settings have none (isr.mode F3, F5)");
     add_common(*command, given->common);
     command->callback([given, &action] { action = [=] { return write_script(*given); }; });
 }
