@@ -54,10 +54,10 @@ TEST_CASE("experiment isr: the same numbers in CSV, JSON and page, and a second 
         numbers[key] = n["value"];
     }
     CHECK(std::count(csv.begin(), csv.end(), '\n') == std::ptrdiff_t(json["numbers"].size() + 1));
-    CHECK(tables["summary"] == 8 * 17);  // all and one list, four settings
+    CHECK(tables["summary"] == 10 * 19);  // all and one list, five settings
     CHECK(tables["reach"] == 2);
     CHECK(tables["5.7"] == 4 * 4);
-    CHECK(tables["views"] == 2 * (10 + 4 * 7));
+    CHECK(tables["views"] == 2 * (12 + 5 * 7));
 
     // The gain is what the errors say, and the mean that of the views.
     double sum = 0;

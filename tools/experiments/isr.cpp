@@ -23,14 +23,15 @@ namespace {
 struct IsrOptions {
     IsrRequest request;
     Common common;
-    std::string folder, truths, size = "192x144", time_size = "1024x768";
+    std::string folder, truths, pairing = "none", size, time_size = "1024x768";
 };
 
 std::string command_line(const IsrOptions& given) {
     const IsrRequest r, &now = given.request;
     std::string text = "plumb experiment isr -o " + given.folder;
+    if (now.pairing) text += " --pairing pov";
     for (const std::string& list : now.lists) text += " --list " + list;
-    text += fmt::format(" --size {} --samples {}", given.size, now.samples);
+    text += fmt::format(" --size {}x{} --samples {}", now.size.x, now.size.y, now.samples);
     if (given.time_size != "1024x768") text += " --time-size " + given.time_size;
     if (now.views != r.views) text += fmt::format(" --views {}", now.views);
     if (now.pov != r.pov) text += fmt::format(" --pov {}", now.pov);
@@ -71,7 +72,34 @@ int trace_alone(const IsrCommon& common, const std::vector<BatchView>& views) {
     return success;
 }
 
+// The thesis' pairing alone: everything else is left out.
+int pair(const IsrOptions& given, const IsrCommon& common, const std::vector<BatchView>& views) {
+    IsrResult result;
+    result.request = given.request;
+    const std::vector<IsrPairing> pairings = isr_pairing(common, views, given.folder + "/pov");
+    show_progress("");
+    const std::size_t of = common.scenes.views().size();
+    const std::vector<IsrNumber> numbers = isr_pairing_numbers(pairings);
+    if (numbers.empty()) throw InputError(fmt::format("--pairing pov: no view could be made: {}", pairings.front().failed));
+    const std::string json = json_text(isr_pairing_json(result, pairings, of, numbers)), csv = vrsm_csv(numbers);
+    const std::string html = isr_pairing_html(result, pairings, of, numbers, command_line(given));
+    Outputs outputs(given.folder);
+    outputs.write("pairing.json", [&](const std::string& path) { io::write_text(path, json); });
+    outputs.write("pairing.csv", [&](const std::string& path) { io::write_text(path, csv); });
+    outputs.write("pairing.html", [&](const std::string& path) { io::write_text(path, html); });
+    outputs.commit();
+    std::string text = isr_pairing_text(pairings, of, numbers);
+    for (const std::string& file : outputs.files()) text += "wrote " + file + "\n";
+    std::fputs((given.common.json ? json : text).c_str(), stdout);
+    return success;
+}
+
 int run_isr(IsrOptions given) {
+    if (given.pairing != "none" && given.pairing != "pov")
+        throw InputError("--pairing " + io::printable(given.pairing) + ": expected none or pov");
+    given.request.pairing = given.pairing == "pov";
+    // 5.2.4 has 1024 x 768; without POV-Ray all views of that size would take a day.
+    if (given.size.empty()) given.size = given.request.pairing ? "1024x768" : "192x144";
     given.request.size = parse_size("--size", given.size, least_side);
     given.request.time_size = parse_size("--time-size", given.time_size, least_side);
     const RunOptions options = given.common.run_options();
@@ -83,10 +111,11 @@ int run_isr(IsrOptions given) {
     BatchResults results(given.folder + "/results");
     const IsrCommon common{scenes, truths, results, given.request, options};
     const std::vector<BatchView> views = isr_views_of(scenes, given.request.views);
-    // Of one core: 1.6 us a path of the truths, 40 us a pixel for what is held against them.
+    if (given.request.pairing) return pair(given, common, views);
+    // Of one core: 3.2 us a path of the truths, 40 us a pixel for what is held against them.
     const double pixels = double(views.size()) * given.request.size.x * given.request.size.y;
     announce(fmt::format("experiment isr: {} views, less what is kept in {}", views.size(), io::shown(given.folder)),
-             pixels * (1.6e-6 * given.request.samples + (given.request.truth_only ? 0 : 4e-5)), options);
+             pixels * ((given.request.truth_only ? 1.6e-6 : 3.2e-6) * given.request.samples + (given.request.truth_only ? 0 : 4e-5)), options);
     if (given.request.truth_only) return trace_alone(common, views);
 
     IsrResult result = measure(given, common, views);
@@ -127,7 +156,12 @@ void add_isr(CLI::App& experiment, Action& action) {
         ->type_name("FILE");
     command->add_option("--truths", given->truths, "folder of the path traced truths; DIR/truth otherwise")
         ->type_name("DIR");
-    command->add_option("--size", given->size, "pixels of a view; 192x144 otherwise")->type_name("WxH");
+    command->add_option("--size", given->size, "pixels of a view; 192x144 otherwise, with --pairing 1024x768")->type_name("WxH");
+    command
+        ->add_option("--pairing", given->pairing,
+                     "pov: the thesis' pairing alone, printed ISR and direct light against POV-Ray, reading by reading; none otherwise")
+        ->check(some_word())
+        ->type_name("P");
     command->add_option("--time-size", given->time_size, "pixels of figure 5.7; 1024x768 otherwise")->type_name("WxH");
     auto number = [&](const char* name, int& value, int least, int most, const char* what) {
         command->add_option(name, value, what)->check(CLI::Range(least, most).description(""))->type_name("N");

@@ -28,6 +28,7 @@ struct IsrRequest {
     int beyond_views = 6;             // 0: no such section
     int turning_views = 3;            // 0: no such section
     bool truth_only = false;
+    bool pairing = false;             // the thesis' pairing alone (isr_pairing.cpp)
 };
 
 // A picture against the model: as the display shows it, sRGB-encoded 0..1 (what Imalyzer compares), and as radiance.
@@ -51,6 +52,9 @@ struct IsrViewResult {
     IsrMeasure direct;
     // By k_ssao and k_isr, isr_grid(): the corrected composition with the environment as ambient light and without.
     std::vector<IsrMeasure> corrected, without_ambient, published;
+    // Against what ISR means to compute (isr_own.cpp), of one bounce: direct light, and corrected without ambient light.
+    IsrMeasure own_direct, own_isr;
+    double own_noise = 0;  // mean standard error of that truth over its mean
 };
 struct IsrK {
     double ssao = 0, isr = 0;
@@ -111,6 +115,20 @@ struct IsrPov {
     double direct_error = 0, isr_error = 0, truth_error = 0;  // of the display, against POV-Ray's physical picture
     std::optional<double> direct_pearson = {}, isr_pearson = {};
     double improved = 0, worse = 0;
+};
+
+// A setting against a model under a display: what one view says.
+struct IsrPair {
+    std::string model, setting, display;
+    double direct_error = 0, isr_error = 0;  // ISR (19)
+    std::optional<double> direct_pearson = {}, isr_pearson = {};
+    double better = 0, worse = 0;            // shares of the pixels; the others are ties
+};
+struct IsrPairing {
+    std::string name;
+    std::string failed = {};  // why there is no picture
+    double pov_s = 0;         // that POV-Ray took for table 1's preset
+    std::vector<IsrPair> pairs = {};
 };
 
 struct IsrResult {
@@ -199,6 +217,33 @@ struct IsrSpread {
     int points = 0, seen = 0;         // such points, and how often they are seen
 };
 IsrSpread isr_spread(const IsrTurning& turning, const std::vector<double>& truth);
+
+// isr_own.cpp
+// What image-space radiosity of so many bounces means to compute at points: light of lamps, directly where `direct`, and reflected
+// once to `bounces` times; and what surfaces emit, reflected at most once less. No environment, nothing glossy.
+reference::Estimate isr_own_irradiance(const Scene& scene, const reference::PointInputs& points, int bounces, bool direct,
+                                       int samples, const RunOptions& options);
+// The same as a picture, of the points that the frame sees: direct light is in it. error: the standard error.
+reference::Estimate isr_own_picture(const Scene& scene, const frame::Frame& frame, int bounces, int samples,
+                                    const RunOptions& options);
+
+// isr_pairing.cpp
+// Every combination that a view is asked for, in the order of IsrPairing::pairs: model, setting, display.
+struct IsrReading {
+    std::string name;
+    std::vector<std::string> sets;
+    std::string why;  // what it tries
+};
+const std::vector<IsrReading>& isr_readings();
+std::vector<IsrPairing> isr_pairing(const IsrCommon& common, const std::vector<BatchView>& views, const std::string& folder);
+
+// isr_pairing_report.cpp
+std::vector<VrsmNumber> isr_pairing_numbers(const std::vector<IsrPairing>& pairings);
+Json isr_pairing_json(const IsrResult& result, const std::vector<IsrPairing>& pairings, std::size_t of,
+                      const std::vector<VrsmNumber>& numbers);
+std::string isr_pairing_text(const std::vector<IsrPairing>& pairings, std::size_t of, const std::vector<VrsmNumber>& numbers);
+std::string isr_pairing_html(const IsrResult& result, const std::vector<IsrPairing>& pairings, std::size_t of,
+                             const std::vector<VrsmNumber>& numbers, const std::string& command);
 
 // isr_report.cpp
 using IsrNumber = VrsmNumber;

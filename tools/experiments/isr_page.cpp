@@ -182,6 +182,12 @@ class IsrPage {
                 value("summary", "all", row, "views with gain"));
         page_.paragraph(plain + "the thesis states 99.05 % and all views.");
         page_.paragraph(
+            "Gains depend on the size of the pictures: the grid of the printed form reaches a number of pixels, not a share of the frame, and "
+            "what lies nearer than a pixel is not there to be sampled. Compare figures of one size.");
+        page_.paragraph(
+            "Against one bounce: the truth is what ISR means to compute, one bounce of the lamps' light and what surfaces emit, without "
+            "the environment, further bounces and what is glossy. A view or a pixel that is neither better nor worse is a tie: not worse counts it.");
+        page_.paragraph(
             "ambient = environment lets the sky shine on every surface by its accessibility alone, which sees no "
             "farther than its few samples: indoors it leaks. ambient = none leaves the sky's light out, as direct "
             "light "
@@ -326,7 +332,7 @@ class IsrPage {
         page_.paragraph(
             "The irradiance that ISR finds at the same points of the world, as the camera turns about its up "
             "axis until they leave the frame; only where they are seen. The truth is one bounce of the "
-            "lamps' light, traced. The curves are sums of irradiance over the points that are seen at that yaw, over "
+            "lamps' light and what surfaces emit, traced. The curves are sums of irradiance over the points that are seen at that yaw, over "
             "the sums of these points' truths; the mean is the same over all yaws. Standard deviation and range are "
             "each point's own over the yaw, of the points that are seen from two yaws at least, summed and over the "
             "sum of these points' truths. The standard deviation over the mean is each point's own over its own mean "

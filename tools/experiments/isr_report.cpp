@@ -55,6 +55,7 @@ struct IsrSetting {
     std::string name, kind;  // "published", "corrected", "best"
     bool published;
     IsrK k;
+    bool own = false;  // against what ISR means to compute, and not against all bounces
 };
 // The thesis', ours by default, ours without the environment's light, and the best of ours.
 std::vector<IsrSetting> shown_settings(const IsrResult& result) {
@@ -64,14 +65,19 @@ std::vector<IsrSetting> shown_settings(const IsrResult& result) {
             {"corrected, ambient = none", "without ambient", false, {0, 1, false}},
             {fmt::format("corrected at its best, k_ssao = {:g}, k_isr = {:g}, ambient = {}", best.ssao, best.isr,
                          best.ambient ? "environment" : "none"),
-             "best", false, best}};
+             "best", false, best},
+            {"corrected, ambient = none, against one bounce", "own transport", false, {0, 1, false}, true}};
 }
 const IsrMeasure& measure_of(const IsrViewResult& view, const IsrSetting& s) {
+    if (s.own) return view.own_isr;
     return s.published ? view.published.at(isr_grid_index(s.k.ssao, s.k.isr)) : isr_measure_of(view, s.k);
 }
 
+const IsrMeasure& direct_of(const IsrViewResult& view, const IsrSetting& s) { return s.own ? view.own_direct : view.direct; }
+
 // The largest k_isr of the grid, at this k_ssao, whose correlation is above direct light's (5.3.2).
 Optional retuned(const IsrViewResult& view, const IsrSetting& s) {
+    if (s.own) return std::nullopt;
     for (int i = 10; i >= 1; --i) {
         const IsrMeasure& m = measure_of(view, {s.name, s.kind, s.published, {s.k.ssao, i / 10.0, s.k.ambient}});
         if (m.pearson && view.direct.pearson && *m.pearson > *view.direct.pearson) return i / 10.0;
@@ -83,19 +89,20 @@ void add_summary(Numbers& n, const std::string& group, const std::vector<const I
                  const IsrSetting& setting) {
     const bool thesis_row = setting.published;
     const Stated stated = thesis_row ? stated_of(group) : Stated{};
-    std::vector<double> gains, direct, isr, direct_pearson, isr_pearson, improved, worse, linear_direct, linear, noise;
-    int positive = 0, falls = 0, mended = 0, correlated = 0;
+    std::vector<double> gains, direct, isr, direct_pearson, isr_pearson, improved, worse, not_worse, linear_direct, linear, noise;
+    int positive = 0, no_worse = 0, falls = 0, mended = 0, correlated = 0;
     for (const IsrViewResult* v : views) {
-        const IsrMeasure& m = measure_of(*v, setting);
-        gains.push_back(100 * isr_gain(*v, m));
-        positive += m.mean_error < v->direct.mean_error;
-        direct.push_back(v->direct.mean_error), isr.push_back(m.mean_error);
-        linear_direct.push_back(v->direct.linear_error), linear.push_back(m.linear_error);
+        const IsrMeasure &m = measure_of(*v, setting), &dl = direct_of(*v, setting);
+        gains.push_back(100 * compare::gain(dl.mean_error, m.mean_error).value_or(0));
+        positive += m.mean_error < dl.mean_error, no_worse += m.mean_error <= dl.mean_error;
+        direct.push_back(dl.mean_error), isr.push_back(m.mean_error);
+        linear_direct.push_back(dl.linear_error), linear.push_back(m.linear_error);
         improved.push_back(100 * m.improved), worse.push_back(100 * m.worse), noise.push_back(v->display_noise);
-        if (!m.pearson || !v->direct.pearson) continue;
+        not_worse.push_back(100 * (1 - m.worse));
+        if (!m.pearson || !dl.pearson) continue;
         ++correlated;
-        direct_pearson.push_back(*v->direct.pearson), isr_pearson.push_back(*m.pearson);
-        if (*m.pearson > *v->direct.pearson) continue;
+        direct_pearson.push_back(*dl.pearson), isr_pearson.push_back(*m.pearson);
+        if (*m.pearson > *dl.pearson) continue;
         ++falls;
         mended += retuned(*v, setting).has_value();
     }
@@ -106,6 +113,7 @@ void add_summary(Numbers& n, const std::string& group, const std::vector<const I
     n.add("gain, median", "%", finite(quantile(gains, 0.5)), stated.median_gain);
     n.add("gain, largest", "%", finite(quantile(gains, 1)), stated.largest_gain);
     n.add("views with gain", "%", 100.0 * positive / double(views.size()), stated.positive);
+    n.add("views not worse", "%", 100.0 * no_worse / double(views.size()));
     n.add("mean error of DL", "", mean_of(direct));
     n.add("mean error of ISR", "", mean_of(isr));
     n.add("mean error by the truth's noise", "", mean_of(noise));
@@ -115,6 +123,7 @@ void add_summary(Numbers& n, const std::string& group, const std::vector<const I
     n.add("of these, mended by a smaller k_isr", "", mended);
     n.add("pixels improved", "%", mean_of(improved), stated.improved);
     n.add("pixels made worse", "%", mean_of(worse));
+    n.add("pixels not worse", "%", mean_of(not_worse));
     n.add("linear error of DL", "%", mean_of(linear_direct) ? Optional(100 * *mean_of(linear_direct)) : std::nullopt);
     n.add("linear error of ISR", "%", mean_of(linear) ? Optional(100 * *mean_of(linear)) : std::nullopt);
 }
@@ -132,11 +141,13 @@ void add_views(Numbers& n, const IsrResult& result) {
         n.add("mean error of DL", "", v.direct.mean_error);
         n.add("correlation of DL", "", v.direct.pearson);
         n.add("linear error of DL", "%", 100 * v.direct.linear_error);
+        n.add("mean error of DL, own transport", "", v.own_direct.mean_error);
+        n.add("noise of the truth, own transport", "%", 100 * v.own_noise);
         for (const IsrSetting& s : shown_settings(result)) {
             const IsrMeasure& m = measure_of(v, s);
             const std::string what = ", " + s.kind;
             n.add("mean error of ISR" + what, "", m.mean_error);
-            n.add("gain" + what, "%", 100 * isr_gain(v, m));
+            n.add("gain" + what, "%", 100 * compare::gain(direct_of(v, s).mean_error, m.mean_error).value_or(0));
             n.add("correlation of ISR" + what, "", m.pearson);
             n.add("linear error of ISR" + what, "%", 100 * m.linear_error);
             n.add("pixels improved" + what, "%", 100 * m.improved);

@@ -11,7 +11,6 @@
 #include "core/error.h"
 #include "core/host_math.h"
 #include "core/signed_error.h"
-#include "gi/frame/truth.h"
 #include "tools/experiments/isr.h"
 #include "tools/shared/sweep_subject.h"
 
@@ -25,7 +24,7 @@ constexpr double same_depth = 0.02;     // of the point's depth: what is seen th
 
 struct Point {
     glm::dvec3 position{0};
-    double truth = 0, error = 0;  // luminance of the irradiance of one bounce, W/m2
+    double truth = 0, error = 0;  // luminance of the irradiance of ISR's own transport, W/m2
 };
 
 const std::vector<std::pair<const char*, std::vector<std::string>>>& turned_settings() {
@@ -59,7 +58,7 @@ std::optional<glm::ivec2> pixel_of(const Camera& camera, glm::ivec2 size, const 
     return glm::ivec2(int((x + 1) / 2 * size.x), int((1 - y) / 2 * size.y));
 }
 
-// Points of the middle of the frame with a surface, and one bounce of light to each, traced.
+// Points of the middle of the frame with a surface, and what one bounce of lamps and what emits sends to each, traced.
 std::vector<Point> points_of(const Scene& scene, const frame::Frame& f, const RunOptions& options) {
     const glm::ivec2 size = scene.frame_size;
     Image4 position(point_grid.x, point_grid.y), normal(point_grid.x, point_grid.y);
@@ -69,12 +68,7 @@ std::vector<Point> points_of(const Scene& scene, const frame::Frame& f, const Ru
                       py = size.y / 4 + (2 * y + 1) * size.y / (4 * point_grid.y);
             position(x, y) = f.gbuffer.position(px, py), normal(x, y) = f.gbuffer.normal(px, py);
         }
-    const Scene lamps = frame::lamps_only(scene);
-    reference::PathParams params;
-    params.mode = reference::Mode::one_bounce, params.samples = 16384;
-    const std::unique_ptr<reference::PathScene> paths = reference::prepare(lamps, params.rays);
-    const reference::Estimate truth =
-        reference::trace_irradiance(params, *paths, {&position, &normal}, scene.seed, options);
+    const reference::Estimate truth = isr_own_irradiance(scene, {&position, &normal}, 1, false, 16384, options);
     const compare::Plane mean = compare::luminances(truth.mean), error = compare::luminance_errors(truth.error);
     std::vector<Point> points;
     for (std::size_t i = 0; i < position.size(); ++i)

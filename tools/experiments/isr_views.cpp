@@ -55,7 +55,10 @@ Json view_json(const IsrViewResult& v) {
             {"direct", measure_json(v.direct)},
             {"corrected", measures_json(v.corrected)},
             {"without_ambient", measures_json(v.without_ambient)},
-            {"published", measures_json(v.published)}};
+            {"published", measures_json(v.published)},
+            {"own_direct", measure_json(v.own_direct)},
+            {"own_isr", measure_json(v.own_isr)},
+            {"own_noise", v.own_noise}};
 }
 IsrViewResult view_of(const Json& j) {
     return {j.at("name"),
@@ -70,24 +73,33 @@ IsrViewResult view_of(const Json& j) {
             measure_of(j.at("direct")),
             measures_of(j.at("corrected")),
             measures_of(j.at("without_ambient")),
-            measures_of(j.at("published"))};
+            measures_of(j.at("published")),
+            measure_of(j.at("own_direct")),
+            measure_of(j.at("own_isr")),
+            j.at("own_noise")};
+}
+
+// Mean standard error over the mean.
+double relative_noise(const reference::Estimate& truth) {
+    double errors = 0, means = 0;
+    for (std::size_t i = 0; i < truth.mean.size(); ++i)
+        for (int c = 0; c < 3; ++c) errors += truth.error.texels[i][c], means += truth.mean.texels[i][c];
+    return means > 0 ? errors / means : 0;
 }
 
 // Mean standard error over the mean, and what it makes of the display: the mean of |display(L + e) - display(L - e)| /
 // 2 times sqrt(2 / pi), which a normal error of that deviation has for its mean absolute value.
 void add_noise(const reference::Estimate& truth, double exposure, const RunOptions& options, IsrViewResult& result) {
     Image4 up = truth.mean, down = truth.mean;
-    double errors = 0, means = 0;
     for (std::size_t i = 0; i < up.size(); ++i) {
         up.texels[i] += truth.error.texels[i];
         down.texels[i] -= truth.error.texels[i];
-        for (int c = 0; c < 3; ++c) errors += truth.error.texels[i][c], means += truth.mean.texels[i][c];
     }
     const Image4 a = isr_display(up, exposure, options), b = isr_display(down, exposure, options);
     double sum = 0;
     for (std::size_t i = 0; i < a.size(); ++i)
         for (int c = 0; c < 3; ++c) sum += std::fabs(double(a.texels[i][c]) - b.texels[i][c]) / 2;
-    result.truth_noise = means > 0 ? errors / means : 0;
+    result.truth_noise = relative_noise(truth);
     result.display_noise = sum / (3 * double(a.size())) * std::sqrt(2 / host::pi);
 }
 
@@ -251,6 +263,14 @@ IsrViewResult isr_measure_view(const IsrCommon& common, const BatchView& view) {
     const Image4 direct_radiance = direct.run(options).radiance;
     const Image4 direct_display = isr_display(direct_radiance, result.exposure, options);
     result.direct = isr_compare(model, direct_display, direct_radiance, {0, 0}, options);
+
+    // As it is by default, against what it means to compute: one bounce of lamps, and what surfaces emit.
+    const frame::Frame whole = isr_frame(scene, settings, options);
+    const reference::Estimate own = isr_own_picture(scene, whole, settings.isr.bounces, common.request.samples, options);
+    const IsrModel own_model = isr_model(own.mean, result.exposure, options);
+    result.own_noise = relative_noise(own);
+    result.own_direct = isr_compare(own_model, direct_display, direct_radiance, {0, 0}, options);
+    result.own_isr = isr_compare(own_model, direct_display, whole.radiance, {0, 1, false}, options);
 
     for (const char* variant : {"corrected", "published"}) {
         // With both coefficients above 0 no stage is left out.
