@@ -2,7 +2,9 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
+#include <iostream>
 #include <map>
 #include <sstream>
 
@@ -108,11 +110,49 @@ TEST_CASE("experiment isr: the same numbers in CSV, JSON and page, and a second 
             CHECK(n["value"] == numbers.at("views/two_simple/two_simple_front/mean error of ISR, best"));
 }
 
+TEST_CASE("experiment isr: the thesis' pairing, reading by reading, goes on where it was", "[program][povray]") {
+    if (std::system("command -v povray > /dev/null 2>&1") != 0) {
+        std::cout << "SKIPPED: no povray here (Debian's package povray; tools/install-deps)\n";
+        return;
+    }
+    const std::string folder = fresh_folder("experiment_isr_pairing"), list = small_list(folder), out = folder + "/out";
+    const Words words = {"experiment", "isr", "--list", list, "-o", out, "--size", "24x18", "--samples", "16", "--pairing", "pov"};
+    const Result r = run(words);
+    INFO(r.err << r.out);
+    REQUIRE(r.exit == 0);
+    CHECK_THAT(r.out, Contains("2 of the lists' 2 views"));
+    const Json json = Json::parse(read(out + "/pairing.json"));
+    CHECK(json["views"] == 2);
+    CHECK(json["left_out"].empty());
+    std::map<std::string, double> numbers;
+    for (const Json& n : json["numbers"])
+        if (n["table"] == "pairing" && !n["value"].is_null())
+            numbers[n["scene"].get<std::string>() + "/" + n["row"].get<std::string>() + "/" + n["quantity"].get<std::string>()] = n["value"];
+    const std::string at = "POV-Ray, table 1, sRGB/", bytes = "POV-Ray, table 1, sRGB, 8 bits/";
+    // Ties are not worse, and in bytes there are more of them.
+    for (const char* row : {"as printed", "2 pi / N left out", "2 pi / N for the area", "corrected"}) {
+        CAPTURE(row);
+        CHECK(numbers.at(at + row + "/pixels not worse") >= numbers.at(at + row + "/pixels better"));
+        CHECK(numbers.at(bytes + row + "/pixels better") <= numbers.at(at + row + "/pixels better"));
+        CHECK(numbers.at(at + row + "/views not worse") >= numbers.at(at + row + "/views better"));
+    }
+    // Neither coefficient, no gain; the factor takes most of the light.
+    CHECK(numbers.at(at + "2 pi / N left out/gain, mean") > numbers.at(at + "as printed/gain, mean"));
+    CHECK(numbers.at(at + "without k_isr/gain, largest") <= 0.5);
+    CHECK_THAT(read(out + "/pairing.html"), Contains("5.88") && Contains("99.05") && Contains("occlusion added"));
+
+    // POV-Ray's pictures and the results are kept.
+    std::filesystem::remove(out + "/results/pairing_two_simple_front.json");
+    REQUIRE(run(words).exit == 0);
+    CHECK(Json::parse(read(out + "/pairing.json"))["numbers"] == json["numbers"]);
+}
+
 TEST_CASE("experiment isr: what is refused", "[program]") {
     const std::string folder = fresh_folder("experiment_isr_refused"), list = small_list(folder), out = folder + "/out";
     CHECK(run({"experiment", "isr", "-o", out}).exit == 2);
     CHECK(experiment(folder + "/none.toml", out).exit == 2);
     CHECK(experiment(list, out, {"--size", "8x8"}).exit == 2);
+    CHECK(experiment(list, out, {"--pairing", "mental ray"}).exit == 2);
     CHECK(experiment(list, out, {"--list", list}).exit == 2);
     CHECK_FALSE(std::filesystem::exists(out));
 }

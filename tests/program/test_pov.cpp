@@ -116,5 +116,12 @@ TEST_CASE("pov: what cannot be is refused, and nothing is written", "[program]")
     CHECK_THAT(refused({"pov", folder + "/no.toml", "-o", out}, folder), Contains("no.toml"));
     CHECK_THAT(refused({"pov", scene, "-o", scene + "/x.pov"}, folder), Contains(scene));
     write(folder + "/ends.toml", read(scene).replace(read(scene).find("[[light]]"), 9, "[[light]]\nradius = 2"));
-    CHECK_THAT(refused({"pov", folder + "/ends.toml", "-o", out}, folder), Contains("radius = 2") && Contains("\"key\""));
+    write(folder + "/bad.toml", read(scene).replace(read(scene).find("[[light]]"), 9, "[[light]]\nradius = -2"));
+    CHECK_THAT(refused({"pov", folder + "/bad.toml", "-o", out}, folder), Contains("radius"));
+    // A light that ends at its radius is shown, and said to be a sum of fadings; without shadows where that is asked for.
+    const Result ends = run({"pov", folder + "/ends.toml", "-o", out, "--shadowless"});
+    INFO(ends.out << ends.err);
+    REQUIRE(ends.exit == 0);
+    CHECK_THAT(ends.out, Contains("end at a radius"));
+    CHECK_THAT(read(out), Contains("fade_power 13.796") && Contains("  shadowless"));
 }
