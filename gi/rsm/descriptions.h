@@ -82,6 +82,14 @@ StageDescription<View> describe_pattern(const char* name, const char* source, Ga
     return d;
 }
 
+// What a block says of the size of samples.
+template <class Uniforms>
+std::string refuse_area(const Uniforms& u) {
+    const float* a = u.texel_area;
+    const bool none = a[0] == 0 && a[1] == 0 && a[2] == 0 && a[3] == 0;
+    return u.sample_area > 0 && none ? "texel_area = 0: expected that of the map's view where sample_area is above 0" : "";
+}
+
 inline bool is_power_of_two(int n) { return n >= 1 && (n & (n - 1)) == 0; }
 
 template <bool continuous, class Component>
@@ -95,7 +103,7 @@ auto describe(DiscKernel<continuous, Component>) {
                         .meaning = "[samples]: texels that a sample stands for",
                         .count = [](const View& v) { return std::size_t(v.u.samples); }, .why = "one for each sample"});
     d.refuses = [](const View& v, glm::ivec2) {
-        if (v.u.samples >= 0 && is_power_of_two(v.u.rotations)) return std::string();
+        if (v.u.samples >= 0 && is_power_of_two(v.u.rotations)) return refuse_area(v.u);
         return fmt::format("samples = {}, rotations = {}: expected 0 or more, and a power of two", v.u.samples,
                            v.u.rotations);
     };
@@ -113,7 +121,7 @@ std::string refuse_paths(const View& v, glm::ivec2) {
         return fmt::format("directions = {}, rotations = {}: expected 0 or more, and a power of two", u.directions,
                            u.rotations);
     if (u.slots == 1) return "slots = 1: expected 0, or 2 to 32";
-    return "";
+    return refuse_area(u);
 }
 
 template <bool continuous, class Component>

@@ -69,6 +69,9 @@ std::vector<Field> fields(GatherParams& p) {
         {"texels", as_int(p.texels), "",
          "disc, paths: whole texels from the one rounded projection, or each sample's position rounded (the theses)", 0,
          1, {"whole", "continuous"}, false, disc(curves, {})},
+        {"sample_area", as_int(p.sample_area), "",
+         "disc, paths: a sample is a point (VRSM 3.1, and always where variant = published), or a disc as large as the texels "
+         "that it stands for, whose light has a bound (ours)", 0, 1, {"none", "texels"}, false, disc(curves, {0, 1})},
         {"pattern", &p.pattern, "",
          "disc, paths: samples of one's own: .npy, [N, 3]: dx, dy, and the number that it stands for, in texels", 0, 0,
          {}, false},

@@ -40,6 +40,8 @@ enum class SlotEdges : int { angle, solid_angle };
 // How the steps of a path grow with the distance from its start: not, with its root, or with it.
 enum class Spacing : int { uniform, quadratic, geometric };
 enum class Turn : int { hash, tile };
+// How large the samples of disc and paths are: points, or discs of the area of the texels that they stand for.
+enum class SampleArea : int { none, texels };
 
 struct GatherParams {
     Gather gather = Gather::disc;
@@ -63,6 +65,7 @@ struct GatherParams {
     SlotEdges slot_edges = SlotEdges::angle;
     Turn turn = Turn::hash;
     Texels texels = Texels::whole;
+    SampleArea sample_area = SampleArea::none;  // of the variant published none
     std::string pattern = {};  // disc, paths: a file's samples, which `own` holds, in place of made ones
     SampleRowsPtr own = {};
 };
@@ -104,6 +107,14 @@ Pattern turned(Pattern pattern, int columns);
 
 // Texels: the largest |dx| or |dy| of whole-texel offsets; of positions a texel more, rounded up.
 int reach_of(const Pattern& pattern);
+
+// What the uniform texel_area holds, of the rows of world to texels of a map: the texel that sees x_p, on a surface of the
+// normal n_p, has the area h^3 / |n_p . (xyz - w x_p)|, h = w . (x_p, 1).
+//
+// A step dX on the surface moves the texel by (x - X w) . dX / h and (y - Y w) . dX / h, X and Y being x_p's place on the map.
+// So h^2 over the area is the part along n_p of (x - X w) x (y - Y w) = x x y + X y x w + Y w x x (of their first three
+// components): times h it is linear in x_p.
+glm::dvec4 texel_area(const glm::dvec4& x, const glm::dvec4& y, const glm::dvec4& w);
 
 // Where slots of the micro linear buffer meet, ascending: s |s|, s the sine of the elevation. slots - 1 numbers; without
 // visibility one, which is not read.

@@ -28,7 +28,23 @@ int reach_of(const Pattern& pattern) {
     return pattern.positions.empty() ? reach : int(farthest) + 2;
 }
 
+glm::dvec4 texel_area(const glm::dvec4& x, const glm::dvec4& y, const glm::dvec4& w) {
+    auto cross = [](const glm::dvec4& a, const glm::dvec4& b) {
+        return glm::dvec3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+    };
+    const glm::dvec3 yw = cross(y, w), wx = cross(w, x), xy = cross(x, y);
+    const glm::dvec3 still = x.w * yw + y.w * wx + w.w * xy;
+    return {still.x, still.y, still.z, -(x.x * yw.x + x.y * yw.y + x.z * yw.z)};
+}
+
 namespace {
+
+void set_texel_area(const View& view, int size, float (&area)[4]) {
+    const glm::dmat4 clip = view.world_to_clip();
+    auto row = [&](int r) { return glm::dvec4(clip[0][r], clip[1][r], clip[2][r], clip[3][r]); };
+    const glm::dvec4 w = row(3), of = texel_area((row(0) + w) * (0.5 * size), (row(1) + w) * (0.5 * size), w);
+    for (int c = 0; c < 4; ++c) area[c] = float(of[c]);
+}
 
 // The members that the blocks share.
 template <class Uniforms>
@@ -42,6 +58,11 @@ Uniforms shared_uniforms(const GatherParams& params, const GatherInputs& in) {
     u.rotations = params.rotations;
     u.seed = in.seed;
     if (in.pattern) u.reach = reach_of(*in.pattern);
+    const bool samples = params.gather == Gather::disc || params.gather == Gather::paths;
+    if (samples && params.sample_area == SampleArea::texels && params.variant == Variant::corrected) {
+        set_texel_area(in.rsm->view, in.rsm->size, u.texel_area);
+        u.sample_area = float(1 / host::pi);
+    }
     return u;
 }
 

@@ -35,7 +35,10 @@ vec3 gather_disc(ivec2 pixel) {
         vec3 flux = texelFetch(rsm_flux, fetched, 0).xyz;       TAP(flux, flux);
         float weight = inside ? weights[k] : 0.0;                       TAP(weight, weight);
 
-        precise float g = form(x, n, x_p, n_p, u.least_distance2) * weight;
+        float share = 1.0;
+        if (u.sample_area > 0.0)
+            share = share_of_disc(u.map, u.texel_area, u.sample_area, u.least_distance2, x, x_p, n_p, weight);
+        precise float g = form(x, n, x_p, n_p, u.least_distance2) * (weight * share);
         sum.x += flux.x * g;
         sum.y += flux.y * g;
         sum.z += flux.z * g;                                    TAP(sum, sum);

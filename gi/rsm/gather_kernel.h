@@ -6,7 +6,7 @@
 //
 //     E_p = Phi_p / pi  max(0, n_p . (x - x_p)) max(0, n . (x_p - x)) / |x - x_p|^4                       VRSM (3.2)
 //
-// differs: the printed equation has no 1/pi (variant `published`).
+// differs: the printed equation has no 1/pi (variant `published`), and takes a sample for a point (share_of_disc()).
 #pragma once
 
 #include "core/hash.h"
@@ -26,8 +26,11 @@ struct GatherUniforms {
     std::int32_t height;
     std::uint32_t seed;
     std::int32_t reach;     // texels: the pattern's largest |dx| or |dy|
+    float texel_area[4];    // a texel at x_p covers h^3 / |n_p . (xyz - w x_p)| m2, h = map.to_texel_w . (x_p, 1)
+    float sample_area;      // 1/pi: a sample is as large as its texels; 0: a point, as printed
+    std::int32_t padding[3];
 };
-static_assert(sizeof(GatherUniforms) == 96);
+static_assert(sizeof(GatherUniforms) == 128);
 
 // One invocation's inputs. Component is float or Half: the storage of the map's records. A device binds the map as three
 // images; where nobody lends its records, they are made of these.
@@ -73,6 +76,31 @@ PLUMB_INLINE F form(const vec3<F>& x, const vec3<F>& n, const vec3<F>& x_p, cons
     const F form = (cos_p * inverse) * (cos_x * inverse);
     tap("form", form, "VRSM (3.2): cos_p cos_x / d^4, 1/m2");
     return form;
+}
+
+// How much of what `weight` pixel lights send from one point a disc as large as their texels does. From a disc of area a,
+// seen along its axis from a distance d, comes the form factor a / (a + pi d^2) in place of a / (pi d^2): with A of a texel
+//
+//     share = d^2 / (d^2 + weight A / pi),     A = h^3 / |n_p . (texel_area.xyz - texel_area.w x_p)|
+//
+// Both are held against that normal, so that a surface along the light's rays, whose texels are as large as one likes, is
+// divided by nothing near 0.
+//
+// differs: VRSM takes pixel lights for "infinitely small in area size" (3.1), whatever number of them a sample stands for.
+template <class F, class Uniforms, class Tap>
+PLUMB_INLINE F share_of_disc(const Uniforms& u, const vec3<F>& x, const vec3<F>& x_p, const vec3<F>& n_p, F weight, Tap& tap) {
+    const vec3<F> d = x_p - x;
+    const float *row = u.map.to_texel_w, *area = u.texel_area;
+    const F w = F(row[0]) * x_p.x + F(row[1]) * x_p.y + F(row[2]) * x_p.z + F(row[3]);
+    // Beyond 1e12 m its cube would leave the range of a float.
+    const F h = clamp(w, F(u.map.least_w), F(1e12f));
+    const vec3<F> seen{F(area[0]) - F(area[3]) * x_p.x, F(area[1]) - F(area[3]) * x_p.y, F(area[2]) - F(area[3]) * x_p.z};
+    const F facing = abs(dot3(n_p, seen));
+    const F point = min(max(dot3(d, d), F(u.least_distance2)) * facing, F(1e37f));
+    const F disc = point + (weight * F(u.sample_area) * h) * (h * h);
+    const F share = point / max(disc, F(1e-37f));
+    tap("share", share, "d^2 / (d^2 + w A / pi): of a disc of the sample's texels over as many pixel lights in one point");
+    return share;
 }
 
 // What the samples of a pixel share.
@@ -157,7 +185,9 @@ PLUMB_INLINE void gather_samples(const GatherInputsView<Component>& in, const Pr
         tap("flux", flux, "Phi_p, W");
         tap("weight", weight, "texels: 2 pi r^2 xi1 / N; published: xi1^2, normalised");
 
-        const F g = form(point.x, point.n, x_p, n_p, F(u.least_distance2), tap) * weight;
+        F share(1.0f);
+        if (u.sample_area > 0.0f) share = share_of_disc(u, point.x, x_p, n_p, weight, tap);
+        const F g = form(point.x, point.n, x_p, n_p, F(u.least_distance2), tap) * (weight * share);
         sum.x += flux.x * g;
         sum.y += flux.y * g;
         sum.z += flux.z * g;

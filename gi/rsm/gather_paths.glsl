@@ -17,6 +17,8 @@ struct PathsUniforms {
     int reach;
     int slots;
     int propagates;
+    vec4 texel_area;
+    float sample_area;
 };
 
 layout(std140, binding = 0) uniform PathsUniformBlock { PathsUniforms u; };
@@ -101,7 +103,10 @@ vec3 gather_paths(ivec2 pixel) {
             if (!sighted) visibility = 1.0;
             TAP(visibility, visibility);
 
-            precise float g = form(x, n, x_p, n_p.xyz, u.least_distance2) * (weight * visibility);
+            float share = 1.0;
+            if (u.sample_area > 0.0)
+                share = share_of_disc(u.map, u.texel_area, u.sample_area, u.least_distance2, x, x_p, n_p.xyz, weight);
+            precise float g = form(x, n, x_p, n_p.xyz, u.least_distance2) * (weight * visibility * share);
             sum.x += flux.x * g;
             sum.y += flux.y * g;
             sum.z += flux.z * g;                                    TAP(sum, sum);

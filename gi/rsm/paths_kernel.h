@@ -40,8 +40,11 @@ struct PathsUniforms {
     std::int32_t reach;       // texels: the pattern's largest |dx| or |dy|
     std::int32_t slots;       // of the micro linear buffer, 2 to 32; 0: without visibility
     std::int32_t propagates;  // -1: Algorithms 3 and 6, 0: Algorithm 2
+    float texel_area[4];      // as GatherUniforms'
+    float sample_area;
+    std::int32_t padding[3];
 };
-static_assert(sizeof(PathsUniforms) == 128);
+static_assert(sizeof(PathsUniforms) == 160);
 
 // One invocation's inputs. Component is float or Half: the storage of the map's records.
 template <class Component>
@@ -157,7 +160,9 @@ PLUMB_INLINE void gather_path(const PathsInputsView<Component>& in, const PathsP
         visibility = select(point.sighted, visibility, F(1.0f));
         tap("visibility", visibility, "VRSM Algorithm 5, line 12: 1 visible, 0 hidden");
 
-        const F g = form(point.x, point.n, x_p, n_p, F(u.least_distance2), tap) * (weight * visibility);
+        F share(1.0f);
+        if (u.sample_area > 0.0f) share = share_of_disc(u, point.x, x_p, n_p, weight, tap);
+        const F g = form(point.x, point.n, x_p, n_p, F(u.least_distance2), tap) * (weight * visibility * share);
         sum.x += flux.x * g;
         sum.y += flux.y * g;
         sum.z += flux.z * g;

@@ -36,8 +36,10 @@ template <class F, class View, class Point>
 PLUMB_INLINE bool outside_adds_nothing(const View& in, const Point& point) {
     NoTap tap;
     const Record<F> p = number<F>::fetch_record(in.records, index_t<F>(0));
-    const F g = form(point.x, point.n, xyz<F>(p.a), xyz<F>(p.b), F(in.u.least_distance2), tap) * F(0.0f);
     const F zero(0.0f);
+    F share(1.0f);
+    if (in.u.sample_area > 0.0f) share = share_of_disc(in.u, point.x, xyz<F>(p.a), xyz<F>(p.b), zero, tap);
+    const F g = form(point.x, point.n, xyz<F>(p.a), xyz<F>(p.b), F(in.u.least_distance2), tap) * (zero * share);
     const mask_t<F> nothing = (p.c.x * g == zero) & (p.c.y * g == zero) & (p.c.z * g == zero);
     return !any(point.near & !nothing);
 }

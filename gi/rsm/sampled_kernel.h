@@ -331,7 +331,9 @@ PLUMB_INLINE vec3<F> gather_sampled(const SampledView& in, std::int32_t px, std:
         tap("n_p", n_p, "normal of x_p, as it is used");
         tap("flux", flux, "Phi_p, W");
         tap("weight", weight, "texels");
-        F g = form(x, n, x_p, n_p, F(u.least_distance2), tap) * weight;
+        F share(1.0f);
+        if (u.sample_area > 0.0f) share = share_of_disc(u, x, x_p, n_p, weight, tap);
+        F g = form(x, n, x_p, n_p, F(u.least_distance2), tap) * (weight * share);
         if (s.skips_beyond == 1.0f) g = select(on_map<F, continuous>(size, at), g, F(0.0f));
         sum.x += flux.x * g;
         sum.y += flux.y * g;

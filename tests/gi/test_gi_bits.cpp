@@ -74,6 +74,11 @@ std::vector<rsm::GatherParams> gathers() {
         kinds.push_back(whole);
         kinds.back().texels = rsm::Texels::continuous;
     }
+    for (const rsm::GatherParams& point : std::vector(kinds)) {
+        if (point.gather == rsm::Gather::all) continue;
+        kinds.push_back(point);
+        kinds.back().sample_area = rsm::SampleArea::texels;
+    }
     return kinds;
 }
 

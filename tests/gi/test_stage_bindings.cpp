@@ -331,6 +331,11 @@ TEST_CASE("stage bindings: numbers that kernels loop over and index by are held 
             CHECK_THAT(with_uniform(r.data, r.member, beyond),
                        Catch::StartsWith(r.data.label + ": ") && Catch::Contains("expected"));
     }
+    // How large a sample is, is nothing without the area of a texel.
+    for (const StageData& data : {disc_case(), continuous_case(), paths_case()}) {
+        CHECK(with_uniform(data, "sample_area", 0) == "");
+        CHECK_THAT(with_uniform(data, "sample_area", 0.3), Catch::Contains("texel_area = 0: expected that of the map's view"));
+    }
     // The rotation is picked by the lower bits of a hash.
     for (const StageData& data : {disc_case(), continuous_case(), paths_case(), isr_gather}) {
         CHECK(with_uniform(data, "rotations", 1) == "");

@@ -59,7 +59,8 @@ inline StageData direct_case(glm::ivec2 size, const std::string& id, bool densit
 }
 
 inline StageData gather_case(glm::ivec2 size, rsm::Gather gather, LightType type, float min_distance,
-                             const std::string& id, rsm::Texels texels = rsm::Texels::whole) {
+                             const std::string& id, rsm::Texels texels = rsm::Texels::whole,
+                             rsm::SampleArea sample_area = rsm::SampleArea::none) {
     const Light light = make_light(type, gather == rsm::Gather::disc ? 64 : 24);
     const raster::Rsm map = make_map(light, 0, 3);
     rsm::GatherParams params;
@@ -67,6 +68,7 @@ inline StageData gather_case(glm::ivec2 size, rsm::Gather gather, LightType type
     params.samples = 60;
     params.min_distance = min_distance;
     params.texels = texels;
+    params.sample_area = sample_area;
     const rsm::Pattern pattern = rsm::disc_pattern(params, map.size, 7);
     const Points p = room(size, 5);
     rsm::GatherInputs in;
@@ -170,6 +172,10 @@ inline std::vector<StageData> compute_cases(glm::ivec2 size) {
         gather_case(size, rsm::Gather::disc, LightType::spot, 0, "rsm.disc.spot"),
         gather_case(size, rsm::Gather::disc, LightType::directional, 0.1f, "rsm.disc.sun"),
         gather_case(size, rsm::Gather::disc, LightType::spot, 0, "rsm.disc.continuous", rsm::Texels::continuous),
+        gather_case(size, rsm::Gather::disc, LightType::spot, 0, "rsm.disc.area", rsm::Texels::whole,
+                    rsm::SampleArea::texels),
+        gather_case(size, rsm::Gather::disc, LightType::directional, 0.1f, "rsm.disc.area.sun", rsm::Texels::continuous,
+                    rsm::SampleArea::texels),
         gather_case(size, rsm::Gather::all, LightType::spot, 0, "rsm.all.spot"),
         paths_case(size, LightType::spot, {}, "rsm.paths.spot"),
         paths_case(size, LightType::directional, {.visibility = rsm::Visibility::none, .turn = rsm::Turn::tile},
@@ -177,6 +183,7 @@ inline std::vector<StageData> compute_cases(glm::ivec2 size) {
         paths_case(size, LightType::spot,
                    {.min_distance = 0.1f, .visibility = rsm::Visibility::algorithm_2, .slots = 32}, "rsm.paths.32"),
         paths_case(size, LightType::spot, {.texels = rsm::Texels::continuous}, "rsm.paths.continuous"),
+        paths_case(size, LightType::spot, {.sample_area = rsm::SampleArea::texels}, "rsm.paths.area"),
         paths_case(size, LightType::point,
                    {.radius = 0.6f, .projection = rsm::Projection::clamped, .slots = 3,
                     .slot_edges = rsm::SlotEdges::solid_angle}, "rsm.paths.px"),

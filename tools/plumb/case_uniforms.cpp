@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "core/error.h"
+#include "gi/rsm/gather.h"
 #include "gi/uniform_words.h"
 #include "io/file.h"
 
@@ -88,8 +89,11 @@ std::vector<double> in_texels(const glm::dvec4& row, const glm::dvec4& w, int si
 // raster/project_kernel.h, and what shadow tests and paths hold of the same light.
 std::map<std::string, std::vector<double>> members_of_map(const std::string& name, const SeenView& view, int side) {
     const double footprint = 2 * view.at_unit / (view.across(view.x) * side);
+    const double half = 0.5 * side;
+    const glm::dvec4 area = rsm::texel_area((view.x + view.w) * half, (view.y + view.w) * half, view.w);
     return {{name + ".to_texel_x", in_texels(view.x, view.w, side)},
             {name + ".to_texel_y", in_texels(view.y, view.w, side)},
+            {"texel_area", {area.x, area.y, area.z, area.w}},
             {name + ".to_texel_w", four(glm::dvec3(view.w), view.w.w)},
             {name + ".size", {double(side)}},
             {"eye", four(view.eye, 0)},
