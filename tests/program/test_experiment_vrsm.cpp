@@ -16,7 +16,7 @@ using Catch::Matchers::Equals;
 
 namespace {
 
-const Words small = {"--size", "64", "--repeats", "2", "--truth-rays", "1e6", "--slots", "3,5"};
+const Words small = {"--size", "64", "--seeds", "2", "--times", "--repeats", "2", "--truth-rays", "1e6", "--slots", "3,5"};
 
 Result experiment(const std::string& scene, const std::string& out, Words more = {}) {
     Words words = {"experiment", "vrsm", "--scene", scene, "-o", out};
@@ -76,10 +76,12 @@ TEST_CASE("experiment vrsm: every file or none, and the same numbers in all of t
 
     const Json json = json_of(out);
     CHECK(keys(json) ==
-          Words{"isa", "processor", "threads", "repeats", "load_before", "load_after", "scenes", "numbers"});
+          Words{"isa", "processor", "threads", "seeds", "repeats", "load_before", "load_after", "scenes", "numbers"});
+    CHECK(json["seeds"] == 2);
+    CHECK(json["repeats"] == 2);
     REQUIRE(json["scenes"].size() == 1);
     const Json& s = json["scenes"][0];
-    CHECK(keys(s) == Words{"name", "test_case", "triangles", "size", "settings", "times", "beyond", "truth",
+    CHECK(keys(s) == Words{"name", "test_case", "triangles", "size", "settings", "times", "beyond", "by_seed", "truth",
                            "truth_seconds", "pictures"});
     CHECK(s["test_case"].is_null());
     CHECK(s["size"] == Json{64, 64});
@@ -115,21 +117,37 @@ TEST_CASE("experiment vrsm: every file or none, and the same numbers in all of t
         CHECK(n["thesis"].is_null());
         ++rows[n["table"]];
     }
-    // Without and 2 algorithms with 2 numbers of slots, of gather and frame; 9 numbers each.
+    // Without and 2 algorithms with 2 numbers of slots, of gather and frame; by 3 spacings with one; 18 numbers each.
     const int beyond = int(s["beyond"].size());
     CHECK(beyond > 10);
     CHECK(rows == std::map<std::string, int>{{"5.1", 12},
-                                             {"5.2", 24},
+                                             {"5.2", 28},
                                              {"5.3", 10},
-                                             {"errors", 90},
-                                             {"beyond", 10 * beyond},
-                                             {"beyond all", 3 * beyond}});
+                                             {"errors", 180},
+                                             {"spacing", 324},
+                                             {"beyond", 15 * beyond},
+                                             {"beyond all", 4 * beyond}});
+
+    // Every mean and standard error is that of its seeds.
+    int checked = 0;
+    for (const Json& by_seed : s["by_seed"])
+        for (const char* quantity : {"rms", "mean error", "removed", "leaked"}) {
+            const Json& values = by_seed[quantity];
+            REQUIRE(values.size() == 2);
+            const std::string table = by_seed["table"], row = by_seed["row"];
+            const double a = values[0], b = values[1];
+            CHECK(value_of(json, table, row, quantity) == Approx((a + b) / 2).epsilon(1e-9).margin(1e-12));
+            CHECK(value_of(json, table, row, std::string(quantity) + ", standard error") ==
+                  Approx(std::abs(a - b) / 2).epsilon(1e-9).margin(1e-12));
+            checked += a != b;
+        }
+    CHECK(checked > 100);
 
     // The page: all numbers of the errors and times, to the last digit, and nothing from elsewhere.
     const std::string html = read(out + "/vrsm.html");
     for (std::size_t i = 0; i < json["numbers"].size(); ++i) {
         const Json& n = json["numbers"][i];
-        if (n["value"].is_null() || std::set<std::string>{"best", "winner", "least rms"}.contains(n["quantity"]))
+        if (n["value"].is_null() || std::set<std::string>{"best", "not told apart", "winner", "least rms"}.contains(n["quantity"]))
             continue;
         CAPTURE(n.dump());
         CHECK_THAT(html, Contains("title=\"" + n["row"].get<std::string>() + ": " + n["quantity"].get<std::string>() +
@@ -137,7 +155,7 @@ TEST_CASE("experiment vrsm: every file or none, and the same numbers in all of t
     }
     CHECK(html.find("http://") == html.find("http://www.w3.org"));
     CHECK(html.find("src=\"http") == std::string::npos);
-    for (const char* id : {"table51", "table52", "table53", "beyond", "scene0", "differences", "how"})
+    for (const char* id : {"pattern", "table51", "table52", "table53", "beyond", "scene0", "differences", "how"})
         CHECK_THAT(html, Contains("id=\"" + std::string(id) + "\""));
 }
 
@@ -146,13 +164,18 @@ TEST_CASE("experiment vrsm: the best is the least, visibility takes light, and s
                       out = folder + "/out";
     REQUIRE(experiment(scene, out, small).exit == 0);
     const Json json = json_of(out);
-    std::map<std::string, std::vector<std::pair<double, bool>>> rms;
+    struct Row {
+        double rms, error, noise;
+        bool best, tied;
+    };
+    std::map<std::string, std::vector<Row>> rms;
     std::set<std::string> names;
     for (const Json& n : json["numbers"])
         if (n["table"] == "errors") names.insert(n["row"]);
     for (const std::string& row : names) {
         auto value = [&](const char* quantity) { return value_of(json, "errors", row, quantity); };
-        rms[row.substr(0, row.find(','))].push_back({value("rms"), value("best") == 1});
+        rms[row.substr(0, row.find(','))].push_back({value("rms"), value("rms, standard error"), value("noise"), value("best") == 1,
+                                                     value("not told apart") == 1});
         CHECK(value("no number") == 0);
         CHECK(value("rms") > 0);
         CHECK(value("noise") > 0);  // the truth is a subset here
@@ -162,9 +185,19 @@ TEST_CASE("experiment vrsm: the best is the least, visibility takes light, and s
     }
     REQUIRE(rms.size() == 2);
     for (const auto& [kind, all] : rms) {
-        const auto least = std::min_element(all.begin(), all.end());
-        CHECK(std::count_if(all.begin(), all.end(), [](const auto& r) { return r.second; }) == 1);
-        CHECK(least->second);
+        // The least is best where two standard errors tell it from each of the others; else it and those are not told apart.
+        const auto least = std::min_element(all.begin(), all.end(), [](const Row& a, const Row& b) { return a.rms < b.rms; });
+        std::ptrdiff_t tied = 0;
+        for (const Row& row : all) {
+            const bool near = row.rms - least->rms <= 2 * std::hypot(row.error, least->error) || least->rms < 2 * least->noise ||
+                              row.rms < 2 * row.noise;
+            if (&row == &*least) continue;
+            CHECK(row.tied == near);
+            CHECK_FALSE(row.best);
+            tied += near;
+        }
+        CHECK(least->best == (tied == 0));
+        CHECK(least->tied == (tied > 0));
     }
     // Visibility can only take light away; fewer slots take more.
     for (const std::string kind : {"gather", "frame"}) {
@@ -181,7 +214,7 @@ TEST_CASE("experiment vrsm: a winner beyond the thesis has at most its error, an
                       out = folder + "/out";
     const Result r = experiment(scene, out, small);
     REQUIRE(r.exit == 0);
-    CHECK_THAT(r.out, Contains("VRSM's error on every scene in least time: "));
+    CHECK_THAT(r.out, Contains("VRSM's error on every scene by the least time: "));
     const Json json = json_of(out), &beyond = json["scenes"][0]["beyond"];
     REQUIRE(beyond[0]["row"] == "VRSM");
     CHECK(beyond[0]["sets"].empty());
@@ -191,6 +224,9 @@ TEST_CASE("experiment vrsm: a winner beyond the thesis has at most its error, an
     CHECK(value("VRSM", "mean error") == value_of(json, "errors", "frame, algorithm_6, S = 5", "mean error"));
     CHECK(value("VRSM", "samples") == 150);
     for (const char* same : {"relative time", "relative rms"}) CHECK(value("VRSM", same) == 100);
+    auto at_most = [&](const std::string& row) {
+        return row == "VRSM" || value(row, "relative rms") + 2 * value(row, "relative rms, standard error") <= 100;
+    };
     int winners = 0, least = 0, over_all = 0;
     double winners_time = 0, least_rms = 0;
     for (const Json& b : beyond) {
@@ -201,10 +237,9 @@ TEST_CASE("experiment vrsm: a winner beyond the thesis has at most its error, an
         for (std::size_t i = 0; i < 2; ++i)
             ratios.push_back(b["ms"][i].get<double>() / beyond[0]["ms"][i].get<double>());
         CHECK(value(row, "relative time") == Approx(50 * (ratios[0] + ratios[1])));
-        CHECK(value(row, "relative rms") == Approx(100 * value(row, "rms") / value("VRSM", "rms")));
         if (value(row, "winner") == 1) {
             ++winners, winners_time = value(row, "relative time");
-            CHECK(value(row, "rms") <= value("VRSM", "rms"));
+            CHECK(at_most(row));
         }
         if (value(row, "least rms") == 1) {
             ++least, least_rms = value(row, "rms");
@@ -214,16 +249,16 @@ TEST_CASE("experiment vrsm: a winner beyond the thesis has at most its error, an
         CHECK(value_of(json, "beyond all", row, "winner") == value(row, "winner"));
         over_all += value_of(json, "beyond all", row, "winner") == 1;
     }
-    CHECK((winners == 1 && least == 1 && over_all == 1));
+    CHECK((winners == 1 && least <= 1 && over_all == 1));
     for (const Json& b : beyond) {
         const std::string row = b["row"];
         CAPTURE(row);
-        if (value(row, "rms") <= value("VRSM", "rms")) CHECK(value(row, "relative time") >= winners_time);
-        if (value(row, "relative time") <= 100) CHECK(value(row, "rms") >= least_rms);
+        if (at_most(row)) CHECK(value(row, "relative time") >= winners_time);
+        if (least == 1 && value(row, "relative time") <= 100) CHECK(value(row, "rms") >= least_rms);
     }
 
     REQUIRE(experiment(scene, folder + "/none",
-                       {"--size", "64", "--repeats", "1", "--truth-rays", "1e5", "--slots", "5", "--no-beyond", "--set",
+                       {"--size", "64", "--seeds", "1", "--truth-rays", "1e5", "--slots", "5", "--no-beyond", "--set",
                         "rsm.turn=tile"})
                 .exit == 0);
     const Json without = json_of(folder + "/none");
@@ -231,6 +266,59 @@ TEST_CASE("experiment vrsm: a winner beyond the thesis has at most its error, an
     for (const Json& n : without["numbers"])
         CHECK(n["table"].get<std::string>().rfind("beyond", 0) == std::string::npos);
     CHECK(read(folder + "/none/vrsm.html").find("\"beyond\"") == std::string::npos);
+    // Of one seed nothing is told apart.
+    for (const Json& n : without["numbers"]) {
+        if (n["quantity"] == "best") CHECK(n["value"] == 0);
+        if (n["quantity"] == "rms, standard error") CHECK(n["value"].is_null());
+    }
+}
+
+TEST_CASE("experiment vrsm: without --times nothing is timed, and samples are what a setting costs", "[program]") {
+    const std::string folder = fresh_folder("experiment_vrsm_untimed"), scene = small_scene(folder), out = folder + "/out";
+    const Result r = experiment(scene, out, {"--size", "48", "--seeds", "2", "--truth-rays", "1e5", "--slots", "5"});
+    REQUIRE(r.exit == 0);
+    CHECK_THAT(r.out, Contains("VRSM's error on every scene by the least samples: ") && !Contains("table 5.1"));
+    const Json json = json_of(out);
+    CHECK(json["repeats"] == 0);
+    CHECK(json["scenes"][0]["times"].empty());
+    for (const Json& n : json["numbers"]) {
+        CHECK(n["table"].get<std::string>().rfind("5.", 0) == std::string::npos);
+        CHECK(n["unit"] != "ms");
+        CHECK(n["quantity"].get<std::string>().find("time") == std::string::npos);
+    }
+    CHECK(read(out + "/vrsm.html").find("id=\"table51\"") == std::string::npos);
+}
+
+TEST_CASE("experiment vrsm: where nothing hides the floor Algorithm 6 changes no bit, and no winner is named", "[program]") {
+    // A lit floor, and a wall beside it that the light does not see: from the wall every texel of the floor is seen. Along a path
+    // the floor's elevations fall or rise, so that no slot is met twice.
+    const std::string folder = fresh_folder("experiment_vrsm_open"), scene = folder + "/open.toml", out = folder + "/out";
+    write(folder + "/open.obj",
+          "v -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nv -1 0 -1\nv 1 0 -1\nv 1 1.5 -1\nv -1 1.5 -1\n"
+          "f 1 4 3 2\nf 5 6 7 8\n");
+    write(scene,
+          "[frame]\nsize = [64, 64]\n[camera]\nposition = [0, 0.75, 3]\nlook_at = [0, 0.75, -1]\nfov_y_deg = 40\n"
+          "[[mesh]]\nfile = \"open.obj\"\n[[light]]\nname = \"sun\"\ntype = \"directional\"\ndirection = [0, -1, 0]\n"
+          "intensity = [3, 3, 3]\n[rsm]\nradius = 0.7\n");
+    const Result r = experiment(scene, out, {"--size", "64", "--seeds", "3", "--slots", "5,9", "--no-beyond", "--rays", "exact"});
+    INFO(r.err);
+    REQUIRE(r.exit == 0);
+    const Json json = json_of(out);
+    for (const std::string kind : {"gather", "frame"}) {
+        const std::string none = kind + ", none";
+        for (const std::string row : {kind + ", algorithm_6, S = 5", kind + ", algorithm_6, S = 9"}) {
+            CAPTURE(row);
+            for (const char* quantity : {"rms", "rms, standard error", "mean error", "removed", "leaked"})
+                CHECK(value_of(json, "errors", row, quantity) == value_of(json, "errors", none, quantity));
+            CHECK(value_of(json, "errors", row, "leak stopped") == 0);
+            CHECK(value_of(json, "errors", row, "not told apart") == value_of(json, "errors", none, "not told apart"));
+        }
+        CHECK(value_of(json, "errors", none, "best") == 0);
+        CHECK(value_of(json, "errors", none, "noise") == 0);  // every texel was asked
+        // Algorithm 2 hides neighbours on the floor.
+        CHECK(value_of(json, "errors", kind + ", algorithm_2, S = 5", "mean error") < value_of(json, "errors", none, "mean error") - 10);
+    }
+    CHECK_THAT(r.out, Contains("least rms: not told apart: gather, none"));
 }
 
 TEST_CASE("experiment vrsm: errors are the same by every number of threads, and --json prints the file", "[program]") {
@@ -258,16 +346,16 @@ TEST_CASE("experiment vrsm: the thesis' numbers stand beside the atrium alone", 
     const std::string folder = fresh_folder("experiment_vrsm_atrium"), scene = folder + "/atrium.toml";
     write(scene, "[[mesh]]\ngenerate = \"atrium\"\ntriangles = 7000\nseed = 2\n");
     const std::string out = folder + "/out";
-    REQUIRE(experiment(scene, out, {"--size", "32", "--repeats", "1", "--truth-rays", "1e5", "--slots", "5"}).exit ==
+    REQUIRE(experiment(scene, out, {"--size", "32", "--seeds", "1", "--times", "--repeats", "1", "--truth-rays", "1e5", "--slots", "5"}).exit ==
             0);
     const Json json = json_of(out);
     CHECK(json["scenes"][0]["test_case"] == "A");
     std::vector<double> printed;
     for (const Json& n : json["numbers"])
         if (!n["thesis"].is_null()) printed.push_back(n["thesis"]);
-    // Tables 5.1 (A), 5.2 and 5.3.
-    CHECK(printed == std::vector<double>{31.6, 35.9, 14, 31.6, 35.9, 13, 79.8, 93.4, 17, 2.03, 5.7, 2.47, 6.9, 21.8,
-                                         60.7, 9.60, 26.7, 35.9, 100});
+    // Tables 5.1 (A), 5.2 with what full resolution takes over half, and 5.3.
+    CHECK(printed == std::vector<double>{31.6, 35.9, 14, 31.6, 35.9, 13, 1, 1, 79.8, 93.4, 17, 79.8 / 31.6, 93.4 / 35.9, 2.03, 5.7,
+                                         2.47, 6.9, 21.8, 60.7, 9.60, 26.7, 35.9, 100});
 }
 
 TEST_CASE("experiment vrsm: what it cannot do is refused before anything is measured or written", "[program]") {
@@ -277,6 +365,7 @@ TEST_CASE("experiment vrsm: what it cannot do is refused before anything is meas
     CHECK_THAT(message({"--size", "15"}), Contains("--size"));
     CHECK_THAT(message({"--size", "many"}), Contains("--size"));
     CHECK_THAT(message({"--repeats", "0"}), Contains("--repeats"));
+    CHECK_THAT(message({"--seeds", "0"}), Contains("--seeds"));
     for (const char* rays : {"nan", "-1", "few"}) CHECK_THAT(message({"--truth-rays", rays}), Contains("--truth-rays"));
     CHECK_THAT(message({"--slots", "1"}), Contains("--slots"));
     CHECK_THAT(message({"--slots", "5,33"}), Contains("--slots"));

@@ -72,9 +72,9 @@ Vrsm measure(const VrsmOptions& given, const std::vector<VrsmSubject>& all) {
         scene.name = subject.scene.name, scene.test_case = subject.test_case;
         scene.triangles = flatten(subject.scene).triangles.size(), scene.size = subject.scene.frame_size;
         scene.settings = settings_json(vrsm_settings(subject, true, rsm::Visibility::algorithm_6, 5));
-        scene.times = vrsm_times(subject, given.request, result.scenes.size() == 1, options);
-        result.isa = isa_name(last_dispatched_isa());
+        if (given.request.times) scene.times = vrsm_times(subject, given.request, result.scenes.size() == 1, options);
         vrsm_look(subject, given.request, options, scene);
+        result.isa = isa_name(last_dispatched_isa());
     }
     result.load_after = machine_load();
     return result;
@@ -86,6 +86,8 @@ std::string command_line(const VrsmOptions& given) {
     for (const std::string& scene : now.scenes) text += " --scene " + scene;
     for (const std::string& set : now.sets) text += " --set " + set;
     if (now.size != r.size) text += fmt::format(" --size {}", now.size);
+    if (now.seeds != r.seeds) text += fmt::format(" --seeds {}", now.seeds);
+    if (now.times) text += " --times";
     if (now.repeats != r.repeats) text += fmt::format(" --repeats {}", now.repeats);
     if (now.truth_rays != r.truth_rays) text += fmt::format(" --truth-rays {:g}", now.truth_rays);
     if (now.slots != r.slots) text += fmt::format(" --slots {}", fmt::join(now.slots, ","));
@@ -104,9 +106,13 @@ int run_vrsm(VrsmOptions given) {
     given.common.run_options();
     const std::vector<VrsmSubject> all = subjects(given);
     Outputs outputs(given.folder);
-    // Of one core: rays of the truth, and frames of every setting.
-    const double pixels = double(given.request.size) * given.request.size;
-    const double a_scene = 5e-8 * given.request.truth_rays + 2.3e-5 * pixels * (given.request.repeats + 1);
+    // Of one core: rays of the truth, of which about half the texels are lit, and frames of every setting.
+    const VrsmRequest& request = given.request;
+    const double pixels = double(request.size) * request.size;
+    const double rays = request.truth_rays > 0 ? request.truth_rays : 0.5 * pixels * pixels;
+    const double settings = 2.0 * double(1 + 2 * request.slots.size()) + 18 + (request.beyond ? 24 : 0);
+    const double a_scene = 3e-8 * rays + 6e-7 * pixels * settings * request.seeds +
+                           (request.times ? 2.3e-5 * pixels * (request.repeats + 1) : 0);
     announce(fmt::format("experiment vrsm: {} scenes", all.size()), double(all.size()) * a_scene, given.common.run_options());
     const Vrsm result = measure(given, all);
 
@@ -129,7 +135,7 @@ void add_vrsm(CLI::App& experiment, Action& action) {
     auto given = std::make_shared<VrsmOptions>();
     VrsmRequest& request = given->request;
     CLI::App* command = experiment.add_subcommand(
-        "vrsm", "VRSM's evaluation: times with and without visibility, errors against shadow rays, figures");
+        "vrsm", "VRSM's evaluation: errors against shadow rays with their uncertainty, figures, times");
     command->add_option("-o,--output", given->folder, "folder for what is written")->required()->type_name("DIR");
     command
         ->add_option("--scene", request.scenes,
@@ -140,15 +146,20 @@ void add_vrsm(CLI::App& experiment, Action& action) {
     command->add_option("--set", request.sets, "table.key=value in place of the thesis'; may be repeated")
         ->allow_extra_args(false)
         ->type_name("T.K=V");
-    command->add_option("--size", request.size, "side of the frame in pixels and of the maps in texels; 512 otherwise")
+    command->add_option("--size", request.size, "side of the frame in pixels and of the maps in texels; 256 otherwise, VRSM has 512")
         ->check(CLI::Range(16, 4096).description(""))
         ->type_name("N");
-    command->add_option("--repeats", request.repeats, "frames of each setting, in turns; 9 otherwise")
+    command
+        ->add_option("--seeds", request.seeds, "of the patterns and of the pixels' rotations: every error is their mean; 4 otherwise")
+        ->check(CLI::Range(1, 1000).description(""))
+        ->type_name("N");
+    command->add_flag("--times", request.times, "also measure times, tables 5.1 to 5.3: on a machine that does nothing else");
+    command->add_option("--repeats", request.repeats, "--times: frames of each setting, in turns; 9 otherwise")
         ->check(CLI::Range(1, 1000).description(""))
         ->type_name("N");
     command
         ->add_option("--truth-rays", request.truth_rays,
-                     "about how many rays the truth of a scene asks, 1e9 otherwise; 0: all of them")
+                     "about how many rays the truth of a scene asks; otherwise, and with 0, all of them")
         ->check(number_within(0, 1e15))
         ->type_name("N");
     command->add_option("--slots", request.slots, "slots of the micro linear buffer; 3,5,9,17,32 otherwise")
@@ -164,10 +175,10 @@ void add_vrsm(CLI::App& experiment, Action& action) {
     command->footer(
         "Files: vrsm.csv and vrsm.json (every number, beside what VRSM prints), vrsm.html (opens without a network).\n"
         "The setting is the thesis': RGBA16F targets, indirect light of half size from 15 paths of 10 samples with 5\n"
-        "slots, blur of 17; --set changes it, for what the experiment does not vary itself. Times are those of the\n"
-        "frame's stages; compare them within a run, on a quiet machine. The truth takes most of the time: "
-        "--truth-rays\n"
-        "2e7 --size 128 --repeats 3 is a quick look.");
+        "slots, blur of 17; --set changes it, for what the experiment does not vary itself. Every error is the mean over\n"
+        "the seeds, with its standard error; what differs by less than two of them is not told apart, and no winner is\n"
+        "named. Errors do not depend on the machine's load; times do. The truth takes most of the time: --truth-rays 2e7\n"
+        "--size 128 is a quick look.");
     command->callback([given, &action] { action = [=] { return run_vrsm(*given); }; });
 }
 

@@ -31,42 +31,49 @@ class BeyondPage {
     }
 
     void add_summary(const Vrsm& result) {
-        std::vector<std::vector<Cell>> rows{{{"setting, paths x samples"},
-                                             head("largest relative time, %"),
-                                             head("largest relative rms, %"),
-                                             {"winner"}}};
+        const bool timed = result.request.times;
+        std::vector<std::vector<Cell>> rows{{{"setting, paths x samples"}}};
+        if (timed) rows[0].push_back(head("largest relative time, %"));
+        for (const char* column : {"largest relative rms, %", "±"}) rows[0].push_back(head(column));
+        rows[0].push_back({"winner"});
         for (const VrsmBeyond& b : result.scenes.front().beyond) {
             const std::string row = vrsm_row(b);
-            const VrsmNumber& rms = find("beyond all", "", row, "largest relative rms");
-            rows.push_back({name(b), ours(find("beyond all", "", row, "largest relative time")),
-                            ours(rms, heat_of(rms)), winner(find("beyond all", "", row, "winner"))});
+            auto n = [&](const char* quantity) { return find("beyond all", "", row, quantity); };
+            const VrsmNumber rms = n("largest relative rms");
+            rows.push_back({name(b)});
+            if (timed) rows.back().push_back(ours(n("largest relative time")));
+            rows.back().insert(rows.back().end(), {ours(rms, heat_of(rms)), ours(n("largest relative rms, standard error")),
+                                                   winner(n("winner"))});
         }
-        page_.table(rows,
-                    "On the scene where it is worst. ●: the least time of those that have at most VRSM's error on "
-                    "every scene.");
+        page_.table(rows, fmt::format("On the scene where it is worst. ●: the least {} of those that have at most VRSM's error on "
+                                      "every scene, by two standard errors; VRSM's own where there is none.",
+                                      timed ? "time" : "number of samples"));
     }
 
     void add_scene(const VrsmScene& scene) {
-        page_.chart(chart_of(scene));
-        std::vector<std::vector<Cell>> rows{{{"setting, paths x samples"},
-                                             head("samples of a point"),
-                                             head("time, ms"),
-                                             head("relative time, %"),
-                                             head("rms, %"),
-                                             head("relative rms, %"),
-                                             head("mean error, %"),
-                                             head("wrongly removed, % of energy"),
-                                             head("leaked, % of energy"),
-                                             {"VRSM's error, least time"},
-                                             {"VRSM's time, least error"}}};
+        const bool timed = !scene.beyond.front().ms.empty();
+        page_.chart(chart_of(scene, timed));
+        const std::vector<std::pair<std::string, std::string>> estimates = {{"rms", "rms, %"}, {"relative rms", "relative rms, %"},
+                                                                            {"mean error", "mean error, %"},
+                                                                            {"removed", "wrongly removed, % of energy"},
+                                                                            {"leaked", "leaked, % of energy"}};
+        std::vector<std::vector<Cell>> rows{{{"setting, paths x samples"}, head("samples of a point")}};
+        if (timed) rows[0].push_back(head("time, ms")), rows[0].push_back(head("relative time, %"));
+        for (const auto& [quantity, title] : estimates) rows[0].push_back(head(title)), rows[0].push_back(head("±"));
+        const std::string cost = timed ? "time" : "samples";
+        rows[0].push_back({"VRSM's error, least " + cost}), rows[0].push_back({"VRSM's " + cost + ", least error"});
         for (const VrsmBeyond& b : scene.beyond) {
             const std::string row = vrsm_row(b);
-            auto n = [&](const char* quantity) { return find("beyond", scene.name, row, quantity); };
-            rows.push_back({name(b), ours(n("samples")), ours(n("time")), ours(n("relative time")), ours(n("rms")),
-                            ours(n("relative rms"), heat_of(n("relative rms"))), ours(n("mean error")),
-                            ours(n("removed")), ours(n("leaked")), winner(n("winner")), winner(n("least rms"))});
+            auto n = [&](const std::string& quantity) { return find("beyond", scene.name, row, quantity); };
+            rows.push_back({name(b), ours(n("samples"))});
+            if (timed) rows.back().push_back(ours(n("time"))), rows.back().push_back(ours(n("relative time")));
+            for (const auto& [quantity, title] : estimates) {
+                rows.back().push_back(ours(n(quantity), quantity == "relative rms" ? heat_of(n(quantity)) : -1));
+                rows.back().push_back(ours(n(quantity + ", standard error")));
+            }
+            rows.back().push_back(winner(n("winner"))), rows.back().push_back(winner(n("least rms")));
         }
-        page_.table(rows, scene.name + ": all settings. Green: less than VRSM's error.");
+        page_.table(rows, scene.name + ": all settings. Green: less than VRSM's error. ±: standard error of the mean over the seeds.");
     }
 
   private:
@@ -90,34 +97,40 @@ class BeyondPage {
                               : std::numeric_limits<double>::quiet_NaN();
     }
 
-    static ChartPoint point_of(const VrsmBeyond& b, const VrsmBeyond& thesis) {
-        const std::optional<double> rms = relative_rms(b, thesis);
-        return {median(b.ms),
-                b.errors.rms ? 100 * *b.errors.rms : std::numeric_limits<double>::quiet_NaN(),
-                {{"setting", vrsm_row(b)},
-                 {"samples of a point", fmt::format("{} x {}", b.samples.x, b.samples.y)},
-                 {"relative time", fmt::format("{:.1f} %", 100 * b.relative_time)},
-                 {"relative rms", rms ? fmt::format("{:.1f} %", 100 * *rms) : "undefined"}}};
+    // Over time, or where there is none over the samples of a point.
+    static double place(const VrsmBeyond& b, bool timed) { return timed ? median(b.ms) : b.samples.x * b.samples.y; }
+
+    static ChartPoint point_of(const VrsmBeyond& b, const VrsmBeyond& thesis, bool timed) {
+        const VrsmEstimate rms = b.estimate(&compare::SignedErrors::rms);
+        ChartPoint point{place(b, timed), rms.mean ? 100 * *rms.mean : std::numeric_limits<double>::quiet_NaN(),
+                         {{"setting", vrsm_row(b)},
+                          {"samples of a point", fmt::format("{} x {}", b.samples.x, b.samples.y)},
+                          {"rms", estimate_text(rms) + " %"},
+                          {"relative rms", estimate_text(relative_rms(b, thesis)) + " %"}}};
+        if (timed) point.values.push_back({"relative time", fmt::format("{:.1f} %", 100 * b.relative_time)});
+        return point;
     }
 
-    static Chart chart_of(const VrsmScene& scene) {
-        Chart chart{scene.name + ": error over time", "sampling and filters (ms)", "rms, % of the truth's mean", false,
-                    false};
+    static Chart chart_of(const VrsmScene& scene, bool timed) {
+        const std::string cost = timed ? "time" : "samples";
+        Chart chart{scene.name + ": error over " + cost, timed ? "sampling and filters (ms)" : "samples of a point",
+                    "rms, % of the truth's mean", false, false};
         const VrsmBeyond& thesis = scene.beyond.front();
         // The first is drawn on top.
-        const ChartPoint mark = point_of(thesis, thesis);
+        const ChartPoint mark = point_of(thesis, thesis, timed);
         chart.lines.push_back({"VRSM's setting", {mark}, Line::points});
         for (const VrsmBeyond& b : scene.beyond) {
-            if (b.winner) chart.lines.push_back({"VRSM's error, least time", {point_of(b, thesis)}, Line::points});
-            if (b.least_rms) chart.lines.push_back({"VRSM's time, least error", {point_of(b, thesis)}, Line::points});
+            const ChartPoint point = point_of(b, thesis, timed);
+            if (b.winner) chart.lines.push_back({"VRSM's error, least " + cost, {point}, Line::points});
+            if (b.least_rms) chart.lines.push_back({"VRSM's " + cost + ", least error", {point}, Line::points});
         }
-        double fastest = median(thesis.ms), slowest = fastest;
+        double least = place(thesis, timed), most = least;
         for (const VrsmBeyond& b : scene.beyond) {
             if (chart.lines.back().name != b.family) chart.lines.push_back({b.family});
-            chart.lines.back().points.push_back(point_of(b, thesis));
-            fastest = std::min(fastest, median(b.ms)), slowest = std::max(slowest, median(b.ms));
+            chart.lines.back().points.push_back(point_of(b, thesis, timed));
+            least = std::min(least, place(b, timed)), most = std::max(most, place(b, timed));
         }
-        chart.lines.push_back({"VRSM's error (dashed)", {{fastest, mark.y}, {slowest, mark.y}}, Line::dashed});
+        chart.lines.push_back({"VRSM's error (dashed)", {{least, mark.y}, {most, mark.y}}, Line::dashed});
         return chart;
     }
 
@@ -140,10 +153,13 @@ void add_beyond(page::Page& page, const Vrsm& result, const std::vector<VrsmNumb
     if (!result.request.beyond) return;
     page.heading("Beyond the thesis", "beyond");
     page.paragraph(
-        "Settings that reach VRSM's error in less time, or less error in its time: at half resolution, the whole chain "
-        "up to the blur. Time is that of the stages in which they differ, from positions to irradiance: reduction, "
-        "sampling, upsampling, blur. Relative: beside VRSM's setting, 15 paths of 10 samples turned by a hash, 5 slots "
-        "of equal angle with Algorithm 6, a blur of 17 x 17; of times the median over the repetitions.");
+        std::string("Settings that reach VRSM's error for less, or less error for as much: at half resolution, the whole chain up "
+                    "to the blur. ") +
+        (result.request.times ? "Time is that of the stages in which they differ, from positions to irradiance: reduction, "
+                                "sampling, upsampling, blur; relative times are medians over the repetitions. "
+                              : "Times were not measured (--times): what a setting costs is its samples of a point. ") +
+        "Relative: beside VRSM's setting, 15 paths of 10 samples turned by a hash, 5 slots of equal angle with Algorithm 6, a blur "
+        "of 17 x 17, seed by seed.");
     BeyondPage beyond(page, numbers);
     beyond.add_families(result.scenes.front().beyond);
     beyond.add_summary(result);

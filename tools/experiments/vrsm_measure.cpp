@@ -76,24 +76,84 @@ VrsmTruth cast_truth(const VrsmSubject& subject, const VrsmRequest& request, con
     return truth;
 }
 
-// The settings whose errors are measured, of one kind.
+// The settings whose errors are measured, of one kind; without visibility first.
 std::vector<VrsmErrors> settings_to_judge(const VrsmRequest& request, bool chain) {
     std::vector<VrsmErrors> rows{{chain, Visibility::none, 0}};
     for (const Visibility visibility : {Visibility::algorithm_2, Visibility::algorithm_6})
         for (const int slots : request.slots) rows.push_back({chain, visibility, slots});
     return rows;
 }
+std::vector<VrsmErrors> spacings_to_judge(bool chain) {
+    std::vector<VrsmErrors> rows;
+    for (const rsm::Spacing spacing : {rsm::Spacing::uniform, rsm::Spacing::quadratic, rsm::Spacing::geometric})
+        for (const Visibility visibility : {Visibility::none, Visibility::algorithm_2, Visibility::algorithm_6})
+            rows.push_back({chain, visibility, visibility == Visibility::none ? 0 : 5, spacing});
+    return rows;
+}
 
-// The least rms; what is no number is never best.
-VrsmErrors* mark_best(std::vector<VrsmErrors>& rows) {
-    VrsmErrors* best = nullptr;
+frame::Settings settings_of_row(const VrsmSubject& subject, const VrsmErrors& row, int seed) {
+    frame::Settings settings = vrsm_settings(subject, row.chain, row.visibility, row.slots);
+    if (!row.chain) settings.indirect.blur = filter::Blur::none;
+    if (row.spacing) settings.rsm.spacing = *row.spacing, settings.rsm.growth = vrsm_growth;
+    settings.seed += std::uint32_t(seed);
+    return settings;
+}
+
+// Of the rows behind one without visibility, up to the next, how much less leaks.
+void add_leak_stopped(std::vector<VrsmErrors>& rows) {
+    const VrsmErrors* none = nullptr;
+    for (VrsmErrors& row : rows) {
+        if (row.visibility == Visibility::none) none = &row;
+        for (std::size_t s = 0; s < row.seeds.size(); ++s) {
+            const std::optional<double> all = none->seeds[s].leaked, left = row.seeds[s].leaked;
+            row.leak_stopped.push_back(all && left && *all > 0 ? std::optional(1 - *left / *all) : std::nullopt);
+        }
+    }
+}
+
+std::vector<VrsmErrors*> pointers(std::vector<VrsmErrors>& rows, auto of_kind) {
+    std::vector<VrsmErrors*> some;
     for (VrsmErrors& row : rows)
-        if (row.errors.rms && (!best || *row.errors.rms < *best->errors.rms)) best = &row;
-    if (best) best->best = true;
-    return best;
+        if (of_kind(row)) some.push_back(&row);
+    return some;
+}
+
+template <class Quantity>
+VrsmEstimate estimate_of(const std::vector<compare::SignedErrors>& seeds, Quantity quantity) {
+    std::vector<std::optional<double>> values;
+    for (const compare::SignedErrors& e : seeds) values.push_back(e.*quantity);
+    return vrsm_estimate(values);
 }
 
 }  // namespace
+
+VrsmEstimate VrsmErrors::estimate(std::optional<double> compare::SignedErrors::* quantity) const {
+    return estimate_of(seeds, quantity);
+}
+VrsmEstimate VrsmErrors::estimate(double compare::SignedErrors::* quantity) const { return estimate_of(seeds, quantity); }
+VrsmEstimate VrsmBeyond::estimate(std::optional<double> compare::SignedErrors::* quantity) const {
+    return estimate_of(seeds, quantity);
+}
+
+bool VrsmErrors::noisy() const {
+    const std::optional<double> noise = estimate(&compare::SignedErrors::noise).mean, rms = this->rms().mean;
+    return !noise || !rms || *rms < 2 * *noise;
+}
+
+VrsmErrors* vrsm_mark_best(const std::vector<VrsmErrors*>& rows) {
+    VrsmErrors* least = nullptr;
+    for (VrsmErrors* row : rows)
+        if (row->rms().mean && (!least || *row->rms().mean < *least->rms().mean)) least = row;
+    if (!least) return nullptr;
+    bool alone = true;
+    for (VrsmErrors* row : rows) {
+        if (row == least || !row->rms().mean) continue;
+        row->tied = row->noisy() || least->noisy() || !told_apart(row->rms(), least->rms());
+        alone = alone && !row->tied;
+    }
+    least->best = alone, least->tied = !alone;
+    return least;
+}
 
 std::size_t vrsm_pass(const std::string& stage) {
     if (stage == "rsm") return 0;
@@ -177,34 +237,50 @@ void vrsm_look(const VrsmSubject& subject, const VrsmRequest& request, const Run
     show_progress(subject.scene.name + ": truth");
     const VrsmTruth truth = cast_truth(subject, request, options, kept, scene);
     // Of what the stages made before, the truth's maps and G-buffer are kept: all read the same.
-    auto render = [&](const VrsmErrors& row) -> const frame::Frame& {
-        frame::Settings settings = vrsm_settings(subject, row.chain, row.visibility, row.slots);
-        if (!row.chain) settings.indirect.blur = filter::Blur::none;
+    auto render = [&](const VrsmErrors& row, int seed) -> const frame::Frame& {
+        const frame::Settings settings = settings_of_row(subject, row, seed);
         return frame::execute(subject.scene, settings, frame::plan(subject.scene, settings), options, kept);
+    };
+    auto judge = [&](std::vector<VrsmErrors> rows) {
+        for (VrsmErrors& row : rows) {
+            show_progress(subject.scene.name + ": " + vrsm_row(row));
+            for (int seed = 0; seed < request.seeds; ++seed)
+                row.seeds.push_back(compare::signed_errors(compare::luminances(render(row, seed).indirect), truth.luminance,
+                                                           truth.error, truth.surface, vrsm_judgement));
+        }
+        add_leak_stopped(rows);
+        return rows;
     };
     VrsmErrors best_chain{true, Visibility::none, 0};
     for (const bool chain : {false, true}) {
-        std::vector<VrsmErrors> rows = settings_to_judge(request, chain);
-        for (VrsmErrors& row : rows) {
-            show_progress(subject.scene.name + ": " + vrsm_row(row));
-            row.errors = compare::signed_errors(compare::luminances(render(row).indirect), truth.luminance, truth.error,
-                                                truth.surface, vrsm_judgement);
-        }
-        const compare::SignedErrors& first = rows.front().errors;
+        std::vector<VrsmErrors> rows = judge(settings_to_judge(request, chain));
+        const compare::SignedErrors& first = rows.front().seeds.front();
         if (first.pixels == 0 || (first.mean_truth && !(*first.mean_truth > 0)))
             throw InputError(subject.scene.name + ": no indirect light reaches any point that is seen");
-        if (const VrsmErrors* best = mark_best(rows); best && chain) best_chain = *best;
+        const VrsmErrors* least = vrsm_mark_best(pointers(rows, [](const VrsmErrors&) { return true; }));
+        if (least && chain) best_chain = *least;
         scene.errors.insert(scene.errors.end(), rows.begin(), rows.end());
+
+        std::vector<VrsmErrors> spacing = judge(spacings_to_judge(chain));
+        for (const Visibility visibility : {Visibility::none, Visibility::algorithm_2, Visibility::algorithm_6})
+            vrsm_mark_best(pointers(spacing, [=](const VrsmErrors& row) { return row.visibility == visibility; }));
+        scene.spacing.insert(scene.spacing.end(), spacing.begin(), spacing.end());
     }
 
     // The thesis' pictures are those of the whole chain.
-    const Image4 best = render(best_chain).indirect;
-    const frame::Frame& first = render({true, Visibility::none, 0});
+    const Image4 best = render(best_chain, 0).indirect, without_check = render({true, Visibility::algorithm_2, 5}, 0).indirect;
+    frame::Settings unblurred = settings_of_row(subject, {true, Visibility::algorithm_6, 5}, 0);
+    unblurred.indirect.blur = filter::Blur::none;
+    const Image4 noised =
+        frame::execute(subject.scene, unblurred, frame::plan(subject.scene, unblurred), options, kept).indirect;
+    const frame::Frame& first = render({true, Visibility::none, 0}, 0);
     const Image4 without = first.indirect, global_without = first.display;
-    const frame::Frame& second = render({true, Visibility::algorithm_6, 5});
+    const frame::Frame& second = render({true, Visibility::algorithm_6, 5}, 0);
     scene.pictures = vrsm_pictures(
-        {&second.gbuffer, &truth.irradiance, &without, &second.indirect, &best, &truth.error}, request.crops, options);
+        {&second.gbuffer, &truth.irradiance, &without, &second.indirect, &best, &noised, &without_check, &truth.error},
+        request.crops, options);
     scene.pictures.global_without = global_without, scene.pictures.global_with = second.display;
+    vrsm_paths(subject, options, kept, scene);
     if (request.beyond) scene.beyond = vrsm_beyond(subject, request, truth, options);
     show_progress("");
 }

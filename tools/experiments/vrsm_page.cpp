@@ -23,8 +23,8 @@ class VrsmPage {
 
     std::string html(const std::string& command) {
         introduce();
-        add_times();
-        add_passes();
+        add_pattern_figure(page_, result_);
+        if (result_.request.times) add_times(), add_passes();
         add_beyond(page_, result_, numbers_);
         for (std::size_t i = 0; i < result_.scenes.size(); ++i) add_scene(i);
         add_differences();
@@ -65,12 +65,17 @@ class VrsmPage {
                         "light at 256 x 256 points from 15 paths of 10 samples with 5 slots of the micro linear "
                         "buffer, RGBA16F targets, upsampling and an edge-aware blur of 17. Here: {0} with {1} "
                         "triangles, {2} x {2} pixels and texels, indirect light at {3} x {3} points; all else as the "
-                        "thesis, but for what the command below sets.",
-                        s.name, s.triangles, s.size.x, (s.size.x + 1) / 2));
+                        "thesis, but for what the command below sets. Every error is the mean of {4} seed{5} of the "
+                        "patterns and of the pixels' rotations, ± its standard error. Where two differ by less than two "
+                        "standard errors of their difference they are not told apart (○), and none is marked as the "
+                        "least (●).",
+                        s.name, s.triangles, s.size.x, (s.size.x + 1) / 2, result_.request.seeds,
+                        result_.request.seeds == 1 ? "" : "s"));
         std::string links;
         for (std::size_t i = 0; i < result_.scenes.size(); ++i)
             links += fmt::format("<a href=\"#scene{}\">{}</a>, ", i, page::escaped(result_.scenes[i].name));
         page_.raw("<p>Figures and errors: " + links + "<a href=\"#differences\">differences</a>. " +
+                  "<a href=\"#pattern\">The pattern</a>. " +
                   (result_.request.beyond ? "<a href=\"#beyond\">Beyond the thesis</a>. " : "") +
                   "<a href=\"#how\">How it was measured</a>.</p>\n");
     }
@@ -93,6 +98,10 @@ class VrsmPage {
                                              head("RSM sampling without, ms"),
                                              head("with, ms"),
                                              head("overhead, %")}};
+        const bool resolutions = table == "5.2";
+        if (resolutions)
+            for (const char* which : {"without", "with"})
+                rows[0].push_back(head(fmt::format("over half, {}", which))), rows[0].push_back(head("VRSM"));
         for (const auto& [scene, row] : rows_of(table)) {
             auto n = [&, s = scene, r = row](const char* quantity) { return find(table, s, r, quantity); };
             rows.push_back({{scene},
@@ -112,6 +121,9 @@ class VrsmPage {
                             ours(n("sampling without")),
                             ours(n("sampling with")),
                             ours(n("sampling overhead"))});
+            if (resolutions)
+                for (const char* over : {"over half, without", "over half, with"})
+                    rows.back().push_back(ours(n(over))), rows.back().push_back(theirs(n(over)));
         }
         page_.table(rows, caption);
     }
@@ -122,7 +134,8 @@ class VrsmPage {
         page_.heading("Table 5.2: by resolution of the indirect light", "table52");
         add_pairs("5.2",
                   "half: a quarter of the points. VRSM's text states 13 % for half resolution, its table 5.1 14 % "
-                  "for the same two times.");
+                  "for the same two times. over half: the time over that of half resolution; VRSM 4.4 has \"nearly three "
+                  "times\" of it and of deferred shading together.");
     }
 
     void add_passes() {
@@ -137,6 +150,15 @@ class VrsmPage {
                               "the G-buffer's pass, direct light, upsampling, blur, synthesis and tone curve of "
                               "post processing.");
     }
+
+    const std::vector<std::pair<std::string, std::string>> quantities_ = {
+        {"mean error, %", "of the truth's mean"},
+        {"rms, %", "of the truth's mean, without the truth's noise"},
+        {"too dark, % of points", "darker by more than 10 % of the local truth and 3 standard errors"},
+        {"too bright, % of points", "brighter by more than 10 % of the local truth and 3 standard errors"},
+        {"removed, % of energy", "wrongly, less 3 standard errors at each point"},
+        {"leaked, % of energy", "less 3 standard errors at each point"},
+        {"leak stopped, %", "of the energy that leaks without visibility"}};
 
     // The whole picture, with the enlarged regions framed where there are any.
     void show(const Image4& image, const std::string& caption, const std::vector<glm::ivec4>& framed = {}) {
@@ -154,49 +176,44 @@ class VrsmPage {
                      {glm::dvec2(image.width, image.height), glm::dvec4(c.x, c.y, c.z, c.w), crop_width, ""});
     }
 
-    void add_errors(const VrsmScene& scene) {
-        std::vector<std::vector<Cell>> rows{
-            {{"what, visibility"},
-             head("mean error, %", "of the truth's mean"),
-             head("rms, %", "of the truth's mean, without the truth's noise"),
-             head("truth's noise, %", "root mean square of its standard errors"),
-             head("too dark, % of points", "darker by more than 10 % of the local truth and 3 standard errors"),
-             head("too bright, % of points", "brighter by more than 10 % of the local truth and 3 standard errors"),
-             head("wrongly removed, % of energy", "less 3 standard errors at each point"),
-             head("leaked, % of energy", "less 3 standard errors at each point"),
-             head("no number, points"),
-             {"best"}}};
-        double least = 1e300, most = 0;
-        for (const VrsmErrors& e : scene.errors)
-            if (e.errors.rms) least = std::min(least, *e.errors.rms), most = std::max(most, *e.errors.rms);
-        for (const VrsmErrors& e : scene.errors) {
-            const std::string row = vrsm_row(e);
-            auto n = [&](const char* quantity) { return find("errors", scene.name, row, quantity); };
-            const double heat = !e.errors.rms  ? std::numeric_limits<double>::quiet_NaN()
-                                : most > least ? (*e.errors.rms - least) / (most - least)
-                                               : -1;
-            rows.push_back({{row},
-                            ours(n("mean error")),
-                            ours(n("rms"), heat),
-                            ours(n("noise")),
-                            ours(n("too dark")),
-                            ours(n("too bright")),
-                            ours(n("removed")),
-                            ours(n("leaked")),
-                            ours(n("no number")),
-                            {e.best ? "●" : ""}});
+    void add_errors(const VrsmScene& scene, const std::string& table, const std::vector<VrsmErrors>& all,
+                    const std::string& caption) {
+        std::vector<std::vector<Cell>> rows{{{"what, visibility"}}};
+        for (const auto& [name, hint] : quantities_) {
+            rows[0].push_back(head(name, hint));
+            rows[0].push_back(head("±", "standard error of the mean over the seeds"));
         }
-        page_.table(
-            rows,
-            "Luminance of the indirect irradiance against the truth. gather: at full resolution, without blur. "
-            "frame: at half resolution, upsampled and blurred. S: slots of the micro linear buffer; VRSM has 5. ●: "
-            "the least rms of its kind.");
+        rows[0].push_back(head("truth's noise, %", "root mean square of its standard errors"));
+        rows[0].push_back(head("no number, points", "of all seeds"));
+        rows[0].push_back({"least rms"});
+        double least = 1e300, most = 0;
+        for (const VrsmErrors& e : all)
+            if (const std::optional<double> rms = e.rms().mean) least = std::min(least, *rms), most = std::max(most, *rms);
+        for (const VrsmErrors& e : all) {
+            const std::string row = vrsm_row(e);
+            auto n = [&](const std::string& quantity) { return find(table, scene.name, row, quantity); };
+            const std::optional<double> rms = e.rms().mean;
+            const double heat = !rms           ? std::numeric_limits<double>::quiet_NaN()
+                                : most > least ? (*rms - least) / (most - least)
+                                               : -1;
+            rows.push_back({{row}});
+            for (const auto& [name, hint] : quantities_) {
+                const std::string quantity = name.substr(0, name.find(", "));
+                rows.back().push_back(ours(n(quantity), quantity == "rms" ? heat : -1));
+                rows.back().push_back(ours(n(quantity + ", standard error")));
+            }
+            rows.back().push_back(ours(n("noise")));
+            rows.back().push_back(ours(n("no number")));
+            rows.back().push_back({e.best ? "●" : e.tied ? "○" : ""});
+        }
+        page_.table(rows, caption);
     }
 
     const VrsmErrors* best_of(const VrsmScene& scene) const {
+        const VrsmErrors* best = nullptr;
         for (const VrsmErrors& e : scene.errors)
-            if (e.chain && e.best) return &e;
-        return nullptr;
+            if (e.chain && e.rms().mean && (!best || *e.rms().mean < *best->rms().mean)) best = &e;
+        return best;
     }
 
     void add_scene(std::size_t index) {
@@ -220,7 +237,15 @@ class VrsmPage {
         show(p.error_with, "(b) against (d): blue is what visibility should not have darkened");
         if (const VrsmErrors* best = best_of(s))
             show(p.error_best, "The least rms, " + vrsm_row(*best) + ", against (d)");
-        add_errors(s);
+        add_errors(s, "errors", s.errors,
+                   "Luminance of the indirect irradiance against the truth. gather: at full resolution, without blur. "
+                   "frame: at half resolution, upsampled and blurred. S: slots of the micro linear buffer; VRSM has 5. ●: "
+                   "the least rms of its kind. ○: not told apart from it.");
+        add_errors(s, "spacing", s.spacing,
+                   fmt::format("By spacing of the steps along a path: of one length, growing with the root of the distance, or "
+                               "with the distance (growth {:g}). ●, ○: of the same kind and visibility.", vrsm_growth));
+        add_noise_figure(page_, s);
+        add_buffer_figure(page_, s);
         page_.raw(fmt::format("<h3>Figure {}: global illumination and indirect light</h3>\n",
                               s.test_case.empty() ? "as 5.2" : fmt::format("5.{}", s.test_case[0] - 'A' + 2)));
         show(p.global_without, "(a) Global illumination without indirect shadows", p.crops);
@@ -247,13 +272,17 @@ class VrsmPage {
     void tell_how(const std::string& command) {
         page_.heading("How it was measured", "how");
         page_.raw(fmt::format("<p><code>{}</code></p>\n", page::escaped(command)));
+        const std::string times =
+            result_.request.times
+                ? fmt::format("Times are medians of {} repetition{} of all settings of a scene in turns, sums of all stages of a "
+                              "frame in which everything is drawn anew; loading the scene is not counted.",
+                              result_.request.repeats, result_.request.repeats == 1 ? "" : "s")
+                : "No times were measured: errors do not depend on the load.";
         page_.paragraph(fmt::format(
             "On {}, instruction set {}, {} thread{}; load of the machine {:.1f} before and {:.1f} after (its "
-            "processes that ran or wanted to, mean of a minute). Times are medians of {} repetition{} of all "
-            "settings of a scene in turns, sums of all stages of a frame in which everything is drawn anew; loading "
-            "the scene is not counted.",
+            "processes that ran or wanted to, mean of a minute). {}",
             result_.processor, result_.isa, result_.threads, result_.threads == 1 ? "" : "s", result_.load_before,
-            result_.load_after, result_.request.repeats, result_.request.repeats == 1 ? "" : "s"));
+            result_.load_after, times));
         page_.paragraph(
             "Errors are of the luminance of indirect irradiance at every pixel with a surface, against the sum over "
             "the same map's texels with a shadow ray each: what the map's own resolution and one bounce leave out "

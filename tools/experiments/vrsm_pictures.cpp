@@ -95,6 +95,8 @@ VrsmPictures vrsm_pictures(const VrsmViews& views, int crops, const RunOptions& 
     p.truth = shown(*views.truth, p.white, options);
     p.indirect_without = shown(*views.without, p.white, options);
     p.indirect_with = shown(*views.with, p.white, options);
+    p.noised = shown(*views.noised, p.white, options);
+    p.without_check = shown(*views.without_check, p.white, options);
     Plane difference(truth.width, truth.height);
     double total = 0, seen = 0;
     for (std::size_t i = 0; i < truth.size(); ++i) {

@@ -29,6 +29,8 @@ std::optional<double> percent(const std::optional<double>& share) {
     return share ? finite(100 * *share) : std::nullopt;
 }
 
+const std::string error_suffix = ", standard error";
+
 double overhead_percent(double without, double with) { return 100 * (with / without - 1); }
 
 // Repetition by repetition: what slows the machine for longer than a frame slows both.
@@ -49,6 +51,12 @@ class Numbers {
     void add(const std::string& quantity, const std::string& unit, std::optional<double> value,
              std::optional<double> thesis = {}) {
         all.push_back({table_, scene_, row_, quantity, unit, value, thesis});
+    }
+
+    // A share as its mean over the seeds, and that mean's standard error.
+    void add_estimate(const std::string& quantity, const VrsmEstimate& e) {
+        add(quantity, "%", percent(e.mean));
+        add(quantity + error_suffix, "%", percent(e.error));
     }
 
     // Times of two settings that only visibility tells apart.
@@ -87,26 +95,33 @@ class Numbers {
         add("share", "%", 100, thesis(100));
     }
 
-    void add_errors(const SignedErrors& e) {
-        add("mean error", "%", percent(e.mean_error));
-        add("rms", "%", percent(e.rms));
-        add("noise", "%", percent(e.noise));
-        add("too dark", "%", percent(e.too_dark));
-        add("too bright", "%", percent(e.too_bright));
-        add("removed", "%", percent(e.removed));
-        add("leaked", "%", percent(e.leaked));
-        add("no number", "pixels", double(e.nonfinite));
+    void add_errors(const VrsmErrors& e) {
+        add_estimate("mean error", e.estimate(&SignedErrors::mean_error));
+        add_estimate("rms", e.rms());
+        add("noise", "%", percent(e.estimate(&SignedErrors::noise).mean));
+        add_estimate("too dark", e.estimate(&SignedErrors::too_dark));
+        add_estimate("too bright", e.estimate(&SignedErrors::too_bright));
+        add_estimate("removed", e.estimate(&SignedErrors::removed));
+        add_estimate("leaked", e.estimate(&SignedErrors::leaked));
+        add_estimate("leak stopped", vrsm_estimate(e.leak_stopped));
+        double nonfinite = 0;
+        for (const SignedErrors& seed : e.seeds) nonfinite += double(seed.nonfinite);
+        add("no number", "pixels", nonfinite);
+        add("best", "", double(e.best));
+        add("not told apart", "", double(e.tied));
     }
 
     void add_beyond(const VrsmBeyond& b, const VrsmBeyond& thesis) {
         add("samples", "", b.samples.x * b.samples.y);
-        add("time", "ms", finite(median(b.ms)));
-        add("relative time", "%", finite(100 * b.relative_time));
-        add("rms", "%", percent(b.errors.rms));
-        add("relative rms", "%", percent(relative_rms(b, thesis)));
-        add("mean error", "%", percent(b.errors.mean_error));
-        add("removed", "%", percent(b.errors.removed));
-        add("leaked", "%", percent(b.errors.leaked));
+        if (!b.ms.empty()) {
+            add("time", "ms", finite(median(b.ms)));
+            add("relative time", "%", finite(100 * b.relative_time));
+        }
+        add_estimate("rms", b.estimate(&SignedErrors::rms));
+        add_estimate("relative rms", relative_rms(b, thesis));
+        add_estimate("mean error", b.estimate(&SignedErrors::mean_error));
+        add_estimate("removed", b.estimate(&SignedErrors::removed));
+        add_estimate("leaked", b.estimate(&SignedErrors::leaked));
         add("winner", "", double(b.winner));
         add("least rms", "", double(b.least_rms));
     }
@@ -114,14 +129,14 @@ class Numbers {
     // The setting on the scene where it is worst.
     void add_worst(const Vrsm& result, std::size_t candidate, bool winner) {
         double time = 0;
-        std::optional<double> rms = 0;
+        VrsmEstimate worst{0, 0};
         for (const VrsmScene& s : result.scenes) {
-            const std::optional<double> here = relative_rms(s.beyond.at(candidate), s.beyond.front());
-            rms = rms && here ? std::optional(std::max(*rms, *here)) : std::nullopt;
+            const VrsmEstimate here = relative_rms(s.beyond.at(candidate), s.beyond.front());
+            if (!worst.mean || !here.mean || *here.mean > *worst.mean) worst = !worst.mean ? worst : here;
             time = std::max(time, s.beyond[candidate].relative_time);
         }
-        add("largest relative time", "%", finite(100 * time));
-        add("largest relative rms", "%", percent(rms));
+        if (result.request.times) add("largest relative time", "%", finite(100 * time));
+        add_estimate("largest relative rms", worst);
         add("winner", "", double(winner));
     }
 
@@ -154,7 +169,7 @@ Json pictures_json(const VrsmPictures& p) {
             {"crops", crops}};
 }
 
-// One table as a terminal shows it: a line a row, the thesis' numbers in parentheses.
+// One table as a terminal shows it: a line a row, standard errors behind +-, the thesis' numbers in parentheses.
 std::string table_text(const std::vector<VrsmNumber>& numbers, const std::string& table,
                        const std::vector<std::string>& quantities) {
     std::vector<Column> columns = {{"scene"}, {"row"}};
@@ -164,44 +179,104 @@ std::string table_text(const std::vector<VrsmNumber>& numbers, const std::string
         if (n.table != table) continue;
         if (rows.empty() || rows.back()[0] != n.scene || rows.back()[1] != n.row)
             rows.push_back({n.scene, n.row}), rows.back().resize(columns.size());
-        for (std::size_t q = 0; q < quantities.size(); ++q)
+        for (std::size_t q = 0; q < quantities.size(); ++q) {
             if (quantities[q] == n.quantity)
                 rows.back()[q + 2] = value_text(n.value, n.unit) + (n.thesis ? fmt::format(" ({:g})", *n.thesis) : "");
+            if (quantities[q] + error_suffix == n.quantity && n.value)
+                rows.back()[q + 2] += " +- " + value_text(n.value, n.unit);
+        }
     }
     return rows.empty() ? "" : format_table(columns, rows) + "\n";
 }
 
-std::string beside_text(const VrsmBeyond& b, const VrsmBeyond& thesis) {
-    const std::optional<double> rms = relative_rms(b, thesis);
-    return fmt::format("{}: {:.1f} % of the time, {} % of the rms", vrsm_row(b), 100 * b.relative_time,
-                       rms ? fmt::format("{:.1f}", 100 * *rms) : "undefined");
+// What a setting costs: time, or where nothing was timed samples of a point.
+std::string cost_name(const Vrsm& result) { return result.request.times ? "time" : "samples"; }
+
+std::string beside_text(const Vrsm& result, const VrsmBeyond& b, const VrsmBeyond& thesis) {
+    const VrsmEstimate rms = relative_rms(b, thesis);
+    return fmt::format("{}: {:.1f} % of the {}, {} % of the rms", vrsm_row(b), 100 * b.cost(thesis), cost_name(result),
+                       estimate_text(rms));
 }
 
 std::string beyond_text(const Vrsm& result) {
     std::string text;
-    for (const VrsmScene& s : result.scenes)
+    const std::string cost = cost_name(result);
+    for (const VrsmScene& s : result.scenes) {
+        bool any = false;
         for (const VrsmBeyond& b : s.beyond) {
             if (b.winner)
-                text += fmt::format("{}: VRSM's error in least time: {}\n", s.name, beside_text(b, s.beyond[0]));
+                text += fmt::format("{}: VRSM's error by the least {}: {}\n", s.name, cost, beside_text(result, b, s.beyond[0]));
             if (b.least_rms)
-                text += fmt::format("{}: least error in VRSM's time: {}\n", s.name, beside_text(b, s.beyond[0]));
+                text += fmt::format("{}: least error by VRSM's {}: {}\n", s.name, cost, beside_text(result, b, s.beyond[0]));
+            any = any || b.least_rms;
         }
+        if (!any && !s.beyond.empty()) text += fmt::format("{}: least error by VRSM's {}: not told apart\n", s.name, cost);
+    }
     if (const std::optional<std::size_t> winner = vrsm_winner(result)) {
         const std::vector<VrsmBeyond>& first = result.scenes.front().beyond;
-        double time = 0;
-        for (const VrsmScene& s : result.scenes) time = std::max(time, s.beyond[*winner].relative_time);
-        text += fmt::format("VRSM's error on every scene in least time: {}: at most {:.1f} % of it\n",
-                            vrsm_row(first[*winner]), 100 * time);
+        double most = 0;
+        for (const VrsmScene& s : result.scenes) most = std::max(most, s.beyond[*winner].cost(s.beyond.front()));
+        text += fmt::format("VRSM's error on every scene by the least {}: {}: at most {:.1f} % of it\n", cost,
+                            vrsm_row(first[*winner]), 100 * most);
     }
     return text;
+}
+
+// "atrium: least rms: frame, algorithm_2, S = 5: 54.5 +- 0.2 %", or which rows are not told apart.
+std::string least_text(const std::string& scene, const std::string& of, const std::vector<const VrsmErrors*>& rows) {
+    std::string text;
+    for (const VrsmErrors* row : rows) {
+        const std::string here = fmt::format("{}: {} %", vrsm_row(*row), estimate_text(row->rms()));
+        if (row->best) return fmt::format("{}: least rms{}: {}\n", scene, of, here);
+        if (row->tied) text += (text.empty() ? "" : "; ") + here + (row->noisy() ? " (near the truth's noise)" : "");
+    }
+    return text.empty() ? "" : fmt::format("{}: least rms{}: not told apart: {}\n", scene, of, text);
+}
+
+std::string least_texts(const VrsmScene& s) {
+    std::string text;
+    for (const bool chain : {false, true}) {
+        std::vector<const VrsmErrors*> rows;
+        for (const VrsmErrors& e : s.errors)
+            if (e.chain == chain) rows.push_back(&e);
+        text += least_text(s.name, "", rows);
+        for (const auto visibility : {rsm::Visibility::none, rsm::Visibility::algorithm_2, rsm::Visibility::algorithm_6}) {
+            rows.clear();
+            for (const VrsmErrors& e : s.spacing)
+                if (e.chain == chain && e.visibility == visibility) rows.push_back(&e);
+            text += least_text(s.name, " by spacing", rows);
+        }
+    }
+    return text;
+}
+
+Json seeds_json(const VrsmScene& scene) {
+    Json all = Json::array();
+    auto add = [&](const char* table, const std::string& row, const std::vector<SignedErrors>& seeds) {
+        Json one = {{"table", table}, {"row", row}};
+        for (const auto& [name, quantity] : {std::pair("rms", &SignedErrors::rms), {"mean error", &SignedErrors::mean_error},
+                                             {"removed", &SignedErrors::removed}, {"leaked", &SignedErrors::leaked}}) {
+            Json values = Json::array();
+            for (const SignedErrors& e : seeds) values.push_back(optional_json(percent(e.*quantity)));
+            one[name] = values;
+        }
+        all.push_back(one);
+    };
+    for (const VrsmErrors& e : scene.errors) add("errors", vrsm_row(e), e.seeds);
+    for (const VrsmErrors& e : scene.spacing) add("spacing", vrsm_row(e), e.seeds);
+    for (const VrsmBeyond& b : scene.beyond) add("beyond", vrsm_row(b), b.seeds);
+    return all;
 }
 
 }  // namespace
 
 std::string vrsm_row(const VrsmErrors& e) {
-    const std::string kind = e.chain ? "frame" : "gather";
-    if (e.visibility == rsm::Visibility::none) return kind + ", none";
-    return fmt::format("{}, algorithm_{}, S = {}", kind, e.visibility == rsm::Visibility::algorithm_2 ? 2 : 6, e.slots);
+    static const char* const spacings[] = {"uniform", "quadratic", "geometric"};
+    std::string row = e.chain ? "frame, " : "gather, ";
+    row += e.visibility == rsm::Visibility::none
+               ? "none"
+               : fmt::format("algorithm_{}, S = {}", e.visibility == rsm::Visibility::algorithm_2 ? 2 : 6, e.slots);
+    return e.spacing ? row + ", " + spacings[int(*e.spacing)] : row;
 }
 
 std::string vrsm_row(const VrsmBeyond& b) {
@@ -211,15 +286,23 @@ std::string vrsm_row(const VrsmBeyond& b) {
 std::vector<VrsmNumber> vrsm_numbers(const Vrsm& result) {
     Numbers n;
     for (const VrsmScene& s : result.scenes) {
+        if (s.times.empty()) continue;
         n.at("5.1", s.name, s.test_case.empty() ? "half" : "half, test case " + s.test_case);
         n.add_pair(s.times.at(0), s.times.at(1), printed_of(s));
     }
-    if (!result.scenes.empty()) {
+    if (!result.scenes.empty() && !result.scenes.front().times.empty()) {
         const VrsmScene& first = result.scenes.front();
         const bool printed = first.test_case == "A";
         for (std::size_t i = 0; i + 1 < first.times.size(); i += 2) {
             n.at("5.2", first.name, first.times[i].half ? "half" : "full");
             n.add_pair(first.times[i], first.times[i + 1], printed ? &table_5_2[i / 2] : nullptr);
+            // "Nearly three times" (VRSM 4.4).
+            auto over_half = [&](std::size_t t) { return median(first.times[i + t].frame_ms) / median(first.times[t].frame_ms); };
+            auto thesis = [&](double Printed::*value) {
+                return printed ? std::optional(table_5_2[i / 2].*value / table_5_2[0].*value) : std::nullopt;
+            };
+            n.add("over half, without", "", finite(over_half(0)), thesis(&Printed::without));
+            n.add("over half, with", "", finite(over_half(1)), thesis(&Printed::with));
         }
         n.at("5.3", first.name, "");
         n.add_passes(first.times.at(1), printed);
@@ -227,8 +310,12 @@ std::vector<VrsmNumber> vrsm_numbers(const Vrsm& result) {
     for (const VrsmScene& s : result.scenes)
         for (const VrsmErrors& e : s.errors) {
             n.at("errors", s.name, vrsm_row(e));
-            n.add_errors(e.errors);
-            n.add("best", "", double(e.best));
+            n.add_errors(e);
+        }
+    for (const VrsmScene& s : result.scenes)
+        for (const VrsmErrors& e : s.spacing) {
+            n.at("spacing", s.name, vrsm_row(e));
+            n.add_errors(e);
         }
     for (const VrsmScene& s : result.scenes)
         for (const VrsmBeyond& b : s.beyond) {
@@ -273,6 +360,7 @@ Json vrsm_json(const Vrsm& result, const std::vector<VrsmNumber>& numbers) {
                           {"settings", s.settings},
                           {"times", times},
                           {"beyond", beyond},
+                          {"by_seed", seeds_json(s)},
                           {"truth", s.truth},
                           {"truth_seconds", s.truth_seconds},
                           {"pictures", pictures_json(s.pictures)}});
@@ -290,7 +378,8 @@ Json vrsm_json(const Vrsm& result, const std::vector<VrsmNumber>& numbers) {
     return {{"isa", result.isa},
             {"processor", result.processor},
             {"threads", result.threads},
-            {"repeats", result.request.repeats},
+            {"seeds", result.request.seeds},
+            {"repeats", result.request.times ? result.request.repeats : 0},
             {"load_before", load(result.load_before)},
             {"load_after", load(result.load_after)},
             {"scenes", scenes},
@@ -304,25 +393,29 @@ std::string value_text(const std::optional<double>& value, const std::string& un
     return fmt::format("{:g}", *value);
 }
 
+std::string estimate_text(const VrsmEstimate& e) {
+    return value_text(percent(e.mean), "%") + (e.error ? fmt::format(" +- {}", value_text(percent(e.error), "%")) : "");
+}
+
 std::string vrsm_text(const Vrsm& result, const std::vector<VrsmNumber>& numbers) {
-    std::string text = "in parentheses what VRSM prints of a GPU of 2009\n\n";
-    text += "table 5.1: frames without and with visibility, ms; medians\n" +
-            table_text(numbers, "5.1",
-                       {"without", "with", "overhead", "overhead by pairs", "fastest without", "fastest with",
-                        "overhead of the fastest", "sampling overhead"});
-    text += "table 5.2: by resolution of the indirect light, ms\n" +
-            table_text(numbers, "5.2",
-                       {"without", "with", "overhead", "overhead by pairs", "fastest without", "fastest with",
-                        "overhead of the fastest", "sampling overhead"});
-    text += "table 5.3: by pass, with visibility\n" + table_text(numbers, "5.3", {"time", "share"});
-    text +=
-        "irradiance against every texel with a shadow ray; % of its mean, of the points or of its energy\n" +
-        table_text(numbers, "errors", {"mean error", "rms", "noise", "too dark", "too bright", "removed", "leaked"});
-    for (const VrsmScene& s : result.scenes)
-        for (const VrsmErrors& e : s.errors)
-            if (e.best)
-                text +=
-                    fmt::format("{}: least rms: {}, {} %\n", s.name, vrsm_row(e), value_text(100 * *e.errors.rms, "%"));
+    std::string text;
+    if (result.request.times) {
+        const std::vector<std::string> pairs = {"without", "with", "overhead", "overhead by pairs", "fastest without",
+                                                "fastest with", "overhead of the fastest", "sampling overhead"};
+        text += "in parentheses what VRSM prints of a GPU of 2009\n\n";
+        text += "table 5.1: frames without and with visibility, ms; medians\n" + table_text(numbers, "5.1", pairs);
+        std::vector<std::string> by_resolution = pairs;
+        by_resolution.insert(by_resolution.end(), {"over half, without", "over half, with"});
+        text += "table 5.2: by resolution of the indirect light, ms\n" + table_text(numbers, "5.2", by_resolution);
+        text += "table 5.3: by pass, with visibility\n" + table_text(numbers, "5.3", {"time", "share"});
+    }
+    const std::vector<std::string> errors = {"mean error", "rms",     "noise",  "too dark",
+                                             "too bright", "removed", "leaked", "leak stopped"};
+    text += fmt::format("irradiance against texels with a shadow ray each; % of its mean, of the points or of its energy; mean of "
+                        "{} seed{} +- its standard error\n", result.request.seeds, result.request.seeds == 1 ? "" : "s");
+    text += table_text(numbers, "errors", errors);
+    text += "the same by spacing of the steps along a path\n" + table_text(numbers, "spacing", errors);
+    for (const VrsmScene& s : result.scenes) text += least_texts(s);
     return text + beyond_text(result);
 }
 
