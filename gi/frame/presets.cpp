@@ -43,6 +43,7 @@ Rows vrsm() {
         row("rsm", "slot_edges", word("angle")),         // 3.3
         row("rsm", "texels", word("continuous")),        // Algorithm 1, lines 6 to 10
         row("rsm", "projection", word("plain")),         // Algorithm 1, line 9
+        row("rsm", "sample_area", word("none")),         // 3.1: pixel lights are infinitely small
         row("rsm", "min_distance", 0.0),                 // (3.2) has none
         row("indirect", "resolution", word("half")),     // 4.4, 5.1
         row("indirect", "upsample", word("published")),  // 4.5; how is open
@@ -69,6 +70,7 @@ Rows isr() {
         row("render", "layout", word("isr")),            // fig. 4.1, (22), Listing 4
         row("isr", "variant", word("corrected")),
         row("isr", "mode", word("F2")),                  // appendix D
+        row("isr", "resolution", word("quarter")),       // 4.2
         row("isr", "pattern", word("grid")),             // Listing 6
         row("isr", "rings", 4.0),                        // 5.3.1: 80 samples; table 2 has 48
         row("isr", "spacing", 8.0),                      // open: Listing 6 says that the offset is calculated
@@ -109,6 +111,10 @@ const std::vector<Preset>& presets() {
         {"isr", "the set-up of ISR (Rohleder 2010), with the radiometry of a truth", isr()},
         {"isr_printed", "the same with its equations as printed",
          joined(isr(), {row("isr", "variant", word("published")),        // (25), (26), (29)
+                        row("isr", "solid_angle", word("printed")),      // the factor 2 pi / N of (25) and (26)
+                        row("isr", "ssao_term", word("accessibility")),  // as (29) adds it, occlusion would brighten
+                        row("isr", "light_unit", 0.0),                   // open, as the next: by the scene
+                        row("isr", "length_unit", 0.0),
                         row("isr", "k_ssao", 0.5),                       // 4.7
                         row("isr", "k_isr", 0.5),
                         row("shadow", "variant", word("published"))})},  // Listing 8

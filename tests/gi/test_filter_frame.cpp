@@ -56,6 +56,18 @@ TEST_CASE("filters: a plan has those that the settings ask for, before and after
         return labels_of(frame::plan(scene, settings_of(resolution, blur)), "filter.");
     };
     CHECK(labels(R::full, B::none) == Labels{});
+    // What samples a map leaves grain; what asks all of it does not, and shared frames take it away themselves.
+    const auto by_default = [&](rsm::Gather gather, int frames) {
+        frame::Settings settings = settings_of(R::full, filter::FilterParams().blur, gather);
+        settings.reuse.frames = frames;
+        return labels_of(frame::plan(scene, settings), "filter.");
+    };
+    const Labels separable = {"filter.blur (horizontal)", "filter.blur (vertical)"};
+    CHECK(by_default(rsm::Gather::disc, screen::ReuseParams().frames) == separable);
+    CHECK(by_default(rsm::Gather::paths, screen::ReuseParams().frames) == separable);
+    CHECK(by_default(rsm::Gather::all, screen::ReuseParams().frames) == Labels{});
+    CHECK(by_default(rsm::Gather::all_rays, screen::ReuseParams().frames) == Labels{});
+    CHECK(by_default(rsm::Gather::disc, 20) == Labels{});
     CHECK(labels(R::full, B::full) == Labels{"filter.blur"});
     CHECK(labels(R::half, B::none) ==
           Labels{"filter.reduce (position)", "filter.reduce (normal)", "filter.upsample"});
