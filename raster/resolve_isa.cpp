@@ -113,7 +113,7 @@ void gbuffer_tile(const GBufferArgs& in, const TilePixels& seen) {
     if (past_caches) _mm_sfence();
 }
 
-template <bool with_light>
+template <bool with_normal, bool with_light>
 void rsm_tile(const RsmArgs& in, const TilePixels& seen, const RsmStore& store) {
     NoTap tap;
     const vec4<F> nothing(F(0.0f), F(0.0f), F(0.0f), F(0.0f));
@@ -122,7 +122,7 @@ void rsm_tile(const RsmArgs& in, const TilePixels& seen, const RsmStore& store) 
         RsmTexel<F> out{nothing, nothing, nothing};
         if (any(b.covered)) out = stored<F>(store, raster::rsm<F>(in, b.x, b.y, b.triangle, b.barycentrics, tap));
         put(in.position, in.size, out.position, b);
-        if (with_light) put(in.normal, in.size, out.normal, b);
+        if (with_normal) put(in.normal, in.size, out.normal, b);
         if (with_light) put(in.flux, in.size, out.flux, b);
     });
 }
@@ -142,8 +142,9 @@ void ResolveTile<Isa::PLUMB_ISA>::gbuffer(const GBufferArgs& in, const TilePixel
 
 template <>
 void ResolveTile<Isa::PLUMB_ISA>::rsm(const RsmArgs& in, const TilePixels& seen, const RsmStore& store) {
-    if (in.normal || in.flux) return rsm_tile<true>(in, seen, store);
-    rsm_tile<false>(in, seen, store);
+    if (in.flux) return rsm_tile<true, true>(in, seen, store);
+    if (in.normal) return rsm_tile<true, false>(in, seen, store);
+    rsm_tile<false, false>(in, seen, store);
 }
 
 }  // namespace plumb::raster

@@ -37,7 +37,7 @@ RsmStore store_of(const Layout& layout) {
 // Makes room for a map, unless it is there; every texel will be written, and the padding of the records stays 0.
 void fit(int size, bool half, const RsmWants& wants, Rsm& out) {
     for (Image4* image : {&out.position, &out.normal, &out.flux}) {
-        if (image != &out.position && !wants.light)
+        if ((image == &out.normal && !wants.normals()) || (image == &out.flux && !wants.light))
             *image = Image4();
         else if (image->width != size || image->height != size)
             *image = Image4(size, size);
@@ -98,7 +98,8 @@ void draw_rsm(const Geometry& geometry, const Surfaces& surfaces, const Light& l
     out.texel_scale = 2 * half_width(light_view) / size;
     RsmArgs args = rsm_args(geometry, surfaces, light, light_view);
     RsmImages images{&out.position.data()->x, nullptr, nullptr};
-    if (wants.light) images.normal = &out.normal.data()->x, images.flux = &out.flux.data()->x;
+    if (wants.normals()) images.normal = &out.normal.data()->x;
+    if (wants.light) images.flux = &out.flux.data()->x;
     args.position = images.position, args.normal = images.normal, args.flux = images.flux;
     const RsmStore store = store_of(layout);
     Workspace temporary;

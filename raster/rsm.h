@@ -17,10 +17,14 @@ namespace plumb::raster {
 
 struct Workspace;  // raster/workspace.h
 
-// What a later stage reads of a map. A shadow test reads the depth alone: without `light` normals, flux and records come
-// back empty, and what they alone need is not computed; no texture is read, but for alpha.
+// What a later stage reads of a map. A shadow test reads position and depth, and the normal where it asks for planes: without
+// `light` flux and records come back empty, without both normals, too, and what they alone need is not computed; no texture is
+// read, but for alpha and of normals.
 struct RsmWants {
     bool light = true;
+    bool normal = true;  // that alone; `light` brings it, too
+
+    bool normals() const { return light || normal; }
 };
 
 struct Rsm {

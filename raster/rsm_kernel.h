@@ -31,8 +31,8 @@ struct RsmArgs {
     float half_width;             // half the map's side, in the same unit
     std::int32_t size;            // texels a side
     float* position;              // [size][size] rgba32f, out
-    float* normal;                // both or none: null where the map's depth alone is wanted
-    float* flux;
+    float* normal;                // null where the map's depth alone is wanted
+    float* flux;                  // null, but for gathers; not without normal
 };
 
 // Power that the light sends through texel (px, py) to `position`, W.

@@ -9,11 +9,15 @@ namespace plumb::direct {
 
 enum class ShadowMode : int { hard, density, pcf, esm };
 enum class ShadowVariant : int { corrected, published };
+enum class ShadowTest : int { depth, plane, planes };
 
 struct ShadowParams {
     ShadowMode mode = ShadowMode::hard;
     ShadowVariant variant = ShadowVariant::corrected;
     int kernel = 4;
+    int pcf_kernel = 1;
+    ShadowTest test = ShadowTest::depth;
+    float least_sine = 0.1f;
     float bias = 0.001f;
     float slope_bias = 1;
     float max_slope = 16;

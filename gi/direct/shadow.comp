@@ -24,11 +24,15 @@ layout(std140, binding = 0) uniform ShadowUniforms {
     int height;
     int soft;  // 0 none, 1 pcf, 2 esm
     float c;
+    int test;  // 0 depth, 1 plane, 2 planes
+    float least_sine;
+    float rounding;
 } u;
 layout(binding = 1) uniform sampler2D position_image;  // xyz world, m
 layout(binding = 2) uniform sampler2D normal_image;    // xyz unit
-layout(binding = 3) uniform sampler2D map_position;    // w: linear depth, m; 0 where nothing is
+layout(binding = 3) uniform sampler2D map_position;    // xyz world, w: linear depth, m; 0 where nothing is
 layout(binding = 4, r32f) uniform writeonly image2D visibility_image;
+layout(binding = 5) uniform sampler2D map_normal;      // xyz unit, to the light; test = planes
 
 // True where this map serves x: the points of one face have no other map.
 bool serves(vec3 x) {
@@ -40,6 +44,10 @@ struct Receiver {
     vec3 from_eye;
     float d_p;
     float bias;
+    vec3 x;
+    vec3 n;       // turned to the light
+    float least;
+    float reach;
 };
 
 // How deep x lies, and how much depth changes across a texel there.
@@ -55,11 +63,18 @@ Receiver receiver(vec3 x, vec3 n) {
     precise float slope = min(across / max(abs(n_r), 1e-6), u.max_slope);
     precise float footprint = u.footprint_scale * d_p + u.footprint_base;
     precise float bias = u.bias + u.slope_bias * footprint * slope;      TAP(bias, bias);
-    return Receiver(from_eye, d_p, bias);
+    float turned = n_r > 0.0 ? -1.0 : 1.0;                      TAP(turned, turned);
+    precise float moved = abs(n.x * x.x) + abs(n.y * x.y) + abs(n.z * x.z);
+    precise float least = u.bias + u.rounding * moved;          TAP(least, least);
+    precise float reach = u.slope_bias * footprint * min(1.0 / max(abs(n_r), 1e-6), u.max_slope);
+    TAP(reach, reach);
+    return Receiver(from_eye, d_p, bias, x, n * turned, least, reach);
 }
 
 struct MapTexel {
     bool inside;
+    ivec2 index;
+    vec3 m;
     float depth;
 };
 
@@ -69,9 +84,29 @@ MapTexel texel_at(ivec2 texel) {
     TAP(texel, texel);
     bool inside = texel.x >= 0 && texel.x < u.map.size && texel.y >= 0 && texel.y < u.map.size;
     TAP(inside, inside);
-    float d_map = texelFetch(map_position, inside ? texel : ivec2(0), 0).w;
-    TAP(d_map, d_map);
-    return MapTexel(inside, d_map);
+    ivec2 index = inside ? texel : ivec2(0);
+    vec4 stored = texelFetch(map_position, index, 0);
+    TAP(d_map, stored.w);
+    return MapTexel(inside, index, stored.xyz, stored.w);
+}
+
+// Whether what the map holds there hides x from the light.
+bool shadows(Receiver r, MapTexel t) {
+    bool known = t.inside && t.depth > 0.0;
+    if (u.test == 0) {
+        precise float limit = t.depth + r.bias;
+        return known && r.d_p > limit;
+    }
+    precise vec3 v = t.m - r.x;
+    precise float height = r.n.x * v.x + r.n.y * v.y + r.n.z * v.z;      TAP(height, height);
+    precise float d2 = v.x * v.x + v.y * v.y + v.z * v.z;
+    precise float on_it = r.least + u.least_sine * min(sqrt(d2), r.reach);
+    TAP(on_it, on_it);
+    bool above = known && height > on_it;
+    if (u.test == 1) return above;
+    vec3 n_m = texelFetch(map_normal, t.index, 0).xyz;
+    precise float below = n_m.x * v.x + n_m.y * v.y + n_m.z * v.z;       TAP(below, below);
+    return above && below > r.least;
 }
 
 // The hard test, and the shadow density.
@@ -88,9 +123,7 @@ float share_lit(vec3 x, Receiver r) {
             bool counted = t.inside && z_map >= -r.d_p;
             count += counted ? 1.0 : 0.0;                       TAP(count, count);
         } else {
-            precise float limit = t.depth + r.bias;
-            bool shadowed = t.inside && t.depth > 0.0 && r.d_p > limit;
-            count += shadowed ? 0.0 : 1.0;                      TAP(count, count);
+            count += shadows(r, t) ? 0.0 : 1.0;                 TAP(count, count);
         }
     }
     TAP_SAMPLE(-1);
@@ -130,9 +163,14 @@ float printed_cosine(vec3 n, Receiver r) {
     return cosine;
 }
 
-// PCF and ESM: four texels, weighed bilinearly.
+// PCF and ESM: the (k + 1)^2 texels that a square of k x k texels around the projection touches, weighed by the share of
+// each that it covers. Of k = 1: four, bilinearly.
 float soft_shadow(vec3 x, vec3 n, Receiver r) {
-    vec2 place = place_of(x);
+    int k = u.kernel;
+    int before = k / 2;
+    vec2 centre = place_of(x);
+    // An even square begins half a texel beside one whose middle is a texel's centre.
+    precise vec2 place = centre + vec2(k % 2 == 0 ? 0.5 : 0.0);
     CHOICE(int(floor(place.x)));
     CHOICE(int(floor(place.y)));
     ivec2 first = ivec2(floor(place));
@@ -140,26 +178,35 @@ float soft_shadow(vec3 x, vec3 n, Receiver r) {
     float factor = u.published != 0 ? printed_cosine(n, r) : 1.0;
     float bias = u.published == 0 ? r.bias : (u.soft == 1 ? u.bias : 0.0);
 
-    float lit[4];
-    for (int k = 0; k < 4; ++k) {
-        TAP_SAMPLE(k);
-        MapTexel t = texel_at(first + ivec2(k % 2, k / 2));
-        bool known = t.inside && t.depth > 0.0;
-        if (u.soft == 1) {
-            precise float limit = t.depth + bias;
-            lit[k] = known && r.d_p > limit ? 0.0 : 1.0;
-        } else {
-            precise float behind = max(0.0, (r.d_p - t.depth) - bias) * factor;
-            TAP(behind, behind);
-            precise float exponent = -(u.c * behind);
-            lit[k] = known ? det_exp(exponent) : 1.0;
+    Receiver biased = Receiver(r.from_eye, r.d_p, bias, r.x, r.n, r.least, r.reach);
+
+    precise float sum = 0.0;
+    float upper = 0.0;
+    for (int j = 0; j <= k; ++j) {
+        precise float row = 0.0;
+        float left = 0.0;
+        for (int i = 0; i <= k; ++i) {
+            TAP_SAMPLE(j * (k + 1) + i);
+            MapTexel t = texel_at(first + ivec2(i - before, j - before));
+            float lit;
+            if (u.soft == 1) {
+                lit = shadows(biased, t) ? 0.0 : 1.0;
+            } else {
+                precise float behind = max(0.0, (r.d_p - t.depth) - bias) * factor;
+                TAP(behind, behind);
+                precise float exponent = -(u.c * behind);
+                lit = t.inside && t.depth > 0.0 ? det_exp(exponent) : 1.0;
+            }
+            TAP(lit, lit);
+            // The first of a row counts by 1 - fraction, the last by fraction.
+            if (i == 0) left = lit;
+            row = i < k ? row + lit : row + fraction.x * (lit - left);
         }
-        TAP(lit, lit[k]);
+        if (j == 0) upper = row;
+        sum = j < k ? sum + row : sum + fraction.y * (row - upper);
     }
     TAP_SAMPLE(-1);
-    precise float upper = lit[0] + fraction.x * (lit[1] - lit[0]);
-    precise float lower = lit[2] + fraction.x * (lit[3] - lit[2]);
-    precise float visibility = upper + fraction.y * (lower - upper);
+    precise float visibility = sum / u.samples;
     TAP(visibility, visibility);
     return visibility;
 }

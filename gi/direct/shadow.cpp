@@ -17,6 +17,8 @@ void validate(const ShadowParams& params, const ShadowInputs& in) {
     if (in.rsms.size() != 1 && in.rsms.size() != raster::light_faces)
         throw InputError(fmt::format("shadow: {} maps are bound: expected 1, or {} of a point light", in.rsms.size(),
                                      raster::light_faces));
+    if (!(in.rounding >= 0 && in.rounding < 1))
+        throw InputError(fmt::format("shadow: rounding = {}: expected 0 to below 1", in.rounding));
     if (!in.blurred.empty() && in.blurred.size() != in.rsms.size())
         throw InputError(fmt::format("shadow: {} blurred maps are bound: expected {}, as of maps", in.blurred.size(),
                                      in.rsms.size()));
@@ -27,6 +29,18 @@ const Image4& map_of(const ShadowInputs& in, int face) {
     return in.blurred.empty() ? in.rsms[std::size_t(face)].position : in.blurred[std::size_t(face)];
 }
 
+// As printed, and of exponentials, depths alone are known.
+Test test_of(const ShadowParams& params) {
+    if (params.variant == ShadowVariant::published || params.mode == ShadowMode::esm) return Test::depth;
+    return params.test == ShadowTest::planes ? Test::planes : params.test == ShadowTest::plane ? Test::plane : Test::depth;
+}
+
+// Side of what is averaged, texels; Listing 8 prints four comparisons.
+int kernel_of(const ShadowParams& params) {
+    if (params.mode == ShadowMode::density) return params.kernel;
+    return params.mode == ShadowMode::pcf && params.variant == ShadowVariant::corrected ? params.pcf_kernel : 1;
+}
+
 // A map alone serves every point; of six, each serves its face's.
 ShadowUniforms block_of(const ShadowParams& params, const ShadowInputs& in, int face) {
     ShadowUniforms u{};
@@ -34,7 +48,7 @@ ShadowUniforms block_of(const ShadowParams& params, const ShadowInputs& in, int 
     u.face = in.rsms.size() == 1 ? -1 : face;
     u.map = raster::projection_args(rsm.view, rsm.size, u.face >= 0);
     for (int c = 0; c < 3; ++c) u.eye[c] = float(rsm.view.eye[c]), u.forward[c] = float(rsm.view.forward[c]);
-    u.kernel = params.mode == ShadowMode::density ? params.kernel : 1;
+    u.kernel = kernel_of(params);
     u.soft = int(params.mode == ShadowMode::pcf ? Soft::pcf : params.mode == ShadowMode::esm ? Soft::esm : Soft::none);
     u.c = params.mode == ShadowMode::esm ? c_per_metre(params, in.rsms) : 0;
     u.samples = float(u.kernel * u.kernel);
@@ -43,10 +57,13 @@ ShadowUniforms block_of(const ShadowParams& params, const ShadowInputs& in, int 
     u.footprint_base = rsm.view.orthographic ? float(rsm.texel_scale) : 0;
     u.bias = params.bias;
     // The farthest texel centre of the kernel lies kernel/2 + 1/2 texels away along a side, of one texel 1/2.
-    // The four texels of a soft test lie up to 1 away.
-    u.slope_bias = params.slope_bias * float(u.soft != int(Soft::none) ? 2 : 2 * (u.kernel / 2) + 1);
+    // Those of a soft test lie up to kernel/2 + 1/2 away.
+    u.slope_bias = params.slope_bias * float(u.soft != int(Soft::none) ? u.kernel + 1 : 2 * (u.kernel / 2) + 1);
     u.max_slope = params.max_slope;
     u.perspective = rsm.view.orthographic ? 0 : 1;
+    u.test = int(test_of(params));
+    u.least_sine = params.least_sine + in.rounding;
+    u.rounding = in.rounding;
     u.width = in.position->width;
     u.height = in.position->height;
     return u;
@@ -58,7 +75,7 @@ void fill_where_nothing_is(const ShadowParams& params, const ShadowInputs& in, I
     RunOptions one;
     one.isa = isa, one.threads = 1;
     float value = 1;
-    run(params, {&nothing, &nothing, in.rsms, nullptr, in.blurred}, one, &value);
+    run(params, {&nothing, &nothing, in.rsms, nullptr, in.blurred, in.rounding}, one, &value);
     const int width = in.position->width;
     for (int y = 0; y < in.position->height; ++y)
         for (int x = 0; x < width; x += raster::Covered::side)
@@ -72,16 +89,25 @@ void fill_where_nothing_is(const ShadowParams& params, const ShadowInputs& in, I
 std::vector<Field> fields(ShadowParams& p) {
     return {
         {"mode", as_int(p.mode), "",
-         "hard: one texel; density: the share of a kernel of texels (VRSM Algorithm 4); pcf: four comparisons, weighed "
-         "bilinearly; esm: four exponentials of the distance behind the map (ISR (30))", 0, 3,
+         "hard: one texel; density: the share of a kernel of texels (VRSM Algorithm 4); pcf: the share of a square around "
+         "the point; esm: four exponentials of the distance behind the map (ISR (30))", 0, 3,
          {"hard", "density", "pcf", "esm"}, false},
         {"variant", as_int(p.variant), "",
          "corrected, or as printed: VRSM Algorithm 4 with a constant bias; of pcf and esm ISR Listing 8", 0, 1,
          {"corrected", "published"}, false},
         {"kernel", &p.kernel, "texels", "side of the kernel of mode = density; 4 is ours", 1, 64, {}, true},
-        {"bias", &p.bias, "m", "constant part of the depth bias; ours", 0, unbounded, {}, true},
-        {"slope_bias", &p.slope_bias, "texels", "part that follows the surface's slope; 0.71 is exact, 1 is ours", 0, 64,
+        {"pcf_kernel", &p.pcf_kernel, "texels", "side of the square of mode = pcf; 1: four comparisons, weighed bilinearly", 1, 64,
          {}, true},
+        {"test", as_int(p.test), "",
+         "what shadows, of hard, density and pcf: depth: what is nearer than the point, by a bias; plane: what lies over the "
+         "point's plane; planes: and has the point under its own", 0, 2, {"depth", "plane", "planes"}, false},
+        {"least_sine", &p.least_sine, "",
+         "sine of the angle over the point's plane up to which nothing shadows within the texels that are read, for normals that are "
+         "not the surface's own; of test = plane and planes; ours", 0, 1, {}, true},
+        {"bias", &p.bias, "m", "how far from a plane lies on it; of test = depth the constant part of the depth bias; ours", 0,
+         unbounded, {}, true},
+        {"slope_bias", &p.slope_bias, "texels",
+         "part of the depth bias that follows the surface's slope; 0.71 is exact, 1 is ours", 0, 64, {}, true},
         {"max_slope", &p.max_slope, "", "limit of that slope: 16 is a surface at 86 degrees to the light", 0, 1e6, {},
          true},
         {"esm_c", &p.esm_c, "",
@@ -93,10 +119,18 @@ std::vector<Field> fields(ShadowParams& p) {
     };
 }
 
+bool reads_normals(const ShadowParams& params) { return test_of(params) == Test::planes; }
+
+float rounding_of(const raster::Layout& layout) {
+    const bool half = layout.position == Format::rgba16f || layout.rsm_position == Format::rgba16f;
+    return half ? 0x1p-10f : 0x1p-22f;
+}
+
 StageData data_of(const ShadowParams& params, const ShadowInputs& in, int face) {
     validate(params, in);
     StageData d = begin_data<ShadowKernel>(size_of(*in.position), block_of(params, in, face));
     lend(d, {{"position", in.position}, {"normal", in.normal}, {"map_position", &map_of(in, face)}});
+    if (reads_normals(params)) lend(d, {{"map_normal", &in.rsms[std::size_t(face)].normal}});
     lend_tiles(d, in.tiles);
     return d;
 }

@@ -21,6 +21,7 @@ struct ShadowInputs {
     std::span<const raster::Rsm> rsms; // the light's map, or the six of a point light; position.w is the depth map
     const raster::Covered* tiles = nullptr;  // the others, which must see nothing, are not shaded; null: all are
     std::span<const Image4> blurred = {};    // of mode = esm: read instead of the maps' own depths (log_blur.h)
+    float rounding = 0x1p-22f;               // of stored positions, relative: rounding_of(layout)
 };
 
 inline StageDescription<ShadowInputsView> describe(ShadowKernel) {
@@ -34,18 +35,31 @@ inline StageDescription<ShadowInputsView> describe(ShadowKernel) {
                     .meaning = "world-space position of the shading points"},
                    {.name = "normal", .at = &View::normal, .meaning = "unit normal of the shading points"},
                    {.name = "map_position", .at = &View::map_position, .unit = "m",
-                    .meaning = "w: linear light-space depth; 0 where nothing is; of a point light a map a face; mode = "
-                               "esm: blurred",
+                    .meaning = "xyz: world; w: linear light-space depth; 0 where nothing is; of a point light a map a face; "
+                               "mode = esm: w blurred, xyz 0",
                     .size = [](const View& v) { return glm::ivec2(v.u.map.size); },
-                    .why = "map.size a side"}},
+                    .why = "map.size a side"},
+                   {.name = "map_normal", .at = &View::map_normal,
+                    .meaning = "unit normal of what the light sees there, to the light; test = planes",
+                    .size = [](const View& v) { return glm::ivec2(v.u.map.size); },
+                    .why = "map.size a side", .optional = true}},
         .outputs = {{.name = "visibility", .at = &View::visibility,
                      .meaning = "1 lit, 0 shadowed; but for the hard test in between"}},
         .params = plumb::describe(fields(defaults)),
-        .uniforms = {{"map.size", 1, 32767}, {"kernel", 1, 64}, {"soft", 0, int(Soft::esm)}},
+        .uniforms = {{"map.size", 1, 32767}, {"kernel", 1, 64}, {"soft", 0, int(Soft::esm)}, {"test", 0, int(Test::planes)}},
         .fixed_uniforms = {{"perspective", 1}, {"samples", 1}},
+        .prepare = [](View& v, Buffer<float>&) {
+            if (v.u.test == int(Test::planes) && !v.map_normal)
+                throw InputError("shadow: test = 2 reads map_normal, which is missing");
+        },
         .cost = {8, "pixels"},
     };
 }
+
+// Whether the shadow test reads the maps' normals.
+bool reads_normals(const ShadowParams& params);
+// How far stored positions are rounded, relative to their coordinates; with what interpolation makes of floats.
+float rounding_of(const raster::Layout& layout);
 
 // The dispatch that reads rsms[face], which must be drawn.
 StageData data_of(const ShadowParams& params, const ShadowInputs& in, int face);

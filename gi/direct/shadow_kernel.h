@@ -6,15 +6,25 @@
 // A kernel of one texel is the hard test. Where the map holds nothing, and outside of it, nothing is known to stand in
 // the way: lit.
 //
-// The soft tests weigh the four texels whose centres surround the projection bilinearly:
+// The soft tests take what surrounds the projection:
 //
-//     pcf    1 where d_p <= d_map + bias, else 0
-//     esm    exp(-c max(0, d_p - d_map - bias))                                       ISR (30), Listing 8
+//     pcf    the share of a square of k x k texels, centred at the projection, that is not shadowed; k = 1: bilinear
+//     esm    exp(-c max(0, d_p - d_map - bias)) of the four texels around, weighed bilinearly      ISR (30), Listing 8
 //
-// The bias follows the surface. Across one texel of footprint f (m, across the light's axis a) the depth of a plane with
-// normal n changes by f sqrt(1 - (n.a)^2) / |n.r|, where r is the ray to the point, scaled to depth 1. Half a texel in
-// both directions needs 1/sqrt(2) of that; slope_bias = 1 leaves a margin for rounding. A wider kernel reaches farther:
-// the host multiplies slope_bias by the reach.
+// What shadows, of hard, density and pcf, is `test`. By planes a texel with the point m and the normal n_m on it shadows
+// the point x with the normal n, turned to the light, where
+//
+//     n.(m - x) > least + s min(|m - x|, reach)     m lies over the plane of x, not along it
+//     n_m.(m - x) > least                           x lies under the plane of m
+//
+// A plane hides nothing of itself, whatever its slope and however far the texel; and of two that meet in a corner neither
+// hides the other. `plane` asks the first line alone. s is for normals that are not the surface's own, and `reach`, how far along
+// the surface the texels lie that are read, keeps it from what is far away.
+//
+// By depth it is d_p > d_map + bias, with a bias that follows the surface. Across one texel of footprint f (m, across the
+// light's axis a) the depth of a plane with normal n changes by f sqrt(1 - (n.a)^2) / |n.r|, where r is the ray to the
+// point, scaled to depth 1. Half a texel in both directions needs 1/sqrt(2) of that; slope_bias = 1 leaves a margin for
+// rounding. A wider kernel reaches farther: the host multiplies slope_bias by the reach.
 //
 // differs: the printed listing of VRSM has a constant bias, and compares `depth - zBias >= p.depth` with negative z,
 // which holds for the samples in shadow; its text blends the count as the share that is lit (variant `published`).
@@ -29,6 +39,7 @@
 namespace plumb::direct {
 
 enum class Soft : int { none, pcf, esm };
+enum class Test : int { depth, plane, planes };
 
 // The twin's uniform block (std140).
 struct ShadowUniforms {
@@ -48,15 +59,19 @@ struct ShadowUniforms {
     std::int32_t width, height;
     std::int32_t soft;      // Soft
     float c;                // 1/m: of ISR (30)
-    std::int32_t padding[2];
+    std::int32_t test;      // Test
+    float least_sine;       // s: of the angle over the plane of x; with what positions are rounded by
+    float rounding;         // of stored positions, relative
+    std::int32_t padding[3];
 };
-static_assert(sizeof(ShadowUniforms) == 160);
+static_assert(sizeof(ShadowUniforms) == 176);
 
 struct ShadowInputsView {
     ShadowUniforms u;
     const float* position;      // [height][width] rgba32f: xyz world, m
     const float* normal;        // [height][width] rgba32f: xyz unit
-    const float* map_position;  // [size][size] rgba32f: w linear depth, m; 0 where nothing is
+    const float* map_position;  // [size][size] rgba32f: xyz world, w linear depth, m; 0 where nothing is
+    const float* map_normal;    // [size][size] rgba32f: xyz unit, to the light; of test = planes, else it may be null
     float* visibility;          // [height][width] r32f, out: 1 lit, 0 shadowed
 };
 
@@ -73,6 +88,10 @@ struct Receiver {
     vec3<F> from_eye;  // m
     F d_p;             // linear depth, m
     F bias;            // m
+    vec3<F> x;         // m
+    vec3<F> n;         // unit, turned to the light
+    F least;           // m: no farther from a plane is on it
+    F reach;           // m, along the surface
 };
 
 // How deep x lies, and how much depth changes across a texel there.
@@ -88,12 +107,20 @@ PLUMB_INLINE Receiver<F> receiver(const ShadowUniforms& u, const vec3<F>& x, con
     const F footprint = F(u.footprint_scale) * d_p + F(u.footprint_base);
     const F bias = F(u.bias) + F(u.slope_bias) * footprint * slope;
     tap("bias", bias, "bias + slope_bias f sqrt(1 - (n.a)^2) / |n.r|, m");
-    return {from_eye, d_p, bias};
+    const F turned = select(n_r > F(0.0f), F(-1.0f), F(1.0f));     tap("turned", turned, "-1 where n looks away from the light");
+    const F moved = abs(n.x * x.x) + abs(n.y * x.y) + abs(n.z * x.z);
+    const F least = F(u.bias) + F(u.rounding) * moved;
+    tap("least", least, "bias + rounding (|n_x x| + |n_y y| + |n_z z|), m");
+    const F reach = F(u.slope_bias) * footprint * min(F(1.0f) / max(abs(n_r), F(1e-6f)), F(u.max_slope));
+    tap("reach", reach, "slope_bias f / |n.r|, m");
+    return {from_eye, d_p, bias, x, n * turned, least, reach};
 }
 
 template <class F>
 struct MapTexel {
     mask_t<F> inside;  // whether the map has it
+    index_t<F> index;  // 0 where not
+    vec3<F> m;         // world, m
     F depth;           // m; 0 where nothing is
 };
 
@@ -110,9 +137,27 @@ PLUMB_INLINE MapTexel<F> texel_at(const ShadowInputsView& in, ivec2<index_t<F>> 
     tap("texel", texel, "of the map");
     const mask_t<F> inside = in_range(texel.x, size) & in_range(texel.y, size);
     tap("inside", inside, "1 if the map has that texel; if not, what follows is texel 0, and is lit");
-    const F d_map = N::fetch4(in.map_position, select(inside, texel.y * size + texel.x, I(0))).w;
-    tap("d_map", d_map, "linear depth in the map, m; 0 where nothing is");
-    return {inside, d_map};
+    const I index = select(inside, texel.y * size + texel.x, I(0));
+    const vec4<F> stored = N::fetch4(in.map_position, index);
+    tap("d_map", stored.w, "linear depth in the map, m; 0 where nothing is");
+    return {inside, index, xyz<F>(stored), stored.w};
+}
+
+// Whether what the map holds there hides x from the light.
+template <class F, class Tap>
+PLUMB_INLINE mask_t<F> shadows(const ShadowInputsView& in, const Receiver<F>& r, const MapTexel<F>& t, Tap& tap) {
+    const ShadowUniforms& u = in.u;
+    const mask_t<F> known = t.inside & (t.depth > F(0.0f));
+    if (u.test == int(Test::depth)) return known & (r.d_p > t.depth + r.bias);
+    const vec3<F> v{t.m.x - r.x.x, t.m.y - r.x.y, t.m.z - r.x.z};
+    const F height = dot3(r.n, v);                                 tap("height", height, "n.(m - x): over the plane of x, m");
+    const F on_it = r.least + F(u.least_sine) * min(sqrt(dot3(v, v)), r.reach);
+    tap("on_it", on_it, "least + s min(|m - x|, reach), m");
+    const mask_t<F> above = known & (height > on_it);
+    if (u.test == int(Test::plane)) return above;
+    const vec3<F> n_m = xyz<F>(number<F>::fetch4(in.map_normal, t.index));
+    const F below = dot3(n_m, v);                                  tap("below", below, "n_m.(m - x): x under the plane of m, m");
+    return above & (below > r.least);
 }
 
 // The hard test, and the shadow density.
@@ -133,9 +178,8 @@ PLUMB_INLINE F share_lit(const ShadowInputsView& in, const vec3<F>& x, const Rec
             count += select(counted, F(1.0f), F(0.0f));
             tap("count", count, "Algorithm 4 as printed: z_map - zBias >= z_p, z = -depth");
         } else {
-            const mask_t<F> shadowed = t.inside & (t.depth > F(0.0f)) & (r.d_p > t.depth + r.bias);
-            count += select(shadowed, F(0.0f), F(1.0f));
-            tap("count", count, "so far, of texels with d_p <= d_map + bias");
+            count += select(shadows<F>(in, r, t, tap), F(0.0f), F(1.0f));
+            tap("count", count, "so far, of texels that do not shadow x");
         }
     }
     tap.sample(-1);
@@ -175,7 +219,8 @@ PLUMB_INLINE F printed_cosine(const ShadowUniforms& u, const vec3<F>& n, const R
     return cosine;
 }
 
-// PCF and ESM: four texels, weighed bilinearly.
+// PCF and ESM: the (k + 1)^2 texels that a square of k x k texels around the projection touches, weighed by the share of
+// each that it covers. Of k = 1: four, bilinearly.
 template <class F, class Tap>
 PLUMB_INLINE F soft_shadow(const ShadowInputsView& in, const vec3<F>& x, const vec3<F>& n, const Receiver<F>& r,
                            Tap& tap) {
@@ -183,31 +228,44 @@ PLUMB_INLINE F soft_shadow(const ShadowInputsView& in, const vec3<F>& x, const v
     using N = number<F>;
     using I = index_t<F>;
     const ShadowUniforms& u = in.u;
-    const vec2<F> place = place_of<F>(u, x, tap);
+    const int k = u.kernel, before = k / 2;
+    const vec2<F> centre = place_of<F>(u, x, tap);
+    // An even square begins half a texel beside one whose middle is a texel's centre.
+    const F shift(k % 2 == 0 ? 0.5f : 0.0f);
+    const vec2<F> place{centre.x + shift, centre.y + shift};
     const ivec2<I> first{chosen(place.x), chosen(place.y)};
     const vec2<F> fraction{place.x - N::from_index(first.x), place.y - N::from_index(first.y)};
-    tap("fraction", fraction, "weight of the right and the lower texels");
+    tap("fraction", fraction, "weight of the last column and row of texels; of the first, 1 - it");
     const F factor = u.published != 0 ? printed_cosine<F>(u, n, r, tap) : F(1.0f);
     const F bias = u.published == 0 ? r.bias : F(u.soft == int(Soft::pcf) ? u.bias : 0.0f);
 
-    F lit[4];
-    for (int k = 0; k < 4; ++k) {
-        tap.sample(k);
-        const MapTexel<F> t = texel_at<F>(in, {first.x + I(k % 2), first.y + I(k / 2)}, tap);
-        const mask_t<F> known = t.inside & (t.depth > F(0.0f));
-        if (u.soft == int(Soft::pcf)) {
-            lit[k] = select(known & (r.d_p > t.depth + bias), F(0.0f), F(1.0f));
-        } else {
-            const F behind = max(F(0.0f), (r.d_p - t.depth) - bias) * factor;
-            tap("behind", behind, "max(0, d_p - d_map - bias), m; as printed times the cosine");
-            lit[k] = select(known, detmath::exp(-(F(u.c) * behind)), F(1.0f));
+    const Receiver<F> biased{r.from_eye, r.d_p, bias, r.x, r.n, r.least, r.reach};
+
+    F sum(0.0f), upper(0.0f);
+    for (int j = 0; j <= k; ++j) {
+        F row(0.0f), left(0.0f);
+        for (int i = 0; i <= k; ++i) {
+            tap.sample(j * (k + 1) + i);
+            const MapTexel<F> t = texel_at<F>(in, {first.x + I(i - before), first.y + I(j - before)}, tap);
+            F lit;
+            if (u.soft == int(Soft::pcf)) {
+                lit = select(shadows<F>(in, biased, t, tap), F(0.0f), F(1.0f));
+            } else {
+                const F behind = max(F(0.0f), (r.d_p - t.depth) - bias) * factor;
+                tap("behind", behind, "max(0, d_p - d_map - bias), m; as printed times the cosine");
+                lit = select(t.inside & (t.depth > F(0.0f)), detmath::exp(-(F(u.c) * behind)), F(1.0f));
+            }
+            tap("lit", lit, "pcf: not shadowed; esm: exp(-c behind), ISR (30)");
+            // The first of a row counts by 1 - fraction, the last by fraction.
+            if (i == 0) left = lit;
+            row = i < k ? row + lit : row + fraction.x * (lit - left);
         }
-        tap("lit", lit[k], "pcf: d_p <= d_map + bias; esm: exp(-c behind), ISR (30)");
+        if (j == 0) upper = row;
+        sum = j < k ? sum + row : sum + fraction.y * (row - upper);
     }
     tap.sample(-1);
-    const F upper = lit[0] + fraction.x * (lit[1] - lit[0]), lower = lit[2] + fraction.x * (lit[3] - lit[2]);
-    const F visibility = upper + fraction.y * (lower - upper);
-    tap("visibility", visibility, "Listing 8: bilinear");
+    const F visibility = sum / F(u.samples);
+    tap("visibility", visibility, "mean over the square; Listing 8: bilinear");
     return visibility;
 }
 

@@ -16,16 +16,19 @@ std::vector<StageWords> uniform_words() {
           {"forward", "", "xyz: unit, the way the light looks; a view_proj gives it"},
           {"footprint_scale", "", "side of a texel at a depth of 1 m, m/m; of parallel rays 0; a view_proj gives it"},
           {"footprint_base", "m", "side of a texel of parallel rays; else 0; a view_proj gives it"},
-          {"bias", "m", "constant part of the depth bias; a bias of window depth is another formula"},
+          {"bias", "m", "of test > 0: how far from a plane lies on it; else constant part of the depth bias; a bias of window depth is another formula"},
           {"slope_bias", "texels", "part that follows the slope, times the reach of the kernel", "0: a constant bias alone"},
           {"max_slope", "", "limit of that slope", "16"},
           {"perspective", "", "1 spot or point, 0 parallel rays; a view_proj gives it"},
-          {"kernel", "texels", "side of the kernel of texels that are compared", "1: one texel"},
+          {"kernel", "texels", "side of the kernel of texels that are compared; of soft = 1 side of the square, 2: 1", "1: one texel"},
           {"samples", "", "kernel squared"},
           {"published", "", "1: VRSM Algorithm 4, or ISR Listing 8, as printed", "0"},
           {"face", "", "of a point light: the face whose points this map serves, 0 to 5", "-1: it serves all"},
-          {"soft", "", "0 each texel lit or not, 1 four comparisons weighed bilinearly, 2 exponential shadow map"},
-          {"c", "1/m", "of soft = 2: exponent for each metre behind the map", "0"}}},
+          {"soft", "", "0 each texel lit or not, 1 comparisons weighed by what a square covers, 2 exponential shadow map"},
+          {"c", "1/m", "of soft = 2: exponent for each metre behind the map", "0"},
+          {"test", "", "what shadows: 0 depths, 1 what lies over the point's plane, 2 and has the point under its own", "0", 0.0},
+          {"least_sine", "", "of test > 0: sine of the angle over the plane up to which nothing within the texels read shadows", "0", 0.0},
+          {"rounding", "", "of test > 0: of stored positions, relative to their coordinates", "0", 0.0}}},
     };
 }
 

@@ -1,6 +1,7 @@
 // What the rasterizer draws: the G-buffers of the frame and of views beside it, and the maps of each light.
 #include <fmt/format.h>
 
+#include "gi/direct/shadow.h"
 #include "gi/frame/frame_graph.h"
 #include "raster/bindings.h"
 #include "raster/light_view.h"
@@ -207,7 +208,7 @@ void add_maps(Context& c, int l, Nodes& nodes) {
     node.size = [=] { return glm::ivec2(maps * int(side), int(side)); };
     const std::size_t at = std::size_t(l);
     node.parts = {{"light", -1, [=](const Plan&) { return texels * 1e-6 * ms_light; },
-                   [=](Plan& p) { p.maps[at].wants.light = false; }}};
+                   [=, &c](Plan& p) { p.maps[at].wants = {false, direct::reads_normals(c.settings.shadow)}; }}};
     for (int m = 0; maps > 1 && m < maps; ++m)
         node.parts.push_back({"face", m, [=, &c](const Plan&) { return (c.triangles + side * side) * 1e-6 * ms_pixels; },
                               [=](Plan& p) { p.maps[at].faces &= ~(1u << m); }});
@@ -219,7 +220,7 @@ void add_maps(Context& c, int l, Nodes& nodes) {
     };
     node.reads = [=, &c](graph::Reads& r) {
         const auto [wants, faces] = planned();
-        r.value(wants.light, faces);
+        r.value(wants.light, wants.normal, faces);
         add_drawn(c, r, c.is_static(l));
         const auto& [name, type, position, direction, cone_inner_deg, cone_outer_deg, intensity, on, rsm_size, radius] =
             c.lights[at];

@@ -308,6 +308,10 @@ void run_frame(const Case& c, const Scene& scene, const Effort& effort, Writer& 
     });
     for (const direct::ShadowMode mode : {direct::ShadowMode::density, direct::ShadowMode::pcf, direct::ShadowMode::esm})
         otherwise("shadow", [mode](frame::Settings& s) { s.shadow.mode = mode; });
+    for (const direct::ShadowMode mode : {direct::ShadowMode::density, direct::ShadowMode::pcf})
+        otherwise("shadow", [mode](frame::Settings& s) {
+            s.shadow.mode = mode, s.shadow.test = direct::ShadowTest::planes, s.shadow.pcf_kernel = 3;
+        });
     const glm::vec3 shadow_color(0.25f, 0.5f, 1);
     otherwise("direct", [=](frame::Settings& s) { s.compose.shadow_color = shadow_color; });
     otherwise("direct", [](frame::Settings& s) { s.direct.variant = direct::DirectVariant::published; });

@@ -20,7 +20,8 @@
 namespace plumb::test {
 
 inline StageData shadow_case(glm::ivec2 size, LightType type, int face, direct::ShadowMode mode,
-                             direct::ShadowVariant variant, const std::string& id) {
+                             direct::ShadowVariant variant, const std::string& id,
+                             direct::ShadowTest test = direct::ShadowTest::depth, int square = 1) {
     const Light light = make_light(type, 48);
     std::vector<raster::Rsm> maps;
     for (int f = 0; f < raster::map_count(light); ++f) maps.push_back(make_map(light, f, 3));
@@ -28,6 +29,7 @@ inline StageData shadow_case(glm::ivec2 size, LightType type, int face, direct::
     direct::ShadowParams params;
     params.mode = mode;
     params.variant = variant;
+    params.test = test, params.pcf_kernel = square;
     return named(owned_data(direct::data_of(params, direct::ShadowInputs{&p.position, &p.normal, maps}, face)), id);
 }
 
@@ -158,6 +160,10 @@ inline std::vector<StageData> compute_cases(glm::ivec2 size) {
         shadow_case(size, LightType::directional, 0, ShadowMode::density, ShadowVariant::corrected, "shadow.density"),
         shadow_case(size, LightType::spot, 0, ShadowMode::density, ShadowVariant::published, "shadow.published"),
         shadow_case(size, LightType::point, 3, ShadowMode::hard, ShadowVariant::corrected, "shadow.ny"),
+        shadow_case(size, LightType::spot, 0, ShadowMode::hard, ShadowVariant::corrected, "shadow.plane", ShadowTest::plane),
+        shadow_case(size, LightType::directional, 0, ShadowMode::density, ShadowVariant::corrected, "shadow.planes", ShadowTest::planes),
+        shadow_case(size, LightType::spot, 0, ShadowMode::pcf, ShadowVariant::corrected, "shadow.square", ShadowTest::planes, 3),
+        shadow_case(size, LightType::point, 3, ShadowMode::pcf, ShadowVariant::corrected, "shadow.square.ny", ShadowTest::planes, 4),
         shadow_case(size, LightType::spot, 0, ShadowMode::pcf, ShadowVariant::corrected, "shadow.pcf"),
         shadow_case(size, LightType::point, 3, ShadowMode::pcf, ShadowVariant::corrected, "shadow.pcf.ny"),
         shadow_case(size, LightType::directional, 0, ShadowMode::esm, ShadowVariant::corrected, "shadow.esm"),
