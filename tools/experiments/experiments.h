@@ -17,6 +17,7 @@ void add_hemicube(CLI::App& experiment, Action& action);
 void add_lra(CLI::App& experiment, Action& action);
 void add_screen(CLI::App& experiment, Action& action);
 void add_indirect_shadow(CLI::App& experiment, Action& action);
+void add_shadows(CLI::App& experiment, Action& action);
 void add_defaults(CLI::App& experiment, Action& action);
 
 }  // namespace plumb::cli

@@ -6,7 +6,7 @@ namespace plumb::cli {
 
 void add_experiment(CLI::App& program, Action& action) {
     CLI::App* command =
-        program.add_subcommand("experiment", "repeat what is known or published: closed-forms, one-bounce, vrsm, isr, probes, probe-ladder, ddgi, ipr, hemicube, lra, screen, indirect-shadow, defaults");
+        program.add_subcommand("experiment", "repeat what is known or published: closed-forms, one-bounce, vrsm, isr, probes, probe-ladder, ddgi, ipr, hemicube, lra, screen, indirect-shadow, shadows, defaults");
     command->require_subcommand(1);
     command->footer(
         "Experiments:\n"
@@ -22,6 +22,7 @@ void add_experiment(CLI::App& program, Action& action) {
         "  plumb experiment lra -o out\n"
         "  plumb experiment screen SCENES... -o out\n"
         "  plumb experiment indirect-shadow SCENE -o out\n"
+        "  plumb experiment shadows SCENES... -o out\n"
         "  plumb experiment defaults -o out\n"
         "plumb experiment NAME --help tells more.");
     add_closed_forms(*command, action);
@@ -36,6 +37,7 @@ void add_experiment(CLI::App& program, Action& action) {
     add_lra(*command, action);
     add_screen(*command, action);
     add_indirect_shadow(*command, action);
+    add_shadows(*command, action);
     add_defaults(*command, action);
 }
 
