@@ -33,8 +33,17 @@ DefaultChoice filters() {
 }
 
 DefaultChoice shadow_modes() {
-    return {"shadow.mode", {{"hard", {"shadow.mode=hard"}}, {"pcf", {"shadow.mode=pcf"}}, {"density", {"shadow.mode=density"}},
-                            {"density, kernel = 2", {"shadow.mode=density", "shadow.kernel=2"}}, {"esm", {"shadow.mode=esm"}}}};
+    DefaultChoice choice{"shadow.mode", {{"esm", {"shadow.mode=esm"}}}};
+    for (const char* test : {"depth", "planes"}) {
+        const auto add = [&](const std::string& name, std::vector<std::string> sets) {
+            sets.push_back(fmt::format("shadow.test={}", test));
+            choice.others.push_back({fmt::format("{}, by {}", name, test), sets});
+        };
+        add("hard", {"shadow.mode=hard"}), add("density", {"shadow.mode=density"});
+        for (const char* kernel : {"1", "2", "3"})
+            add(fmt::format("pcf of {}", kernel), {"shadow.mode=pcf", fmt::format("shadow.pcf_kernel={}", kernel)});
+    }
+    return choice;
 }
 
 DefaultChoice isr_blurs() {
@@ -61,10 +70,10 @@ const std::vector<ChoiceGroup>& default_choices() {
     static const std::vector<ChoiceGroup> all = {
         {"shadow", "direct", "direct", {},
          {shadow_modes(), values("shadow.bias", {"0.0001", "0.001", "0.01"}), values("shadow.slope_bias", {"0.71", "1", "2"}),
-          values("shadow.max_slope", {"4", "16", "64", "256"})}},
+          values("shadow.max_slope", {"4", "16", "64", "256"}), values("shadow.test", {"depth", "plane", "planes"})}},
         {"rsm", "rsm", "indirect", {},
          {filters(), gathers(), values("rsm.samples", {"100", "200", "400", "800"}), values("rsm.rotations", {"1", "16", "64", "256"}),
-          values("rsm.sequence", {"hammersley", "r2", "random"}), values("rsm.texels", {"whole", "continuous"})}},
+          values("rsm.sequence", {"hammersley", "r2", "random"}), values("rsm.texels", {"whole", "continuous"}), values("rsm.sample_area", {"none", "texels"})}},
         {"rsm.paths", "rsm", "indirect", {"rsm.gather=paths", "rsm.visibility=algorithm_6"},
          {values("rsm.spacing", {"uniform", "quadratic", "geometric"}), values("rsm.slots", {"3", "5", "9"}),
           values("rsm.turn", {"hash", "tile"}), values("rsm.jitter", {"0", "0.5", "1"}),
