@@ -150,8 +150,8 @@ StageData owned(const StageBinding& binding, const StageData& data) {
             inputs.arrays.back().bytes.own();
         } else {
             if (!slot.optional) refuse(data, fmt::format("input \"{}\" is missing", slot.name));
-            // How long a buffer would be, the stage alone knows: it stays missing.
-            if (slot.kind != SlotKind::buffer) add(inputs, slot.name, slot.dtype, expected_shape(slot, data));
+            // How long a buffer would be, or how large an image that is not the frame's, the stage alone knows: it stays missing.
+            if (slot.kind != SlotKind::buffer && slot.frame) add(inputs, slot.name, slot.dtype, expected_shape(slot, data));
         }
     }
     copy.inputs = std::move(inputs);

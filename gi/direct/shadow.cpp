@@ -130,7 +130,8 @@ StageData data_of(const ShadowParams& params, const ShadowInputs& in, int face) 
     validate(params, in);
     StageData d = begin_data<ShadowKernel>(size_of(*in.position), block_of(params, in, face));
     lend(d, {{"position", in.position}, {"normal", in.normal}, {"map_position", &map_of(in, face)}});
-    if (reads_normals(params)) lend(d, {{"map_normal", &in.rsms[std::size_t(face)].normal}});
+    static const Image4 nothing(1, 1);
+    lend(d, {{"map_normal", reads_normals(params) ? &in.rsms[std::size_t(face)].normal : &nothing}});
     lend_tiles(d, in.tiles);
     return d;
 }

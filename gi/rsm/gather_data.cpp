@@ -39,11 +39,15 @@ glm::dvec4 texel_area(const glm::dvec4& x, const glm::dvec4& y, const glm::dvec4
 
 namespace {
 
-void set_texel_area(const View& view, int size, float (&area)[4]) {
+// False where no float holds it: samples of such a map are points.
+bool set_texel_area(const View& view, int size, float (&area)[4]) {
     const glm::dmat4 clip = view.world_to_clip();
     auto row = [&](int r) { return glm::dvec4(clip[0][r], clip[1][r], clip[2][r], clip[3][r]); };
     const glm::dvec4 w = row(3), of = texel_area((row(0) + w) * (0.5 * size), (row(1) + w) * (0.5 * size), w);
+    for (int c = 0; c < 4; ++c)
+        if (!(std::abs(of[c]) < 1e30)) return false;
     for (int c = 0; c < 4; ++c) area[c] = float(of[c]);
+    return true;
 }
 
 // The members that the blocks share.
@@ -60,8 +64,7 @@ Uniforms shared_uniforms(const GatherParams& params, const GatherInputs& in) {
     if (in.pattern) u.reach = reach_of(*in.pattern);
     const bool samples = params.gather == Gather::disc || params.gather == Gather::paths;
     if (samples && params.sample_area == SampleArea::texels && params.variant == Variant::corrected) {
-        set_texel_area(in.rsm->view, in.rsm->size, u.texel_area);
-        u.sample_area = float(1 / host::pi);
+        if (set_texel_area(in.rsm->view, in.rsm->size, u.texel_area)) u.sample_area = float(1 / host::pi);
     }
     return u;
 }

@@ -38,7 +38,8 @@ float share_of_disc(Projection map, vec4 texel_area, float sample_area, float le
     precise vec3 seen = texel_area.xyz - texel_area.w * x_p;
     precise float facing = abs(n_p.x * seen.x + n_p.y * seen.y + n_p.z * seen.z);
     precise float d2 = d.x * d.x + d.y * d.y + d.z * d.z;
-    precise float point = min(max(d2, least_distance2) * facing, 1e37);
+    // No product of infinity and 0.
+    precise float point = min(min(max(d2, least_distance2), 1e37) * facing, 1e37);
     precise float disc = point + (weight * sample_area * h) * (h * h);
     precise float share = point / max(disc, 1e-37);                                TAP(share, share);
     return share;

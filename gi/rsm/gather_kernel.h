@@ -96,7 +96,8 @@ PLUMB_INLINE F share_of_disc(const Uniforms& u, const vec3<F>& x, const vec3<F>&
     const F h = clamp(w, F(u.map.least_w), F(1e12f));
     const vec3<F> seen{F(area[0]) - F(area[3]) * x_p.x, F(area[1]) - F(area[3]) * x_p.y, F(area[2]) - F(area[3]) * x_p.z};
     const F facing = abs(dot3(n_p, seen));
-    const F point = min(max(dot3(d, d), F(u.least_distance2)) * facing, F(1e37f));
+    // No product of infinity and 0.
+    const F point = min(clamp(dot3(d, d), F(u.least_distance2), F(1e37f)) * facing, F(1e37f));
     const F disc = point + (weight * F(u.sample_area) * h) * (h * h);
     const F share = point / max(disc, F(1e-37f));
     tap("share", share, "d^2 / (d^2 + w A / pi): of a disc of the sample's texels over as many pixel lights in one point");

@@ -234,10 +234,10 @@ cone_deg = [20, 30]
 intensity = [5, 5, 5]
 rsm_size = 16
 on = false
-[rsm]
-samples = 37
 [indirect]
 blur = "none"
+[rsm]
+samples = 37
 )");
     return scene;
 }

@@ -50,7 +50,7 @@ TEST_CASE("export: every dispatch of a frame, which validates as equal", "[progr
     CHECK(file_size(folder + "/compose/out/radiance.bin") == 61 * 43 * 16);
     CHECK(file_size(folder + "/compose/expected/radiance.bin") == 61 * 43 * 16);
     CHECK(file_size(folder + "/rsm.disc.key/in/rsm_flux.bin") == 48 * 48 * 16);
-    CHECK(file_size(folder + "/rsm.disc.key/block.bin") == 96);
+    CHECK(file_size(folder + "/rsm.disc.key/block.bin") == 128);
     CHECK(file_size(folder + "/gbuffer/out/id.bin") == 61 * 43 * 8);
     const std::string block = read(folder + "/compose/block.bin");
     CHECK(word<std::int32_t>(block, 5) == 61);  // ComposeUniforms: vec4, float, width

@@ -205,7 +205,7 @@ std::vector<DefaultVerdict> judge_defaults(const std::vector<DefaultsRow>& rows)
         } else if (v.own->error <= within * v.best->error) {
             v.is = Is::near_front;
         } else {
-            const double apart = v.own->error - v.best->error, error = std::hypot(v.own->spread, v.best->spread);
+            const double apart = v.own->error - v.best->error, a = v.own->spread, b = v.best->spread, error = std::sqrt(a * a + b * b);
             v.is = apart <= 2 * error ? Is::not_told_apart : Is::off;
         }
     }

@@ -89,7 +89,7 @@ VrsmPath path_of(const rsm::GatherParams& params, const ToldPoint& second, const
     p.surface = surface_along(sixth, last, map, axis);
     for (const float edge : rsm::slot_edges(params)) {
         const double s = std::copysign(std::sqrt(std::abs(double(edge))), double(edge));
-        p.edges.push_back(std::atan2(s, std::sqrt(std::max(1 - s * s, 0.0))));
+        p.edges.push_back(host::atan2(s, std::sqrt(std::max(1 - s * s, 0.0))));
     }
     return p;
 }

@@ -22,7 +22,7 @@ VrsmEstimate vrsm_estimate(const std::vector<std::optional<double>>& of_seeds) {
 
 bool told_apart(const VrsmEstimate& a, const VrsmEstimate& b) {
     if (!a.mean || !b.mean || !a.error || !b.error) return false;
-    return std::abs(*a.mean - *b.mean) > 2 * std::hypot(*a.error, *b.error);
+    return std::abs(*a.mean - *b.mean) > 2 * std::sqrt(*a.error * *a.error + *b.error * *b.error);
 }
 
 bool told_at_most(const VrsmEstimate& a, double limit) {

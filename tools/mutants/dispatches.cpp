@@ -91,6 +91,8 @@ void set(Scene& scene, const std::string& setting, const std::string& place) {
                       value = trimmed(setting.substr(equals + 1));
     if (table == "render" && key == "method")
         scene.method = value;
+    else if (table == "render" && key == "layout")
+        scene.layout = value;
     else
         scene.settings.push_back({table, key, value_of(value), place + ": " + setting});
 }

@@ -1,6 +1,7 @@
 #include "tools/plumb/init_stub.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <optional>
 
@@ -39,8 +40,11 @@ std::string uniforms_stub(const StageBinding& binding, const io::ManifestStage& 
         const std::optional<double> value = known_value(m, *words, stage, map_side);
         const std::string unit = words->unit.empty() ? "" : words->unit + ": ";
         const std::string harmless = words->harmless.empty() ? "" : "; harmless: " + words->harmless;
+        const std::string all = !value                       ? ""
+                                : m.type.starts_with("vec") ? fmt::format("[{}]", fmt::join(std::vector<double>(std::size_t(m.type[3] - '0'), *value), ", "))
+                                                            : fmt::format("{}", *value);
         const std::string assigned =
-            value ? fmt::format("{} = {}", key_of(m.name), *value)
+            value ? fmt::format("{} = {}", key_of(m.name), all)
                   : fmt::format("# {} = {}", key_of(m.name), m.type.starts_with("vec") ? "[ ]" : "?");
         text += fmt::format("{}  # {}{}{}\n", assigned, unit, words->meaning, harmless);
     }
