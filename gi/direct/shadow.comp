@@ -68,7 +68,8 @@ Receiver receiver(vec3 x, vec3 n) {
     precise float least = u.bias + u.rounding * moved;          TAP(least, least);
     precise float reach = u.slope_bias * footprint * min(1.0 / max(abs(n_r), 1e-6), u.max_slope);
     TAP(reach, reach);
-    return Receiver(from_eye, d_p, bias, x, n * turned, least, reach);
+    precise vec3 facing = n * turned;
+    return Receiver(from_eye, d_p, bias, x, facing, least, reach);
 }
 
 struct MapTexel {

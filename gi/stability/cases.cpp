@@ -17,6 +17,7 @@ const std::vector<Case>& cases() {
 frame::Settings case_settings(const Case& c, const Scene& scene) {
     frame::Settings settings = frame::settings_of(scene);
     settings.rsm.samples = 50;
+    settings.indirect.blur = filter::Blur::none;  // filters have cells of their own
     if (c.settings) c.settings(settings);
     return settings;
 }

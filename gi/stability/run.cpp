@@ -302,8 +302,8 @@ void run_frame(const Case& c, const Scene& scene, const Effort& effort, Writer& 
         otherwise("", [=](frame::Settings& s) { s.rsm.gather = gather; });
     for (const rsm::Gather gather : {rsm::Gather::disc, rsm::Gather::paths})
         otherwise("", [=](frame::Settings& s) { s.rsm.gather = gather, s.rsm.texels = rsm::Texels::continuous; });
-    otherwise("rsm.disc", [](frame::Settings& s) { s.rsm.sample_area = rsm::SampleArea::texels; });
-    otherwise("rsm.paths", [](frame::Settings& s) {
+    otherwise(rsm::stage_name(rsm::Gather::disc, rsm::Texels::whole), [](frame::Settings& s) { s.rsm.sample_area = rsm::SampleArea::texels; });
+    otherwise(rsm::stage_name(rsm::Gather::paths, rsm::Texels::whole), [](frame::Settings& s) {
         s.rsm.gather = rsm::Gather::paths, s.rsm.sample_area = rsm::SampleArea::texels;
     });
     for (const direct::ShadowMode mode : {direct::ShadowMode::density, direct::ShadowMode::pcf, direct::ShadowMode::esm})

@@ -65,7 +65,7 @@ void require_equal(const Image4& a, const Image4& b) {
 int left_out(const Scene& scene) {
     frame::Settings settings = frame::settings_of(scene);
     settings.layout = raster::Layout::isr;  // its buffers are of several formats
-    settings.rsm.samples = 16;
+    settings.rsm.samples = 16, settings.indirect.blur = filter::Blur::none;
     const frame::Frame pruned = render(scene, settings);
     settings.pruning = false;
     const frame::Frame whole = render(scene, settings);
@@ -118,7 +118,7 @@ TEST_CASE("frame: colours that no material has are not computed, and the plan sa
     Scene scene = small_scene();
     auto wants = [&](bool pruning) {
         frame::Settings settings = frame::settings_of(scene);
-        settings.pruning = pruning;
+        settings.pruning = pruning, settings.indirect.blur = filter::Blur::none;
         return frame::plan(scene, settings);
     };
     CHECK(wants(true).gbuffer.emission);
@@ -205,7 +205,7 @@ TEST_CASE("frame: the picture is rho / pi (direct + indirect) + M / pi", "[frame
 TEST_CASE("frame: every stage of the plan can be explained, and its last values are the picture's", "[frame][explain]") {
     const Scene scene = small_scene();
     frame::Settings settings = frame::settings_of(scene);
-    settings.rsm.samples = 16;
+    settings.rsm.samples = 16, settings.indirect.blur = filter::Blur::none;
     const frame::Plan plan = frame::plan(scene, settings);
     const frame::Frame f = frame::execute(scene, settings, plan, {});
     const glm::ivec2 pixel(12, 14);

@@ -20,6 +20,7 @@ frame::Settings settings_for(rsm::Gather gather) {
     frame::Settings settings;
     settings.rsm.gather = gather;
     settings.rsm.samples = 16, settings.rsm.directions = 4, settings.rsm.steps = 4;
+    settings.indirect.blur = filter::Blur::none;
     settings.reference.samples = 2, settings.reference.rounds = 2, settings.reference.rays = Rays::exact;
     return settings;
 }

@@ -354,7 +354,7 @@ TEST_CASE("point light: its stages can be explained, and end with what the frame
     Scene scene = three_lights();
     scene.lights = {scene.lights[1]};
     frame::Settings settings;
-    settings.rsm.samples = 12;
+    settings.rsm.samples = 12, settings.indirect.blur = filter::Blur::none;
     const frame::Plan plan = frame::plan(scene, settings);
     const frame::Frame f = frame::execute(scene, settings, plan, {});
     for (glm::ivec2 pixel : {glm::ivec2(3, 4), glm::ivec2(22, 25), glm::ivec2(44, 30)}) {

@@ -55,7 +55,7 @@ TEST_CASE("reuse: the first frame is that of the gather alone, to the bit", "[fr
 TEST_CASE("reuse: under a still camera frames of ten turned samples become what all of them make", "[frame][reuse]") {
     const Scene scene = scene_of({48, 36});
     frame::Settings all = ten_samples(0);
-    all.rsm.samples = 640;
+    all.rsm.samples = 640, all.indirect.blur = filter::Blur::none;
     const Image4 truth = render(scene, all).indirect;
     const frame::Settings settings = ten_samples(64);
     frame::KeptStages kept;

@@ -662,6 +662,7 @@ TEST_CASE("binding: data that does not fit is refused by one line", "[verdict][b
     for (const StageData& d : small_frame(rsm::Gather::disc)) {
         INFO(d.id);
         for (const Array& a : d.inputs.arrays) {
+            if (a.name == "map_normal") continue;  // a shadow test by depths does not read it
             CHECK(refused(d, [&](StageData& s) {
                       std::erase_if(s.inputs.arrays, [&](const Array& b) { return b.name == a.name; });
                   }).find(a.name) != std::string::npos);

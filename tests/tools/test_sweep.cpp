@@ -271,13 +271,13 @@ TEST_CASE("sweep: curves follow from what fields() say", "[sweep]") {
     // rsm: a curve for each gather, and of the disc for each other value of what changes its bias; gather.cpp.
     CHECK(names(swept_methods(settings, {}, {})) ==
           std::vector<std::string>{"direct", "rsm.disc", "rsm.disc, variant = published", "rsm.disc, radius = 0.15",
-                                   "rsm.disc, radius = 0.6", "rsm.disc, rotations = 1", "rsm.all", "rsm.all_rays",
+                                   "rsm.disc, radius = 0.6", "rsm.disc, rotations = 1", "rsm.disc, sample_area = texels", "rsm.all", "rsm.all_rays",
                                    "rsm.paths", "rsm.paths, visibility = none", "rsm.paths, visibility = algorithm_2",
                                    "rsm.paths, slots = 9", "rsm.paths, turn = tile", "isr", "isr, reach = 0.5", "isr, reach = 1", "isr, bounces = 2", "probes", "probes, degree_0 = 4", "probes, hit_level = coarsest",
                                    "probes, zones = true", "radiosity", "zbuffer", "zbuffer, technique = CAD",
                                    "zbuffer, technique = CADS", "reference"});
     const std::vector<SweptMethod> disc = swept_methods(settings, {"rsm.disc"}, {});
-    REQUIRE(disc.size() == 5);
+    REQUIRE(disc.size() == 6);
     const std::vector<SweptSettings> points = points_of(disc[0]);
     REQUIRE(points.size() == 6);
     CHECK(points.front().text == "rsm.samples = 25");

@@ -103,6 +103,8 @@ int run_defaults(const DefaultsOptions& given) {
     const double load = machine_load();
     const std::vector<DefaultsRow> rows = measure_defaults(request, given.common.run_options(), [](const std::string& line) { std::fprintf(stderr, "%s\n", line.c_str()); });
     const std::vector<DefaultVerdict> verdicts = judge_defaults(rows);
+    for (const DefaultsRow& row : rows)
+        if (verdicts.empty() && row.refused) throw InputError(row.why);
     if (verdicts.empty()) throw InputError("experiment defaults: nothing could be judged: no scene has light of any group");
     const auto off = std::count_if(verdicts.begin(), verdicts.end(), [](const DefaultVerdict& v) { return v.is == DefaultVerdict::Is::off; });
     const std::string where = fmt::format("{}, {} threads, {}; load of the machine before: {:.1f}", processor_name(), thread_count(given.common.threads), isa_name(last_dispatched_isa()), load);
