@@ -238,7 +238,7 @@ TEST_CASE("stage bindings: an input that is missing, of another type or one too 
             std::erase_if(changed.inputs.arrays, [&](const Array& a) { return a.name == slot.name; });
             const std::string unread = "shadow: test = 2 reads map_normal, which is missing";
             if (slot.name == "map_normal" && refusal(changed) == unread) {
-                CHECK((data.id == "shadow.planes" || data.id == "shadow.square"));
+                CHECK(data.id.starts_with("shadow."));
             } else if (slot.optional) {
                 // It counts as zeros; of a manifest it is asked for (tools/plumb/stage_case.cpp).
                 const StageBinding& binding = parity::find_binding(data.stage, "test");
