@@ -22,26 +22,29 @@ constexpr float unsure = 1 / 16.0f;  // of visibility: what is counted as wrong
 
 double dot(const glm::dvec3& a, const glm::dvec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
-// The nearest surface on origin + t direction, 0 < t <= 1.
+// origin + t direction, 0 < t <= 1.
+RayPacket<1> segment(const glm::dvec3& origin, const glm::dvec3& direction) {
+    RayPacket<1> ray{};
+    ray.origin_x[0] = float(origin.x), ray.origin_y[0] = float(origin.y), ray.origin_z[0] = float(origin.z);
+    ray.direction_x[0] = float(direction.x), ray.direction_y[0] = float(direction.y), ray.direction_z[0] = float(direction.z);
+    ray.t_far[0] = 1;
+    return ray;
+}
+
+// The nearest surface on a segment.
 struct Met {
     bool found;
     double t;
     glm::dvec3 normal;  // of any length
 };
 Met meet(const RayQuery& query, const glm::dvec3& origin, const glm::dvec3& direction) {
-    RayPacket<1> ray{};
-    ray.origin_x[0] = float(origin.x), ray.origin_y[0] = float(origin.y), ray.origin_z[0] = float(origin.z);
-    ray.direction_x[0] = float(direction.x), ray.direction_y[0] = float(direction.y), ray.direction_z[0] = float(direction.z);
-    ray.t_far[0] = 1;
+    RayPacket<1> ray = segment(origin, direction);
     const std::int32_t active = -1;
     query.nearest(&active, ray);
     return {ray.triangle[0] != no_hit, ray.t_far[0], {ray.normal_x[0], ray.normal_y[0], ray.normal_z[0]}};
 }
 bool is_hidden(const RayQuery& query, const glm::dvec3& origin, const glm::dvec3& direction) {
-    RayPacket<1> ray{};
-    ray.origin_x[0] = float(origin.x), ray.origin_y[0] = float(origin.y), ray.origin_z[0] = float(origin.z);
-    ray.direction_x[0] = float(direction.x), ray.direction_y[0] = float(direction.y), ray.direction_z[0] = float(direction.z);
-    ray.t_far[0] = 1;
+    RayPacket<1> ray = segment(origin, direction);
     const std::int32_t active = -1;
     query.occluded(&active, ray);
     return ray.t_far[0] < 0;
