@@ -129,7 +129,7 @@ rsm_size = 512
 [render]
 method = "rsm"
 
-[rsm]                            # the disc spans the map, so that the ceiling, which the map does not see, gathers all
+[rsm]                            # samples span the map, so that the ceiling, which the map does not see, gathers all
 radius = 1
 projection = "clamped"
 )";

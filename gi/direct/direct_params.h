@@ -12,11 +12,11 @@ enum class ShadowVariant : int { corrected, published };
 enum class ShadowTest : int { depth, plane, planes };
 
 struct ShadowParams {
-    ShadowMode mode = ShadowMode::hard;
+    ShadowMode mode = ShadowMode::pcf;
     ShadowVariant variant = ShadowVariant::corrected;
     int kernel = 4;
     int pcf_kernel = 1;
-    ShadowTest test = ShadowTest::depth;
+    ShadowTest test = ShadowTest::planes;
     float least_sine = 0.1f;
     float bias = 0.001f;
     float slope_bias = 1;

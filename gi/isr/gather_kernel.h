@@ -13,6 +13,7 @@
 #pragma once
 
 #include "core/hash.h"
+#include "core/tile.h"
 #include "gi/isr/source_planes.h"
 
 namespace plumb::isr {
@@ -68,18 +69,6 @@ template <class F>
 PLUMB_INLINE vec3<F> between(const Surface<F>& p, const vec3<F>& step, F depth) {
     const F further = depth - p.depth;
     return {step.x * depth + p.ray.x * further, step.y * depth + p.ray.y * further, step.z * depth + p.ray.z * further};
-}
-
-// Where a pixel stands in the order in which a tile deals out rotations: Bayer's matrix, so that neighbours differ most.
-template <class I>
-PLUMB_INLINE I tile_place(std::int32_t tile, I px, I py) {
-    const I across = px ^ py;
-    I place(0);
-    for (std::int32_t bit = 1; bit < tile; bit *= 2) {
-        const I of_across = select((across & I(bit)) == I(0), I(0), I(2)), of_row = select((py & I(bit)) == I(0), I(0), I(1));
-        place = (place << 2) + of_across + of_row;
-    }
-    return place;
 }
 
 template <class F>

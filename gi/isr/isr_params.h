@@ -69,9 +69,6 @@ void validate(const IsrParams& params);
 // radius and a sigma above 0.
 IsrParams resolved(const IsrParams& params);
 
-// The side of the square tile that deals out so many rotations, one a pixel; 0: there is none.
-int tile_of(int rotations);
-
 // (2 k + 1)^2 - 1
 inline int sample_count(int rings) { return (2 * rings + 1) * (2 * rings + 1) - 1; }
 // Pixels of the frame along a side of a coarse pixel.

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "core/tile.h"
 #include "gi/isr/isr_params.h"
 
 namespace plumb::isr {
@@ -143,12 +144,6 @@ IsrParams resolved(const IsrParams& params) {
     if (p.blur_radius == 0) p.blur_radius = p.blur == Blur::edge_aware ? 8 : 4;
     if (p.blur_sigma == 0) p.blur_sigma = float(p.blur_radius) / 2;
     return p;
-}
-
-int tile_of(int rotations) {
-    int tile = 1;
-    while (tile * tile < rotations) tile *= 2;
-    return tile * tile == rotations ? tile : 0;
 }
 
 std::vector<ParamInfo> params_of(const std::vector<std::string>& names) {

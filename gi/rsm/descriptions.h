@@ -92,6 +92,14 @@ std::string refuse_area(const Uniforms& u) {
 
 inline bool is_power_of_two(int n) { return n >= 1 && (n & (n - 1)) == 0; }
 
+// Tiles, and what both gathers of samples have beside them.
+template <class Uniforms>
+std::string refuse_pattern(const Uniforms& u) {
+    if (u.tile != 0 && (u.tile < 1 || tile_of(u.rotations) != u.tile))
+        return fmt::format("tile = {}, rotations = {}: expected 0, or a tile of which they are the square", u.tile, u.rotations);
+    return refuse_area(u);
+}
+
 template <bool continuous, class Component>
 auto describe(DiscKernel<continuous, Component>) {
     using View = GatherInputsView<Component>;
@@ -103,7 +111,7 @@ auto describe(DiscKernel<continuous, Component>) {
                         .meaning = "[samples]: texels that a sample stands for",
                         .count = [](const View& v) { return std::size_t(v.u.samples); }, .why = "one for each sample"});
     d.refuses = [](const View& v, glm::ivec2) {
-        if (v.u.samples >= 0 && is_power_of_two(v.u.rotations)) return refuse_area(v.u);
+        if (v.u.samples >= 0 && is_power_of_two(v.u.rotations)) return refuse_pattern(v.u);
         return fmt::format("samples = {}, rotations = {}: expected 0 or more, and a power of two", v.u.samples,
                            v.u.rotations);
     };
@@ -121,7 +129,7 @@ std::string refuse_paths(const View& v, glm::ivec2) {
         return fmt::format("directions = {}, rotations = {}: expected 0 or more, and a power of two", u.directions,
                            u.rotations);
     if (u.slots == 1) return "slots = 1: expected 0, or 2 to 32";
-    return refuse_area(u);
+    return refuse_pattern(u);
 }
 
 template <bool continuous, class Component>
@@ -140,7 +148,7 @@ auto describe(PathsKernel<continuous, Component>) {
                         .meaning = "[slots - 1]: where slots meet: s |s|, s the sine of the elevation, ascending",
                         .count = [](const View& v) { return std::size_t(v.u.slots > 0 ? v.u.slots - 1 : 0); },
                         .why = "one less than slots"});
-    for (const Within& range : {Within{"slots", 0, 32}, {"propagates", -1, 0}, {"tiled", 0, 1}}) d.uniforms.push_back(range);
+    for (const Within& range : {Within{"slots", 0, 32}, {"propagates", -1, 0}}) d.uniforms.push_back(range);
     d.refuses = refuse_paths<View>;
     d.cost = {4.8, "samples"};
     return d;

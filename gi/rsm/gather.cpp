@@ -4,6 +4,7 @@
 
 #include "core/error.h"
 #include "core/fp_environment.h"
+#include "core/tile.h"
 #include "gi/rsm/all_rays.h"
 
 namespace plumb::rsm {
@@ -64,8 +65,9 @@ std::vector<Field> fields(GatherParams& p) {
         {"slot_edges", as_int(p.slot_edges), "", "paths: slots of equal angle (VRSM 3.3) or of equal solid angle (ours)", 0,
          1, {"angle", "solid_angle"}, false, paths(curves, {})},
         {"turn", as_int(p.turn), "",
-         "how a pixel gets its rotation: by hash, or dealt out over tiles of 4 x 4 pixels (paths; ours)", 0, 1,
-         {"hash", "tile"}, false, paths(curves, {0, 1})},
+         "disc, paths: how a pixel gets its rotation: by hash, or dealt out over square tiles of as many pixels, in Bayer's order "
+         "(ours); automatic: over tiles of up to 8 x 8, by a hash where there are more or no square has as many", 0, 2,
+         {"automatic", "hash", "tile"}, false, paths(curves, {0, 1})},
         {"texels", as_int(p.texels), "",
          "disc, paths: whole texels from the one rounded projection, or each sample's position rounded (the theses)", 0,
          1, {"whole", "continuous"}, false, disc(curves, {})},
@@ -85,6 +87,15 @@ int sample_count(const GatherParams& params) {
 
 std::string stage_name(Gather gather, Texels texels) {
     return gather == Gather::all_rays ? "rsm.all_rays" : stage_of(gather, texels).info.name;
+}
+
+// A blur of 17 pixels evens out tiles of 8 x 8; of 16 x 16 their pattern stays.
+constexpr int widest_tile = 8;
+
+Turn turn_of(const GatherParams& params) {
+    if (params.turn != Turn::automatic) return params.turn;
+    const int tile = tile_of(params.rotations);
+    return tile > 1 && tile <= widest_tile ? Turn::tile : Turn::hash;
 }
 
 std::string stage_name(const GatherParams& params) { return stage_name(params.gather, params.texels); }
@@ -115,8 +126,8 @@ void validate(const GatherParams& params) {
                                                  params.directions, params.steps, most_samples));
     require(samples * std::int64_t(params.rotations) <= most_entries,
             fmt::format("{} samples x rotations = {}: expected at most {}", samples, params.rotations, most_entries));
-    require(params.turn == Turn::hash || params.rotations >= 16,
-            fmt::format("rotations = {}: turn = \"tile\" deals out at least 16", params.rotations));
+    require(params.turn != Turn::tile || tile_of(params.rotations) > 1,
+            fmt::format("rotations = {}: turn = \"tile\" deals out 4, 16, 64, 256, 1024 or 4096, over a square", params.rotations));
 }
 
 void validate(const GatherParams& params, const GatherInputs& in) {

@@ -39,12 +39,12 @@ enum class Visibility : int { none, algorithm_2, algorithm_3, algorithm_6 };
 enum class SlotEdges : int { angle, solid_angle };
 // How the steps of a path grow with the distance from its start: not, with its root, or with it.
 enum class Spacing : int { uniform, quadratic, geometric };
-enum class Turn : int { hash, tile };
+enum class Turn : int { automatic, hash, tile };
 // How large the samples of disc and paths are: points, or discs of the area of the texels that they stand for.
 enum class SampleArea : int { none, texels };
 
 struct GatherParams {
-    Gather gather = Gather::disc;
+    Gather gather = Gather::paths;
     Variant variant = Variant::corrected;
     int samples = 400;
     float radius = 0.3f;
@@ -63,13 +63,16 @@ struct GatherParams {
     Visibility visibility = Visibility::algorithm_6;
     int slots = 5;
     SlotEdges slot_edges = SlotEdges::angle;
-    Turn turn = Turn::hash;
+    Turn turn = Turn::automatic;
     Texels texels = Texels::whole;
     SampleArea sample_area = SampleArea::none;  // of the variant published none
     std::string pattern = {};  // disc, paths: a file's samples, which `own` holds, in place of made ones
     SampleRowsPtr own = {};
 };
 std::vector<Field> fields(GatherParams& params);
+
+// hash or tile: what automatic stands for.
+Turn turn_of(const GatherParams& params);
 
 // Samples of a pixel, for those that read a pattern; validate() allows so many.
 int sample_count(const GatherParams& params);

@@ -63,6 +63,7 @@ Uniforms shared_uniforms(const GatherParams& params, const GatherInputs& in) {
     u.seed = in.seed;
     if (in.pattern) u.reach = reach_of(*in.pattern);
     const bool samples = params.gather == Gather::disc || params.gather == Gather::paths;
+    if (samples && turn_of(params) == Turn::tile) u.tile = tile_of(params.rotations);
     if (samples && params.sample_area == SampleArea::texels && params.variant == Variant::corrected) {
         if (set_texel_area(in.rsm->view, in.rsm->size, u.texel_area)) u.sample_area = float(1 / host::pi);
     }
@@ -79,7 +80,6 @@ std::vector<unsigned char> block_of(const GatherParams& params, const GatherInpu
     for (int c = 0; c < 3; ++c) u.axis[c] = float(-in.rsm->view.forward[c]);
     u.directions = params.directions;
     u.steps = params.steps;
-    u.tiled = params.turn == Turn::tile;
     u.slots = params.visibility == Visibility::none ? 0 : params.slots;
     u.propagates = params.visibility == Visibility::algorithm_2 ? 0 : -1;
     return uniform_block(u);

@@ -17,7 +17,8 @@ vec3 gather_disc(ivec2 pixel) {
     vec3 n = texelFetch(normal_image, pixel, 0).xyz;            TAP(n, n);
     CENTRE centre = centre_of(u.map, x);
     uint hash = pixel_hash(uint(pixel.x), uint(pixel.y), 0u, u.seed).x;
-    int rotation = int(hash >> 16) & (u.rotations - 1);         TAP(rotation, rotation);
+    int rotation = u.tile != 0 ? tile_place(u.tile, pixel) : int(hash >> 16) & (u.rotations - 1);
+    TAP(rotation, rotation);
 
     bool near = is_near(centre, u.map.size, u.reach);
     precise vec3 sum = vec3(0.0);

@@ -1,5 +1,6 @@
 // What gather.comp and gather_all.comp share: the uniform block and VRSM (3.2), and what a sample's size makes of it, as in
 // gather_kernel.h.
+#include "core/tile.glsl"
 #include "raster/project.glsl"
 
 struct GatherUniforms {
@@ -14,6 +15,7 @@ struct GatherUniforms {
     int reach;
     vec4 texel_area;
     float sample_area;
+    int tile;
 };
 
 // The geometry of VRSM (3.2), everything but the flux: 1/m2.

@@ -11,6 +11,7 @@
 
 #include "core/hash.h"
 #include "core/number.h"
+#include "core/tile.h"
 #include "gi/rsm/texels_kernel.h"
 
 namespace plumb::rsm {
@@ -28,7 +29,8 @@ struct GatherUniforms {
     std::int32_t reach;     // texels: the pattern's largest |dx| or |dy|
     float texel_area[4];    // a texel at x_p covers h^3 / |n_p . (xyz - w x_p)| m2, h = map.to_texel_w . (x_p, 1)
     float sample_area;      // 1/pi: a sample is as large as its texels; 0: a point, as printed
-    std::int32_t padding[3];
+    std::int32_t tile;      // side of the tile of pixels that deals out rotations; 0: a hash of the pixel does
+    std::int32_t padding[2];
 };
 static_assert(sizeof(GatherUniforms) == 128);
 
@@ -113,8 +115,10 @@ struct ProjectedPoint {
     mask_t<F> near;  // where samples may meet the map
 };
 
-template <class I>
-PLUMB_INLINE I rotation_of(const GatherUniforms& u, const I& px, const I& py) {
+// Uniforms: GatherUniforms or PathsUniforms.
+template <class I, class Uniforms>
+PLUMB_INLINE I rotation_of(const Uniforms& u, const I& px, const I& py) {
+    if (u.tile != 0) return tile_place(u.tile, px, py);
     return shift_right(pixel_hash(px, py, I(0), I(std::int32_t(u.seed))).x, 16) & I(u.rotations - 1);
 }
 
@@ -128,7 +132,7 @@ PLUMB_INLINE ProjectedPoint<F, continuous> projected_point(const GatherInputsVie
     const vec3<F> x = xyz<F>(N::fetch4(in.position, pixel));      tap("x", x, "world, m");
     const vec3<F> n = xyz<F>(N::fetch4(in.normal, pixel));        tap("n", n, "unit normal of x");
     const TexelsOf<F, continuous> texels(u.map, x, tap);
-    const I rotation = rotation_of<I>(u, px, py);
+    const I rotation = rotation_of(u, px, py);
     tap("rotation", rotation, "row of the table of offsets");
     return {x, n, texels, rotation, texels.near(u.map.size, u.reach)};
 }

@@ -10,7 +10,7 @@ struct PathsUniforms {
     int directions;
     int steps;
     int rotations;
-    int tiled;
+    int tile;
     int width;
     int height;
     uint seed;
@@ -30,12 +30,6 @@ layout(binding = 5) uniform sampler2D rsm_flux;        // xyz W
 layout(std430, binding = 7) readonly buffer Weights { float weights[]; };  // [directions][steps][rotations]
 layout(std430, binding = 8) readonly buffer Edges { float edges[]; };      // [slots - 1]
 layout(binding = 9, rgba32f) uniform writeonly image2D irradiance_image;
-
-// The order of pixels of a 4 x 4 tile in which rotations are dealt out: Bayer's matrix.
-int tile_place(ivec2 p) {
-    int across = p.x ^ p.y;
-    return ((across & 1) << 3) + ((p.y & 1) << 2) + (across & 2) + ((p.y & 2) >> 1);
-}
 
 struct MicroLinearBuffer {
     int free;
@@ -72,7 +66,7 @@ vec3 gather_paths(ivec2 pixel) {
     vec3 n = texelFetch(normal_image, pixel, 0).xyz;            TAP(n, n);
     CENTRE centre = centre_of(u.map, x);
     int rotation = int(pixel_hash(uint(pixel.x), uint(pixel.y), 0u, u.seed).x >> 16) & (u.rotations - 1);
-    if (u.tiled != 0) rotation = (tile_place(pixel) * u.rotations) >> 4;
+    if (u.tile != 0) rotation = tile_place(u.tile, pixel);
     TAP(rotation, rotation);
 
     bool sighted = is_in_place(centre, u.map);                  TAP(sighted, sighted);

@@ -33,7 +33,7 @@ struct PathsUniforms {
     std::int32_t directions;  // paths
     std::int32_t steps;       // samples of a path
     std::int32_t rotations;   // a power of two
-    std::int32_t tiled;       // 1: rotations follow a tile of 4 x 4 pixels, 0: a hash of the pixel
+    std::int32_t tile;        // as GatherUniforms'
     std::int32_t width;       // of the image of shading points
     std::int32_t height;
     std::uint32_t seed;
@@ -62,13 +62,6 @@ struct PathsInputsView {
     const float* edges;           // [slots - 1]: s |s| where slots meet, s the sine of the elevation; ascending
     float* irradiance;            // [height][width] rgba32f, out: W/m2
 };
-
-// The order of pixels of a 4 x 4 tile in which rotations are dealt out: Bayer's matrix, so that neighbours differ most.
-template <class I>
-PLUMB_INLINE I tile_place(I px, I py) {
-    const I across = px ^ py;
-    return ((across & I(1)) << 3) + ((py & I(1)) << 2) + (across & I(2)) + ((py & I(2)) >> 1);
-}
 
 // What a path has met: bit i of `free` is 1 while no sample was in slot i. `last` is the bit of the sample before, where
 // visibility propagates from it.
@@ -109,13 +102,6 @@ struct PathsPoint : ProjectedPoint<F, continuous> {
     mask_t<F> sighted;  // where paths are lines of sight: they start where x lies
 };
 
-template <class I>
-PLUMB_INLINE I rotation_of(const PathsUniforms& u, const I& px, const I& py) {
-    I rotation = shift_right(pixel_hash(px, py, I(0), I(std::int32_t(u.seed))).x, 16) & I(u.rotations - 1);
-    if (u.tiled != 0) rotation = (tile_place(px, py) * I(u.rotations)) >> 4;
-    return rotation;
-}
-
 template <class F, bool continuous, class Component, class Tap>
 PLUMB_INLINE PathsPoint<F, continuous> projected_point(const PathsInputsView<Component>& in, const index_t<F>& px,
                                                      const index_t<F>& py, Tap& tap) {
@@ -126,7 +112,7 @@ PLUMB_INLINE PathsPoint<F, continuous> projected_point(const PathsInputsView<Com
     const vec3<F> x = xyz<F>(N::fetch4(in.position, pixel));      tap("x", x, "world, m");
     const vec3<F> n = xyz<F>(N::fetch4(in.normal, pixel));        tap("n", n, "unit normal of x");
     const TexelsOf<F, continuous> texels(u.map, x, tap);
-    const I rotation = rotation_of<I>(u, px, py);
+    const I rotation = rotation_of(u, px, py);
     tap("rotation", rotation, "column of the tables of offsets and weights");
     const mask_t<F> sighted = texels.in_place(u.map);
     tap("sighted", sighted, "0 where the projection is held on the map: nothing hides a sample there");

@@ -143,7 +143,7 @@ PLUMB_INLINE void shade_packet(const typename Kernel::View& in, const std::int32
     if (any(point.near)) {
         if constexpr (shared) {
             const SamplesAhead<F, Kernel, true> samples(
-                in, point, rotation_of<std::int32_t>(in.u, pixels[0] & 0xffff, pixels[0] >> 16));
+                in, point, rotation_of(in.u, pixels[0] & 0xffff, pixels[0] >> 16));
             Kernel::template gather<F>(in, point, samples, sum, tap);
         } else {
             const SamplesAhead<F, Kernel, false> samples(in, point, point.rotation);
@@ -171,7 +171,7 @@ struct SortedBlock {
             const std::uint8_t* row = tiles.row(y);
             for (int x = left; x < right; x += width) {
                 if (row && !row[x >> 4]) continue;
-                const auto of_lanes = rotation_of<index_t<F>>(u, number<F>::iota(x), index_t<F>(y));
+                const auto of_lanes = rotation_of(u, number<F>::iota(x), index_t<F>(y));
                 std::memcpy(rotation + n, &of_lanes, sizeof of_lanes);
                 for (int i = 0; i < width && x + i < right; ++i) found[n++] = y << 16 | (x + i);
             }

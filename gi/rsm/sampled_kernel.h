@@ -313,7 +313,7 @@ PLUMB_INLINE vec3<F> gather_sampled(const SampledView& in, std::int32_t px, std:
     const vec3<F> n = xyz<F>(N::fetch4(in.normal, pixel));        tap("n", n, "unit normal of x");
     const TexelsOf<F, continuous> texels(u.map, x, tap);
     const std::int32_t wide = std::int32_t(s.tile_width), high = std::int32_t(s.tile_height);
-    const std::int32_t rotation = wide > 0 ? py % high * wide + px % wide : rotation_of<std::int32_t>(u, px, py);
+    const std::int32_t rotation = wide > 0 ? py % high * wide + px % wide : rotation_of(u, px, py);
     tap("rotation", rotation, "row of the table of offsets");
 
     vec3<F> sum{F(0.0f), F(0.0f), F(0.0f)};

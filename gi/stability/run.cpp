@@ -298,17 +298,19 @@ void run_frame(const Case& c, const Scene& scene, const Effort& effort, Writer& 
         for (const std::string& name : stages)
             if (out.wants(name)) look(c, scene, other, drawn, plan, name, effort, out);
     };
-    for (const rsm::Gather gather : {rsm::Gather::all, rsm::Gather::paths})
+    for (const rsm::Gather gather : {rsm::Gather::all, rsm::Gather::disc, rsm::Gather::paths})
         otherwise("", [=](frame::Settings& s) { s.rsm.gather = gather; });
     for (const rsm::Gather gather : {rsm::Gather::disc, rsm::Gather::paths})
         otherwise("", [=](frame::Settings& s) { s.rsm.gather = gather, s.rsm.texels = rsm::Texels::continuous; });
-    otherwise(rsm::stage_name(rsm::Gather::disc, rsm::Texels::whole), [](frame::Settings& s) { s.rsm.sample_area = rsm::SampleArea::texels; });
+    otherwise(rsm::stage_name(rsm::Gather::disc, rsm::Texels::whole), [](frame::Settings& s) {
+        s.rsm.gather = rsm::Gather::disc, s.rsm.sample_area = rsm::SampleArea::texels;
+    });
     otherwise(rsm::stage_name(rsm::Gather::paths, rsm::Texels::whole), [](frame::Settings& s) {
         s.rsm.gather = rsm::Gather::paths, s.rsm.sample_area = rsm::SampleArea::texels;
     });
-    for (const direct::ShadowMode mode : {direct::ShadowMode::density, direct::ShadowMode::pcf, direct::ShadowMode::esm})
-        otherwise("shadow", [mode](frame::Settings& s) { s.shadow.mode = mode; });
-    for (const direct::ShadowMode mode : {direct::ShadowMode::density, direct::ShadowMode::pcf})
+    for (const direct::ShadowMode mode : {direct::ShadowMode::hard, direct::ShadowMode::density, direct::ShadowMode::pcf, direct::ShadowMode::esm})
+        otherwise("shadow", [mode](frame::Settings& s) { s.shadow.mode = mode, s.shadow.test = direct::ShadowTest::depth; });
+    for (const direct::ShadowMode mode : {direct::ShadowMode::hard, direct::ShadowMode::density, direct::ShadowMode::pcf})
         otherwise("shadow", [mode](frame::Settings& s) {
             s.shadow.mode = mode, s.shadow.test = direct::ShadowTest::planes, s.shadow.pcf_kernel = 3;
         });

@@ -59,7 +59,7 @@ test::Points centred_points() {
 
 // The gathers that read a pattern, in the branches of their kernels.
 std::vector<rsm::GatherParams> kinds() {
-    rsm::GatherParams disc, paths;
+    rsm::GatherParams disc{.gather = rsm::Gather::disc}, paths;
     disc.samples = 60;
     paths.gather = rsm::Gather::paths, paths.directions = 7, paths.steps = 6;
     std::vector<rsm::GatherParams> all = {disc, paths};
@@ -184,7 +184,7 @@ TEST_CASE("continuous: both choices of texels converge to the same integral", "[
             worst = std::max(worst, std::abs(double(b.texels[i].x) / double(a.texels[i].x) - 1));
         return worst;
     };
-    rsm::GatherParams disc, paths;
+    rsm::GatherParams disc{.gather = rsm::Gather::disc}, paths;
     paths.gather = rsm::Gather::paths, paths.visibility = rsm::Visibility::none;
     disc.samples = 25, paths.directions = 8, paths.steps = 4;
     const double coarse[] = {apart(disc), apart(paths)};
@@ -243,7 +243,7 @@ TEST_CASE("own pattern: the default pattern as rows is the default pattern", "[r
 }
 
 TEST_CASE("own pattern: rotations turn it by parts of a circle, or of a path's sector", "[rsm][pattern]") {
-    rsm::GatherParams params = with_own({}, {{0, 10, 2.5}, {6.75, -3, 0.25}});
+    rsm::GatherParams params = with_own({.gather = rsm::Gather::disc}, {{0, 10, 2.5}, {6.75, -3, 0.25}});
     params.rotations = 4, params.texels = rsm::Texels::continuous;
     const rsm::Pattern disc = rsm::pattern_of(params, map_size, 1);
     CHECK(disc.weights == Buffer<float>{2.5f, 0.25f});
@@ -265,7 +265,7 @@ TEST_CASE("own pattern: rotations turn it by parts of a circle, or of a path's s
 
 TEST_CASE("own pattern: what does not fit is refused by the file's name", "[rsm][pattern][errors]") {
     using Catch::Matchers::Contains;
-    rsm::GatherParams params = with_own({}, {{0, 10, 1}, {3, 4, 1}});
+    rsm::GatherParams params = with_own({.gather = rsm::Gather::disc}, {{0, 10, 1}, {3, 4, 1}});
     CHECK(error_of(params) == "");
     params.gather = rsm::Gather::paths;
     CHECK_THAT(error_of(params), Contains("folder/own.npy: rsm.paths: has 2 samples: expected directions = 15 x steps = 10"));
@@ -273,7 +273,7 @@ TEST_CASE("own pattern: what does not fit is refused by the file's name", "[rsm]
     CHECK(error_of(params) == "");
 
     // Turned by an eighth of a circle the corner of the square leaves the range.
-    params = with_own({}, {{32767, 32767, 1}});
+    params = with_own({.gather = rsm::Gather::disc}, {{32767, 32767, 1}});
     params.rotations = 1;
     CHECK(error_of(params) == "");
     params.rotations = 8;
@@ -283,7 +283,7 @@ TEST_CASE("own pattern: what does not fit is refused by the file's name", "[rsm]
     params = {};
     params.pattern = "else.npy";
     CHECK_THAT(error_of(params), Contains("pattern = \"else.npy\": the file was not read"));
-    params = with_own({}, {{0, 0, 1}});
+    params = with_own({.gather = rsm::Gather::disc}, {{0, 0, 1}});
     params.pattern = "else.npy";
     CHECK_THAT(error_of(params), Contains("pattern = \"else.npy\": the file was not read"));
     params.gather = rsm::Gather::all;
@@ -294,7 +294,7 @@ TEST_CASE("own pattern: other rows of the same name are another gather for what 
     const Scene scene = moving::scene();
     auto keys = [&](std::vector<glm::dvec3> rows) {
         frame::Settings settings;
-        settings.rsm = with_own({}, std::move(rows));
+        settings.rsm = with_own({.gather = rsm::Gather::disc}, std::move(rows));
         return test::keys_of(scene, settings);
     };
     CHECK(keys({{0, 1, 1}, {2, 3, 4}}) == keys({{0, 1, 1}, {2, 3, 4}}));
@@ -321,7 +321,7 @@ TEST_CASE("continuous: how many pixels have a choice of texel within the bound",
         }
         return several;
     };
-    rsm::GatherParams params;
+    rsm::GatherParams params{.gather = rsm::Gather::disc};
     params.samples = 60;
     const int whole = open(params), own = open(continuous(params));
     INFO(fmt::format("of {} pixels: whole {}, continuous {}", 64 * 48, whole, own));

@@ -22,7 +22,7 @@ const std::vector<StageData>& frame_stages() {
     static const std::vector<StageData> all = [] {
         const Scene scene = test::small_scene();
         frame::Settings settings;
-        settings.rsm.samples = 40;
+        settings.rsm.gather = rsm::Gather::disc, settings.rsm.samples = 40, settings.rsm.turn = rsm::Turn::hash;
         settings.ao.method = screen::AoMethod::ssao;
         const frame::Plan plan = frame::plan(scene, settings);
         return parity::frame_data(scene, settings, plan, frame::execute(scene, settings, plan, {}));

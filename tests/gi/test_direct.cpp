@@ -44,7 +44,10 @@ raster::Rsm half_occluded(int size) {
     return map;
 }
 
-float visibility_at(const raster::Rsm& map, glm::vec3 x, glm::vec3 n, direct::ShadowParams params = {}) {
+// One comparison of depths, whatever the default is.
+const direct::ShadowParams by_depth{.mode = direct::ShadowMode::hard, .test = direct::ShadowTest::depth};
+
+float visibility_at(const raster::Rsm& map, glm::vec3 x, glm::vec3 n, direct::ShadowParams params = by_depth) {
     const Points point(x, n);
     float visibility = -1;
     direct::run(params, {&point.position, &point.normal, {&map, 1}}, {}, &visibility);
@@ -112,7 +115,7 @@ TEST_CASE("shadow: lit before the occluder, shadowed behind it, lit beside it", 
 
 TEST_CASE("shadow: bias decides at its value", "[shadow][VRSM Algorithm 4]") {
     const raster::Rsm map = half_occluded(64);
-    direct::ShadowParams params;
+    direct::ShadowParams params = by_depth;
     params.slope_bias = 0;
     params.bias = 0.1f;
     CHECK(visibility_at(map, {-0.5f, 0.1f, -1.09f}, {0, 0, 1}, params) == 1);
@@ -139,7 +142,7 @@ TEST_CASE("shadow: a plane does not shadow itself, whatever its slope", "[shadow
                 const double d = depth(u, v);
                 if (d <= 0 || d > 20) continue;
                 const glm::vec3 x(float(u * d), float(v * d), float(-d));
-                direct::ShadowParams exact, none;
+                direct::ShadowParams exact = by_depth, none = by_depth;
                 exact.bias = none.bias = 1e-6f;
                 none.slope_bias = 0;
                 exact.max_slope = 1e6f;
@@ -167,7 +170,7 @@ TEST_CASE("shadow: a plane does not shadow itself under a directional light eith
                 map.position(x, y).w = float(10 + slope * u + 0.3 * v);
             }
         const glm::vec3 n = normalize3<float>(glm::vec3(float(slope), 0.3f, 1));
-        direct::ShadowParams with, without;
+        direct::ShadowParams with = by_depth, without = by_depth;
         with.bias = without.bias = 1e-5f;
         without.slope_bias = 0;
         int shadowed_with = 0, shadowed_without = 0, points = 0;
@@ -188,7 +191,7 @@ TEST_CASE("shadow: max_slope ends the bias of surfaces at a grazing angle", "[sh
     // bound on its slope, so the bias is max_slope footprints: 0.078 m times 4 or 16.
     raster::Rsm map = half_occluded(64);
     const glm::vec3 x(0.5f, 0.1f, -2.5f), across = normalize3<float>(glm::vec3(2.5f, 0, 0.5f));
-    direct::ShadowParams params;
+    direct::ShadowParams params = by_depth;
     params.bias = 0;
     params.max_slope = 4;
     CHECK(visibility_at(map, x, across, params) == 0);
@@ -209,7 +212,7 @@ TEST_CASE("shadow density: behind a straight edge it is the share of the kernel 
     for (int kernel : {1, 2, 3, 4, 5, 16})
         for (int column = 20; column < 44; ++column) {
             const glm::vec3 x(1.5f * (float(2 * column + 1) / 64 - 1), 0.1f, -1.5f);
-            direct::ShadowParams params;
+            direct::ShadowParams params = by_depth;
             params.mode = direct::ShadowMode::density;
             params.kernel = kernel;
             const int beyond = column - kernel / 2 + kernel - 32;
@@ -218,7 +221,7 @@ TEST_CASE("shadow density: behind a straight edge it is the share of the kernel 
             CHECK(visibility_at(map, x, {0, 0, 1}, params) == lit);
             params.variant = direct::ShadowVariant::published;
             CHECK(visibility_at(map, x, {0, 0, 1}, params) == Approx(1 - lit).margin(1e-6));
-            direct::ShadowParams hard;
+            direct::ShadowParams hard = by_depth;
             params.variant = direct::ShadowVariant::corrected;
             if (kernel == 1) CHECK(visibility_at(map, x, {0, 0, 1}, params) == visibility_at(map, x, {0, 0, 1}, hard));
         }
@@ -235,7 +238,7 @@ TEST_CASE("shadow density: a kernel of 4 looks at -2 to 1, one of 5 at -2 to 2",
                 raster::Rsm map = half_occluded(size);
                 for (glm::vec4& texel : map.position.texels) texel.w = 2;
                 map.position(cx + i, cy + j).w = 1;
-                direct::ShadowParams params;
+                direct::ShadowParams params = by_depth;
                 params.mode = direct::ShadowMode::density;
                 params.kernel = kernel;
                 const bool reached = i >= first && i <= last && j >= first && j <= last;
@@ -250,7 +253,7 @@ TEST_CASE("shadow density: a kernel of 4 looks at -2 to 1, one of 5 at -2 to 2",
 // z_map - zBias >= z_p with z = -depth: a point counts from the bias behind the map's depth of 1 on.
 TEST_CASE("shadow: printed, the bias decides at its value too", "[shadow][VRSM Algorithm 4]") {
     const raster::Rsm map = half_occluded(64);
-    direct::ShadowParams params;
+    direct::ShadowParams params = by_depth;
     params.variant = direct::ShadowVariant::published;
     params.bias = 0.1f;
     for (auto mode : {direct::ShadowMode::hard, direct::ShadowMode::density}) {
@@ -268,7 +271,7 @@ TEST_CASE("shadow density: beyond the map nothing blocks; printed, nothing is co
     raster::Rsm map = half_occluded(64);
     for (glm::vec4& texel : map.position.texels) texel.w = 1;
     const float edge = 1.5f * (1.0f / 64 - 1);
-    direct::ShadowParams params;
+    direct::ShadowParams params = by_depth;
     params.mode = direct::ShadowMode::density;
     CHECK(visibility_at(map, {0, 0.1f, -1.5f}, {0, 0, 1}, params) == 0);
     CHECK(visibility_at(map, {edge, -edge, -1.5f}, {0, 0, 1}, params) == 12 / 16.0f);
@@ -288,7 +291,7 @@ TEST_CASE("shadow density: the bias grows with the kernel, so that a tilted plan
         for (int x = 0; x < size; ++x) map.position(x, y).w = float(2 / (1 + slope * ((2 * x + 1.0) / size - 1)));
     const glm::vec3 n = normalize3<float>(glm::vec3(float(-slope), 0, 1));
     for (int kernel : {2, 4, 7}) {
-        direct::ShadowParams params;
+        direct::ShadowParams params = by_depth;
         params.mode = direct::ShadowMode::density;
         params.kernel = kernel;
         int partial = 0;
@@ -308,7 +311,7 @@ TEST_CASE("shadow density: the bias grows with the kernel, so that a tilted plan
 TEST_CASE("shadow density: its parameters have ranges, and its texels are explained", "[shadow][explain]") {
     const raster::Rsm map = half_occluded(64);
     const Points point({-0.02f, 0.1f, -1.5f}, {0, 0, 1});
-    direct::ShadowParams params;
+    direct::ShadowParams params = by_depth;
     params.kernel = 0;
     float v;
     CHECK_THROWS_WITH(direct::run(params, {&point.position, &point.normal, {&map, 1}}, {}, &v), Catch::Contains("kernel"));

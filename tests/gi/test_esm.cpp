@@ -51,6 +51,7 @@ raster::Rsm sun_map(int size, double range) {
 
 ShadowParams mode(ShadowMode m, ShadowVariant variant = ShadowVariant::corrected) {
     ShadowParams params;
+    params.test = direct::ShadowTest::depth;
     params.mode = m, params.variant = variant;
     params.esm_blur_radius = 0;
     return params;

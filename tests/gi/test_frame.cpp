@@ -65,7 +65,7 @@ void require_equal(const Image4& a, const Image4& b) {
 int left_out(const Scene& scene) {
     frame::Settings settings = frame::settings_of(scene);
     settings.layout = raster::Layout::isr;  // its buffers are of several formats
-    settings.rsm.samples = 16, settings.indirect.blur = filter::Blur::none;
+    settings.rsm.gather = rsm::Gather::disc, settings.rsm.samples = 16, settings.indirect.blur = filter::Blur::none;
     const frame::Frame pruned = render(scene, settings);
     settings.pruning = false;
     const frame::Frame whole = render(scene, settings);
@@ -205,7 +205,7 @@ TEST_CASE("frame: the picture is rho / pi (direct + indirect) + M / pi", "[frame
 TEST_CASE("frame: every stage of the plan can be explained, and its last values are the picture's", "[frame][explain]") {
     const Scene scene = small_scene();
     frame::Settings settings = frame::settings_of(scene);
-    settings.rsm.samples = 16, settings.indirect.blur = filter::Blur::none;
+    settings.rsm.gather = rsm::Gather::disc, settings.rsm.samples = 16, settings.indirect.blur = filter::Blur::none;
     const frame::Plan plan = frame::plan(scene, settings);
     const frame::Frame f = frame::execute(scene, settings, plan, {});
     const glm::ivec2 pixel(12, 14);

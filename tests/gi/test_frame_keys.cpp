@@ -25,7 +25,8 @@ struct Case {
 
 Case base() {
     Case c{moving::scene(), {}};
-    c.settings.rsm.samples = 16;
+    c.settings.rsm.gather = rsm::Gather::disc, c.settings.rsm.samples = 16;
+    c.settings.shadow.mode = direct::ShadowMode::hard;
     c.settings.indirect.blur = filter::Blur::none;  // test_filter_frame.cpp has frames with filters
     c.settings.reference.samples = 2, c.settings.reference.rounds = 2, c.settings.reference.rays = Rays::exact;
     c.settings.truth = true;
@@ -297,7 +298,7 @@ TEST_CASE("keys: seed, method, gather and what is left out", "[frame][frames][ke
     paths.settings.rsm.gather = rsm::Gather::paths;
     for (auto change : {+[](rsm::GatherParams& p) { p.slots = 7; }, +[](rsm::GatherParams& p) { p.steps = 9; },
                         +[](rsm::GatherParams& p) { p.visibility = rsm::Visibility::algorithm_2; },
-                        +[](rsm::GatherParams& p) { p.turn = rsm::Turn::tile; }}) {
+                        +[](rsm::GatherParams& p) { p.turn = rsm::Turn::hash; }}) {
         after = paths;
         change(after.settings.rsm);
         for (const char* light : {"key", "sun", "bulb"})

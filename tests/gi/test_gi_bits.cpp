@@ -59,9 +59,11 @@ raster::Rsm noise_map(int size, bool half) {
 std::vector<rsm::GatherParams> gathers() {
     using enum rsm::Visibility;
     rsm::GatherParams disc, all, paths;
-    disc.samples = 50, all.gather = rsm::Gather::all;
+    disc.gather = rsm::Gather::disc;
+    disc.samples = 50, disc.turn = rsm::Turn::hash, all.gather = rsm::Gather::all;
     paths.gather = rsm::Gather::paths, paths.directions = 7, paths.steps = 6;
     std::vector<rsm::GatherParams> kinds = {disc, all};
+    disc.turn = rsm::Turn::tile, kinds.push_back(disc);
     for (auto [visibility, slots] :
          {std::pair{none, 5}, {algorithm_2, 2}, {algorithm_3, 9}, {algorithm_6, 5}, {algorithm_6, 32}}) {
         paths.visibility = visibility, paths.slots = slots;
@@ -229,7 +231,7 @@ TEST_CASE("shadow: the same bits for every instruction set and thread count", "[
         const raster::Rsm map = noise_map(24, false);
         require_same_bits([&](const RunOptions& options, Image4& out) {
             Buffer<float> visibility(std::size_t(size.x) * size.y, -1.0f);
-            direct::run(direct::ShadowParams{}, {&position, &normal, {&map, 1}}, options, visibility.data());
+            direct::run(direct::ShadowParams{.mode = direct::ShadowMode::hard, .test = direct::ShadowTest::depth}, {&position, &normal, {&map, 1}}, options, visibility.data());
             out = Image4(size.x, size.y);
             for (std::size_t i = 0; i < out.size(); ++i) {
                 REQUIRE((visibility[i] == 0 || visibility[i] == 1));

@@ -25,7 +25,7 @@ Scene room() {
 frame::Settings base(frame::Method method) {
     frame::Settings s;
     s.method = method;
-    s.rsm.samples = 9, s.reference.samples = 2;
+    s.rsm.gather = rsm::Gather::disc, s.rsm.samples = 9, s.reference.samples = 2;
     return s;
 }
 

@@ -14,7 +14,7 @@ bool same(const Pattern& a, const Pattern& b) {
 }
 
 GatherParams small() {
-    GatherParams params;
+    GatherParams params{.gather = Gather::disc};
     params.samples = 12, params.rotations = 16, params.directions = 3, params.steps = 4;
     params.spacing = Spacing::geometric;  // which reads growth, too
     return params;

@@ -157,47 +157,50 @@ TEST_CASE("rsm.paths: the seed chooses the jitter and nothing else", "[rsm][path
     CHECK(std::equal(c.offsets.begin(), c.offsets.end(), d.offsets.begin()));
 }
 
-TEST_CASE("rsm.paths: a tile of 4 x 4 pixels deals out 16 rotations evenly", "[rsm][paths][pattern]") {
-    // Every 16th rotation is met once a tile; rows and columns of a tile spread them, as Bayer's matrix does.
-    rsm::GatherParams params = paths_params();
-    params.turn = rsm::Turn::tile;
-    params.directions = params.steps = 1;
+TEST_CASE("rsm: a square tile deals out every rotation once, neighbours in other quarters", "[rsm][paths][pattern]") {
     const raster::Rsm map = plane_map(16, [](double, double) { return 1.0; });
-    Points points(12, 8);
+    Points points(32, 16);
     for (glm::vec4& n : points.normal.texels) n = {0, 0, -1, 1};
-    const int bayer[4][4] = {{0, 8, 2, 10}, {12, 4, 14, 6}, {3, 11, 1, 9}, {15, 7, 13, 5}};
-    for (int rotations : {16, 64, 256}) {
-        params.rotations = rotations;
-        const rsm::Pattern pattern = rsm::pattern_of(params, 16, 1);
-        auto rotation = [&](int x, int y) {
-            const rsm::GatherInputs in{&points.position, &points.normal, &map, &pattern, 1};
-            for (const TapValue& v : rsm::explain(params, in, {x, y}))
-                if (v.name == "rotation") return int(v.value[0]);
-            return -1;
-        };
-        for (int ty = 0; ty < 8; ty += 4)
-            for (int tx = 0; tx < 12; tx += 4) {
-                std::set<int> met;
-                for (int y = 0; y < 4; ++y)
-                    for (int x = 0; x < 4; ++x) {
-                        met.insert(rotation(tx + x, ty + y));
-                        CHECK(rotation(tx + x, ty + y) == rotation(x, y));
-                        CHECK(rotation(x, y) == bayer[y][x] * (rotations / 16));
-                        // Any 2 x 2 pixels have one rotation in each quarter of the turn.
-                        std::set<int> quarters;
-                        for (int j = 0; j < 2; ++j)
-                            for (int i = 0; i < 2; ++i)
-                                quarters.insert(rotation((x + i) % 4, (y + j) % 4) * 4 / rotations);
-                        CHECK(quarters.size() == 4);
-                    }
-                CHECK(met.size() == 16);
-            }
-    }
-    params.rotations = 8;
-    CHECK_THROWS_WITH(rsm::pattern_of(params, 16, 1), "rsm.paths: rotations = 8: turn = \"tile\" deals out at least 16");
+    for (const rsm::Gather kind : {rsm::Gather::disc, rsm::Gather::paths})
+        for (const int tile : {2, 4, 8, 16}) {
+            rsm::GatherParams params = paths_params();
+            params.gather = kind, params.turn = rsm::Turn::tile;
+            params.samples = params.directions = params.steps = 1;
+            params.rotations = tile * tile;
+            CAPTURE(int(kind), tile);
+            const rsm::Pattern pattern = rsm::pattern_of(params, 16, 1);
+            auto rotation = [&](int x, int y) {
+                const rsm::GatherInputs in{&points.position, &points.normal, &map, &pattern, 1};
+                for (const TapValue& v : rsm::explain(params, in, {x, y}))
+                    if (v.name == "rotation") return int(v.value[0]);
+                return -1;
+            };
+            std::set<int> met;
+            for (int y = 0; y < tile; ++y)
+                for (int x = 0; x < tile; ++x) {
+                    met.insert(rotation(x, y));
+                    CHECK(rotation(32 - tile + x, 16 - tile + y) == rotation(x, y));
+                    std::set<int> quarters;
+                    for (int j = 0; j < 2; ++j)
+                        for (int i = 0; i < 2; ++i)
+                            quarters.insert(rotation((x + i) % tile, (y + j) % tile) * 4 / params.rotations);
+                    CHECK(quarters.size() == 4);
+                }
+            CHECK(met.size() == std::size_t(params.rotations));
+            CHECK((*met.begin() == 0 && *met.rbegin() == params.rotations - 1));
+        }
+    rsm::GatherParams params = paths_params();
+    params.turn = rsm::Turn::tile, params.rotations = 8;
+    const std::string refusal = "rsm.paths: rotations = 8: turn = \"tile\" deals out 4, 16, 64, 256, 1024 or 4096, over a square";
+    CHECK_THROWS_WITH(rsm::pattern_of(params, 16, 1), refusal);
     const rsm::Pattern pattern = rsm::paths_pattern(params, 16, 1);
-    CHECK_THROWS_WITH(gather(params, points, map, &pattern),
-                      "rsm.paths: rotations = 8: turn = \"tile\" deals out at least 16");
+    CHECK_THROWS_WITH(gather(params, points, map, &pattern), refusal);
+    params.turn = rsm::Turn::automatic;
+    CHECK(rsm::turn_of(params) == rsm::Turn::hash);
+    params.rotations = 256;
+    CHECK(rsm::turn_of(params) == rsm::Turn::hash);
+    params.rotations = 64;
+    CHECK(rsm::turn_of(params) == rsm::Turn::tile);
 }
 
 TEST_CASE("rsm.paths: bad parameters and patterns are refused by name", "[rsm][paths][errors]") {

@@ -67,8 +67,11 @@ std::vector<raster::Rsm> maps_of(const Scene& scene) {
     return maps;
 }
 
+// One comparison of depths, whatever the default is.
+const direct::ShadowParams by_depth{.mode = direct::ShadowMode::hard, .test = direct::ShadowTest::depth};
+
 std::vector<float> visibilities(const Points& points, const std::vector<raster::Rsm>& maps,
-                                direct::ShadowParams params = {}) {
+                                direct::ShadowParams params = by_depth) {
     std::vector<float> v(points.position.size(), -1.0f);
     direct::run(params, {&points.position, &points.normal, maps}, {}, v.data());
     return v;
@@ -110,7 +113,7 @@ TEST_CASE("point light: a lamp in a convex box lights every point, across all se
             REQUIRE(v[i] == 1);
         }
         // The density near a seam repeats its face's border, and is full too.
-        direct::ShadowParams soft;
+        direct::ShadowParams soft = by_depth;
         soft.mode = direct::ShadowMode::density;
         const Points inner = on_walls(2000, 3.2f * 2 / float(size) * 5);
         for (float d : visibilities(inner, maps, soft)) REQUIRE(d == 1);
@@ -163,7 +166,7 @@ TEST_CASE("point light: a penumbra runs through the seam of two faces unbroken",
                 points.normal(column, y) = face == 0 ? glm::vec4(-1, 0, 0, 1) : glm::vec4(0, 0, -1, 1);
             }
 
-    direct::ShadowParams params;
+    direct::ShadowParams params = by_depth;
     params.mode = direct::ShadowMode::density;
     for (int kernel : {1, 2, 3, 4, 8}) {
         params.kernel = kernel;
@@ -240,7 +243,7 @@ TEST_CASE("point light: run_maps() is the sum of its faces, in order, whatever g
 TEST_CASE("point light: behind a face's plane its map sends nothing; clamped, it sends from its border", "[rsm][point]") {
     const std::vector<raster::Rsm> maps = maps_of(scene_of(box(), lamp, 16));
     const Points behind({-0.9f, -0.6f, 0.2f}, {1, 0, 0});
-    rsm::GatherParams params;
+    rsm::GatherParams params{.gather = rsm::Gather::disc};
     params.samples = 100;
     const rsm::Pattern pattern = rsm::disc_pattern(params, 16, 1);
     CHECK(gather(params, behind, maps[0], &pattern)(0, 0).x == 0);
@@ -253,7 +256,7 @@ TEST_CASE("point light: leaving out the samples that cannot meet a map moves no 
     const int size = 32, n = 3000;
     const std::vector<raster::Rsm> maps = maps_of(scene_of(box(), lamp, size));
     const Points points = on_walls(n, 0);
-    rsm::GatherParams params, longer;
+    rsm::GatherParams params{.gather = rsm::Gather::disc}, longer = params;
     params.samples = 24, params.rotations = longer.rotations = 4, params.radius = longer.radius = 0.3f;
     longer.samples = 25;
     const rsm::Pattern pattern = rsm::disc_pattern(params, size, 1);
@@ -333,7 +336,7 @@ TEST_CASE("point light: a lamp outside of the scene leaves out the faces that lo
     Scene scene = three_lights();
     scene.lights[1].position = {0, 9, 0};
     frame::Settings settings;
-    settings.rsm.samples = 16;
+    settings.rsm.gather = rsm::Gather::disc, settings.rsm.samples = 16;
     const frame::Frame f = render(scene, settings);
     REQUIRE(f.rsms.size() == 3);
     REQUIRE(f.rsms[1].size() == 6);
@@ -354,7 +357,7 @@ TEST_CASE("point light: its stages can be explained, and end with what the frame
     Scene scene = three_lights();
     scene.lights = {scene.lights[1]};
     frame::Settings settings;
-    settings.rsm.samples = 12, settings.indirect.blur = filter::Blur::none;
+    settings.rsm.gather = rsm::Gather::disc, settings.rsm.samples = 12, settings.indirect.blur = filter::Blur::none;
     const frame::Plan plan = frame::plan(scene, settings);
     const frame::Frame f = frame::execute(scene, settings, plan, {});
     for (glm::ivec2 pixel : {glm::ivec2(3, 4), glm::ivec2(22, 25), glm::ivec2(44, 30)}) {

@@ -37,7 +37,7 @@ Points facing_points() {
 }
 
 rsm::GatherParams disc_params(int samples, int rotations) {
-    rsm::GatherParams params;
+    rsm::GatherParams params{.gather = rsm::Gather::disc};
     params.samples = samples, params.rotations = rotations;
     return params;
 }

@@ -73,7 +73,7 @@ double truth(glm::vec3 x, const Shares& share) {
 }
 
 rsm::GatherParams disc_params(int samples, rsm::Sequence sequence, rsm::Variant variant = rsm::Variant::corrected) {
-    rsm::GatherParams params;
+    rsm::GatherParams params{.gather = rsm::Gather::disc};
     params.samples = samples;
     params.radius = radius;
     params.sequence = sequence;

@@ -62,7 +62,7 @@ Light light_of(LightType type) {
 }
 
 rsm::GatherParams own_samples(std::vector<glm::dvec3> rows, rsm::SampleArea area) {
-    rsm::GatherParams params;
+    rsm::GatherParams params{.gather = rsm::Gather::disc};
     params.rotations = 1;
     params.sample_area = area;
     params.pattern = "own.npy";
@@ -198,7 +198,7 @@ TEST_CASE("rsm: a sample without a surface, or of one that the light sees edge-o
     const Points point({0, 0, 0.1f}, {0, 0, -1});
     for (float* record = map.records.data(); record != map.records.data() + map.records.size(); record += record_stride)
         for (int c = 0; c < int(record_stride); ++c) record[c] = 0;
-    rsm::GatherParams params;
+    rsm::GatherParams params{.gather = rsm::Gather::disc};
     params.sample_area = rsm::SampleArea::texels;
     CHECK(gathered(params, point, map) == 0);
     for (int j = 0; j < 16; ++j)

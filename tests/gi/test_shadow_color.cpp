@@ -226,7 +226,7 @@ TEST_CASE("layout: indirect light in halves is each gather's rounded once", "[fr
     Scene scene = moving::scene();
     scene.lights.resize(1);
     frame::Settings settings;
-    settings.rsm.samples = 16, settings.indirect.blur = filter::Blur::none;
+    settings.rsm.gather = rsm::Gather::disc, settings.rsm.samples = 16, settings.indirect.blur = filter::Blur::none;
     const frame::Frame exact = render(scene, settings);
     settings.layout.name = "custom";
     settings.layout.indirect = Format::rgba16f;
@@ -253,7 +253,7 @@ TEST_CASE("explain: the density, and what a layout stores of visibility and indi
     const Scene scene = moving::scene();
     frame::Settings settings = printed();
     settings.method = frame::Method::rsm;
-    settings.rsm.samples = 16, settings.indirect.blur = filter::Blur::none;
+    settings.rsm.gather = rsm::Gather::disc, settings.rsm.samples = 16, settings.indirect.blur = filter::Blur::none;
     settings.layout = raster::Layout::vrsm;
     settings.shadow.kernel = 3;
     const frame::Plan plan = frame::plan(scene, settings);

@@ -320,7 +320,7 @@ TEST_CASE("stage bindings: numbers that kernels loop over and index by are held 
                            {continuous_case(), "samples", 0, uniform(continuous_case(), "samples")},
                            {disc_case(), "samples", 0, uniform(disc_case(), "samples")}, {tonemap, "op", 0, 3},
                            {paths_case(), "reach", 0, 32768}, {paths_case(), "directions", 0, 4},
-                           {paths_case(), "steps", 0, 3}, {paths_case(), "slots", 2, 5}, {paths_case(), "tiled", 0, 1},
+                           {paths_case(), "steps", 0, 3}, {paths_case(), "slots", 2, 5},
                            {paths_case(), "propagates", -1, 0},
                            {test::direct_case(small, "direct"), "lights", 0, 4}, {isr_gather, "rings", 0, 3},
                            {isr_gather, "margin", 0, 6}, {isr_ssao, "rings", 0, 2}, {isr_camera, "u.rings", 0, 3},
@@ -429,7 +429,7 @@ struct Dispatches {
 
     Dispatches(const Scene& scene, bool pruning = true) {
         frame::Settings settings;
-        settings.rsm.samples = 4;
+        settings.rsm.gather = rsm::Gather::disc, settings.rsm.samples = 4;
         settings.pruning = pruning;
         const frame::Plan plan = frame::plan(scene, settings);
         frame = frame::execute(scene, settings, plan, {});

@@ -513,7 +513,7 @@ TEST_CASE("frame_data: every dispatch of a frame, six a point light, each with a
 TEST_CASE("frame_data: a dispatch gives what the frame has", "[verdict][frame]") {
     const Scene scene = test::small_scene();
     frame::Settings settings;
-    settings.rsm.samples = 40;
+    settings.rsm.gather = rsm::Gather::disc, settings.rsm.samples = 40;
     const frame::Plan plan = frame::plan(scene, settings);
     const frame::Frame frame = frame::execute(scene, settings, plan, {});
     auto same = [](const Array& a, const void* b) { return std::memcmp(a.bytes.data(), b, a.bytes.size()) == 0; };
@@ -631,7 +631,7 @@ TEST_CASE("verdict: a pixel whose face of a point light is undecided may be anot
     position.texels[0] = {x, 0.2f, x - 0.15f, 1};    // the float kernel has them equal, and takes +x
     position.texels[1] = {x, 0.2f, 0.5f, 1};
     normal.texels[0] = normal.texels[1] = {-1, 0, 0, 0};
-    const StageData d = direct::data_of(direct::ShadowParams{}, direct::ShadowInputs{&position, &normal, maps}, 0);
+    const StageData d = direct::data_of(direct::ShadowParams{.test = direct::ShadowTest::depth}, direct::ShadowInputs{&position, &normal, maps}, 0);
     Bundle own;
     const auto stage = parity::find_binding("shadow", "test").bind(d);
     REQUIRE(stage->writes({0, 0}));

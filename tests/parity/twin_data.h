@@ -62,7 +62,7 @@ inline StageData direct_case(glm::ivec2 size, const std::string& id, bool densit
 
 inline StageData gather_case(glm::ivec2 size, rsm::Gather gather, LightType type, float min_distance,
                              const std::string& id, rsm::Texels texels = rsm::Texels::whole,
-                             rsm::SampleArea sample_area = rsm::SampleArea::none) {
+                             rsm::SampleArea sample_area = rsm::SampleArea::none, rsm::Turn turn = rsm::Turn::hash) {
     const Light light = make_light(type, gather == rsm::Gather::disc ? 64 : 24);
     const raster::Rsm map = make_map(light, 0, 3);
     rsm::GatherParams params;
@@ -71,6 +71,7 @@ inline StageData gather_case(glm::ivec2 size, rsm::Gather gather, LightType type
     params.min_distance = min_distance;
     params.texels = texels;
     params.sample_area = sample_area;
+    params.turn = turn;
     const rsm::Pattern pattern = rsm::disc_pattern(params, map.size, 7);
     const Points p = room(size, 5);
     rsm::GatherInputs in;
@@ -177,6 +178,8 @@ inline std::vector<StageData> compute_cases(glm::ivec2 size) {
         direct_case(size, "direct.published", false, DirectVariant::published),
         gather_case(size, rsm::Gather::disc, LightType::spot, 0, "rsm.disc.spot"),
         gather_case(size, rsm::Gather::disc, LightType::directional, 0.1f, "rsm.disc.sun"),
+        gather_case(size, rsm::Gather::disc, LightType::spot, 0, "rsm.disc.tiles", rsm::Texels::whole, rsm::SampleArea::none,
+                    rsm::Turn::tile),
         gather_case(size, rsm::Gather::disc, LightType::spot, 0, "rsm.disc.continuous", rsm::Texels::continuous),
         gather_case(size, rsm::Gather::disc, LightType::spot, 0, "rsm.disc.area", rsm::Texels::whole,
                     rsm::SampleArea::texels),

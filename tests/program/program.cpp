@@ -236,7 +236,11 @@ rsm_size = 16
 on = false
 [indirect]
 blur = "none"
+[shadow]
+mode = "hard"
+test = "depth"
 [rsm]
+gather = "disc"
 samples = 37
 )");
     return scene;

@@ -63,7 +63,7 @@ Scene& scene() {
 void disc(benchmark::State& state, bool half, Isa isa, int threads) {
     Scene& s = scene();
     s.rsm.half = half;
-    rsm::GatherParams params;
+    rsm::GatherParams params{.gather = rsm::Gather::disc};
     params.samples = samples;
     const rsm::Pattern pattern = rsm::disc_pattern(params, map_size, 1);
     RunOptions options;

@@ -16,19 +16,57 @@ DefaultChoice values(const std::string& key, const std::vector<std::string>& lis
 }
 
 DefaultChoice gathers() {
-    const std::vector<std::string> paths = {"rsm.gather=paths"}, hiding = {"rsm.gather=paths", "rsm.visibility=algorithm_6"};
-    return {"rsm.gather", {{"disc", {"rsm.gather=disc"}}, {"paths", paths}, {"paths, algorithm_6", hiding}}};
+    DefaultChoice choice{"rsm.gather", {}};
+    for (const char* samples : {"150", "400"})
+        choice.others.push_back({fmt::format("disc, {} samples", samples), {"rsm.gather=disc", fmt::format("rsm.samples={}", samples)}});
+    choice.others.push_back({"paths", {"rsm.gather=paths"}});
+    return choice;
+}
+
+// Rotations by a hash, or over tiles.
+DefaultChoice turns() {
+    DefaultChoice choice{"rsm.turn", {}};
+    for (const char* turn : {"hash", "tile"})
+        for (const char* rotations : {"16", "64", "256"})
+            choice.others.push_back({fmt::format("{} by {}", rotations, turn), {fmt::format("rsm.turn={}", turn), fmt::format("rsm.rotations={}", rotations)}});
+    return choice;
+}
+
+// More paths or more steps, of about as many samples.
+DefaultChoice path_shapes() {
+    DefaultChoice choice{"rsm.directions", {}};
+    for (const auto& [paths, steps] : {std::pair(30, 5), std::pair(20, 8), std::pair(15, 10), std::pair(10, 15), std::pair(8, 20)})
+        choice.others.push_back({fmt::format("{} paths of {}", paths, steps),
+                                 {fmt::format("rsm.directions={}", paths), fmt::format("rsm.steps={}", steps)}});
+    return choice;
+}
+
+// How much is sampled: how often, as people read it, and the settings.
+using Amounts = std::vector<Alternative>;
+
+Amounts disc_amounts() {
+    Amounts all;
+    for (const int n : {100, 400, 1600}) all.push_back({fmt::format("{} samples", n), {fmt::format("rsm.samples={}", n)}});
+    return all;
+}
+
+Amounts paths_amounts() {
+    Amounts all;
+    for (const auto& [paths, steps] : {std::pair(8, 5), std::pair(15, 10), std::pair(30, 20)})
+        all.push_back({fmt::format("{} x {}", paths, steps), {fmt::format("rsm.directions={}", paths), fmt::format("rsm.steps={}", steps)}});
+    return all;
 }
 
 // Resolution, blur and samples together: fewer pixels pay for more samples, and a blur for fewer.
-DefaultChoice filters() {
+DefaultChoice filters(const Amounts& amounts) {
     DefaultChoice choice{"indirect", {}};
     for (const char* resolution : {"full", "half"})
         for (const char* blur : {"none", "full", "separable"})
-            for (const int samples : {100, 400, 1600})
-                choice.others.push_back({fmt::format("{}, blur {}, {} samples", resolution, blur, samples),
-                                         {fmt::format("indirect.resolution={}", resolution), fmt::format("indirect.blur={}", blur),
-                                          fmt::format("rsm.samples={}", samples)}});
+            for (const auto& amount : amounts) {
+                choice.others.push_back({fmt::format("{}, blur {}, {}", resolution, blur, amount.name), amount.sets});
+                auto& sets = choice.others.back().sets;
+                sets.push_back(fmt::format("indirect.resolution={}", resolution)), sets.push_back(fmt::format("indirect.blur={}", blur));
+            }
     return choice;
 }
 
@@ -72,12 +110,15 @@ const std::vector<ChoiceGroup>& default_choices() {
          {shadow_modes(), values("shadow.bias", {"0.0001", "0.001", "0.01"}), values("shadow.slope_bias", {"0.71", "1", "2"}),
           values("shadow.max_slope", {"4", "16", "64", "256"}), values("shadow.test", {"depth", "plane", "planes"})}},
         {"rsm", "rsm", "indirect", {},
-         {filters(), gathers(), values("rsm.samples", {"100", "200", "400", "800"}), values("rsm.rotations", {"1", "16", "64", "256"}),
-          values("rsm.sequence", {"hammersley", "r2", "random"}), values("rsm.texels", {"whole", "continuous"}), values("rsm.sample_area", {"none", "texels"})}},
-        {"rsm.paths", "rsm", "indirect", {"rsm.gather=paths", "rsm.visibility=algorithm_6"},
-         {values("rsm.spacing", {"uniform", "quadratic", "geometric"}), values("rsm.slots", {"3", "5", "9"}),
-          values("rsm.turn", {"hash", "tile"}), values("rsm.jitter", {"0", "0.5", "1"}),
-          values("rsm.slot_edges", {"angle", "solid_angle"})}},
+         {gathers(), filters(paths_amounts()), path_shapes(),
+          values("rsm.visibility", {"none", "algorithm_2", "algorithm_3", "algorithm_6"}),
+          values("rsm.spacing", {"uniform", "quadratic", "geometric"}), values("rsm.slots", {"3", "5", "9"}),
+          values("rsm.slot_edges", {"angle", "solid_angle"}), turns(), values("rsm.jitter", {"0", "0.5", "1"}),
+          values("rsm.texels", {"whole", "continuous"}), values("rsm.sample_area", {"none", "texels"})}},
+        {"rsm.disc", "rsm", "indirect", {"rsm.gather=disc"},
+         {filters(disc_amounts()), values("rsm.samples", {"100", "200", "400", "800"}), turns(),
+          values("rsm.sequence", {"hammersley", "r2", "random"}), values("rsm.texels", {"whole", "continuous"}),
+          values("rsm.sample_area", {"none", "texels"})}},
         {"isr", "isr", "indirect", {},
          {values("isr.rings", {"2", "3", "4", "6"}), values("isr.reach", {"0.5", "0.75", "1", "1.25", "1.5"}),
           values("isr.growth", {"2", "3", "4"}), isr_rotations(), isr_blurs(), values("isr.upsample", {"bilateral", "bilinear"}),

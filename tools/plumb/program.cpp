@@ -112,7 +112,7 @@ int run_program(int argc, char** argv) {
         "  plumb make-scene cornell -o out/cornell\n"
         "  plumb plan out/cornell/cornell.toml\n"
         "  plumb render out/cornell/cornell.toml -o out/cornell --set rsm.samples=150\n"
-        "  plumb explain out/cornell/cornell.toml --stage rsm.disc --pixel 512,700\n"
+        "  plumb explain out/cornell/cornell.toml --stage rsm.paths --pixel 512,700\n"
         "  plumb compare out/cornell/cornell.exr mine.exr --max-error 1e-4 -o difference.png\n"
         "plumb COMMAND --help tells more. Exit codes: 0 success, 1 disagreement, 2 bad usage or input, 3 internal "
         "error.");
