@@ -5,6 +5,7 @@
 #include "gi/ddgi/sample.h"
 #include "gi/direct/direct.h"
 #include "gi/direct/log_blur.h"
+#include "gi/direct/visibility_filter.h"
 #include "gi/filter/filter.h"
 #include "gi/isr/isr.h"
 #include "gi/probes/bake_steps.h"
@@ -54,6 +55,7 @@ const std::vector<ListedStage>& stages() {
         listed(raster::rsm_binding()),
         listed(stage<direct::LogBlurKernel>()),
         listed(stage<direct::ShadowKernel>()),
+        listed(stage<direct::VisibilityFilterKernel>()),
         listed(rsm::stage_of(rsm::Gather::disc)),
         listed(rsm::stage_of(rsm::Gather::disc, rsm::Texels::continuous)),
         listed(rsm::stage_of(rsm::Gather::paths)),

@@ -10,6 +10,7 @@ namespace plumb::direct {
 enum class ShadowMode : int { hard, density, pcf, esm };
 enum class ShadowVariant : int { corrected, published };
 enum class ShadowTest : int { depth, plane, planes };
+enum class VisibilityFilter : int { none, gaussian, edge_aware };
 
 struct ShadowParams {
     ShadowMode mode = ShadowMode::pcf;
@@ -24,6 +25,11 @@ struct ShadowParams {
     float esm_c = 90;
     int esm_blur_radius = 3;
     float esm_blur_sigma = 1.5f;
+    VisibilityFilter filter = VisibilityFilter::none;
+    int filter_radius = 4;
+    float filter_sigma = 2;
+    float filter_sigma_depth = 0.02f;
+    float filter_sigma_normal = 0.3f;
 };
 std::vector<Field> fields(ShadowParams& params);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "gi/direct/log_blur.h"
+#include "gi/direct/visibility_filter_kernel.h"
 #include "raster/light_view.h"
 
 namespace plumb::direct {
@@ -116,6 +117,15 @@ std::vector<Field> fields(ShadowParams& p) {
         {"esm_blur_radius", &p.esm_blur_radius, "texels",
          "of the logarithmic blur of esm's map (ISR 4.6), 0 none; 3 is ours", 0, most_blur_radius, {}, true},
         {"esm_blur_sigma", &p.esm_blur_sigma, "texels", "of its Gaussian; ours", 0.05, 1e6, {}, false},
+        {"filter", as_int(p.filter), "",
+         "of the frame's shadows, a light at a time, along rows and then columns (ISR 4.7): gaussian, or edge_aware: times "
+         "how alike pixels are in depth and normal (VRSM 4.5)", 0, 2, {"none", "gaussian", "edge_aware"}, true},
+        {"filter_radius", &p.filter_radius, "pixels", "of that filter; ours", 1, most_filter_radius, {}, true},
+        {"filter_sigma", &p.filter_sigma, "pixels", "of its Gaussian; ours", 0.05, 1e6, {}, false},
+        {"filter_sigma_depth", &p.filter_sigma_depth, "depths",
+         "of edge_aware: as far from the pixel's plane, in shares of its depth, nothing counts; ours", 1e-6, 1e6, {}, true},
+        {"filter_sigma_normal", &p.filter_sigma_normal, "",
+         "of edge_aware: nor where 1 - cosine of the normals is this; ours", 1e-4, 1, {}, true},
     };
 }
 

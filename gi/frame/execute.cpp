@@ -58,6 +58,7 @@ void forget(Context& c, const Plan& plan) {
         for (std::vector<raster::Rsm>& maps : f.rsms) maps.clear();
     if (!direct::blurs_maps(c.settings.shadow))
         for (std::size_t l = 0; l < c.lights.size(); ++l) f.maps_blurred_across[l] = f.maps_blurred[l] = {};
+    if (!filters_shadows(c.settings)) f.visibility_across = f.visibility_filtered = {};
     const bool half = halves_indirect(c.settings);
     if (!half) f.half_position = f.half_normal = {};
     if (!filters_indirect(c.settings)) f.gathered = {};

@@ -186,6 +186,8 @@ struct Frame {
     // Of the blurred maps: w linear depth, m; [lights][maps], empty images where nothing was drawn. Across: of its first pass.
     std::vector<std::vector<Image4>> maps_blurred_across, maps_blurred;
     Buffer<float> visibility;  // [lights][height][width]
+    // The same after shadow.filter, and after its first pass; empty where it does not run.
+    Buffer<float> visibility_filtered, visibility_across;
     Image4 direct, indirect;   // irradiance, W/m2; of method isr indirect's w: accessibility
     // Of filters of the indirect light alone (filters.h); empty where they do not run.
     Image4 half_position, half_normal;
@@ -209,6 +211,11 @@ struct Frame {
     Image4 truth_display;      // sRGB-encoded, 0..1: the truth under the picture's tone curve
     std::vector<StageRun> stages;
 };
+
+// What the frame's direct light reads of its shadows: filtered where they are.
+inline const Buffer<float>& shadows_of(const Frame& frame) {
+    return frame.visibility_filtered.empty() ? frame.visibility : frame.visibility_filtered;
+}
 
 using graph::Progress;
 

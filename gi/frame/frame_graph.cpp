@@ -117,6 +117,7 @@ void FrameGraph::add_nodes() {
         add_maps(c, l, nodes_);
         add_map_blurs(c, l, nodes_);
         for (int v = 0; v < lit; ++v) add_shadow(c, l, v, nodes_);
+        add_shadow_filter(c, l, nodes_);
         if (c.settings.method == Method::rsm) add_gather(c, l, nodes_);
     }
     add_sum(c, nodes_);
@@ -214,6 +215,8 @@ void FrameGraph::make_room() {
         visibility.resize(lights * c.pixels(v), 1.0f);
         if (lit) std::fill(visibility.begin(), visibility.end(), 1.0f);
     }
+    if (filters_shadows(c.settings))
+        for (Buffer<float>* made : {&f.visibility_across, &f.visibility_filtered}) made->resize(lights * c.pixels(0), 1.0f);
     if (!sums_gathers(c.settings)) f.indirect_error = {};
 }
 

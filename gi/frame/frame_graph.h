@@ -69,7 +69,11 @@ struct Context {
     raster::GBuffer& gbuffer(int view) { return view == 0 ? frame.gbuffer : frame.views[std::size_t(view)].gbuffer; }
     // What direct light of the frame reads.
     Buffer<float>& lit(int view) {
-        return view == 0 && !static_lamps.empty() ? frame.probes.relief.visibility : visibility(view);
+        return view == 0 && !static_lamps.empty() ? frame.probes.relief.visibility : shadows(view);
+    }
+    // Of the frame itself filtered, where its shadows are.
+    Buffer<float>& shadows(int view) {
+        return view == 0 && filters_shadows(settings) ? frame.visibility_filtered : visibility(view);
     }
     bool is_static(int light) const { return !static_lamps.empty() && static_lamps[std::size_t(light)]; }
     Image4& direct(int view) { return view == 0 ? frame.direct : frame.views[std::size_t(view)].direct; }
@@ -191,6 +195,7 @@ void add_gbuffer(Context& c, int view, Nodes& nodes);
 void add_maps(Context& c, int light, Nodes& nodes);
 void add_map_blurs(Context& c, int light, Nodes& nodes);
 void add_shadow(Context& c, int light, int view, Nodes& nodes);
+void add_shadow_filter(Context& c, int light, Nodes& nodes);  // of the frame itself
 void add_direct(Context& c, int view, Nodes& nodes);
 void add_gather(Context& c, int light, Nodes& nodes);
 void add_sum(Context& c, Nodes& nodes);

@@ -10,6 +10,7 @@ namespace plumb::frame {
 
 namespace {
 
+using direct::VisibilityFilter;
 using screen::AoMethod;
 using screen::AoViews;
 using screen::Lobe;
@@ -44,6 +45,12 @@ const std::vector<Idle>& idles() {
         {"reflect", {"cells"}, "", [](const Settings& s, const Scene&) { return s.reflect.march == March::steps; }, "reflect.march is steps"},
         {"reuse", {}, "", [](const Settings& s, const Scene&) { return s.method != Method::rsm; }, ""},
         {"reuse", {}, "frames", [](const Settings& s, const Scene&) { return s.reuse.frames == 0; }, "reuse.frames is 0"},
+        {"shadow", {"filter", "filter_radius", "filter_sigma", "filter_sigma_depth", "filter_sigma_normal"}, "",
+         [](const Settings& s, const Scene&) { return !casts_shadows(s); }, "nothing casts shadows"},
+        {"shadow", {"filter_radius", "filter_sigma", "filter_sigma_depth", "filter_sigma_normal"}, "",
+         [](const Settings& s, const Scene&) { return !filters_shadows(s); }, "shadow.filter is none"},
+        {"shadow", {"filter_sigma_depth", "filter_sigma_normal"}, "",
+         [](const Settings& s, const Scene&) { return s.shadow.filter == VisibilityFilter::gaussian; }, "shadow.filter is gaussian"},
         {"rsm", {}, "", [](const Settings& s, const Scene&) { return s.method != Method::rsm; }, ""},
         {"indirect", {}, "", [](const Settings& s, const Scene&) { return s.method != Method::rsm; }, ""},
         {"isr", {}, "", [](const Settings& s, const Scene&) { return s.method != Method::isr; }, ""},

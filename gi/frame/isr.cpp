@@ -70,6 +70,10 @@ bool lights_probes(const Settings& settings) { return settings.method == Method:
 
 bool solves_radiosity(const Settings& settings) { return settings.method == Method::radiosity; }
 
+bool filters_shadows(const Settings& settings) {
+    return settings.shadow.filter != direct::VisibilityFilter::none && casts_shadows(settings);
+}
+
 bool casts_shadows(const Settings& settings) {
     if (settings.method == Method::zbuffer) return false;
     return settings.method != Method::isr || settings.isr.mode == isr::Mode::f2 || settings.isr.mode == isr::Mode::f4;

@@ -32,6 +32,7 @@ bool gathers_isr(const Settings& settings);    // method isr in a mode that show
 bool lights_probes(const Settings& settings);  // method probes
 bool solves_radiosity(const Settings& settings);  // method radiosity
 bool casts_shadows(const Settings& settings);  // not in ISR's modes F3 and F5
+bool filters_shadows(const Settings& settings);  // shadow.filter runs
 bool reflects_maps(const Settings& settings);  // mirrored rays are followed in the lights' maps
 
 // What no setting of [isr] alone says: throws InputError.

@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "gi/direct/direct.h"
-#include "gi/direct/log_blur.h"
+#include "gi/direct/visibility_filter.h"
 #include "gi/frame/frame_graph.h"
 
 namespace plumb::frame {
@@ -89,7 +89,8 @@ void add_shadow(Context& c, int l, int view, Nodes& nodes) {
     const StageBinding& binding = stage<direct::ShadowKernel>();
     const glm::ivec2 size = c.views[std::size_t(view)].size;
     const std::size_t pixels = c.pixels(view);
-    PlannedNode node = begin_node(c, binding, "shadow", view > 0 ? "" : "direct light reads it", double(pixels), l);
+    const char* reader = filters_shadows(c.settings) ? "shadow.filter reads it" : "direct light reads it";
+    PlannedNode node = begin_node(c, binding, "shadow", view > 0 ? "" : reader, double(pixels), l);
     set_view(c, node, view);
     node.of_pixels = node.by_name = view == 0, node.direct = true;
     node.results = {{binding.outputs[0].name, binding.outputs[0].name, binding.outputs[0].name, 0, 1, true}};
@@ -138,6 +139,55 @@ void add_shadow(Context& c, int l, int view, Nodes& nodes) {
                            c.settings.layout.visibility, c.settings.layout);
     };
     nodes.push_back(std::move(node));
+}
+
+// Two passes over the screen (ISR 4.7). What leaves out the shadow leaves them out.
+void add_shadow_filter(Context& c, int l, Nodes& nodes) {
+    if (!filters_shadows(c.settings)) return;
+    const direct::ShadowParams& params = c.settings.shadow;
+    const StageBinding& binding = stage<direct::VisibilityFilterKernel>();
+    const glm::ivec2 size = c.size;
+    const std::size_t pixels = c.pixels(0);
+    for (const bool across : {true, false}) {
+        PlannedNode node = begin_node(c, binding, "shadow", "direct light reads it",
+                                      double(pixels) * (2 * params.filter_radius + 1), l);
+        set_form(node, across ? "horizontal" : "vertical");
+        const std::string& output = binding.outputs[0].name;
+        node.in_steps = node.direct = true;
+        node.results = {{output, output, output, 0, 1, true}};
+        node.size = [=] { return size; };
+
+        auto all = [=, &c]() -> Buffer<float>& { return across ? c.frame.visibility_across : c.frame.visibility_filtered; };
+        auto result = [=] { return all().data() + std::size_t(l) * pixels; };
+        auto data = [=, &c, &params] {
+            const float* read = across ? c.visibility(l, 0) : c.frame.visibility_across.data() + std::size_t(l) * pixels;
+            return data_of(params, direct::VisibilityFilterInputs{
+                                       read, &c.frame.gbuffer.position, &c.frame.gbuffer.normal,
+                                       across ? direct::Direction::horizontal : direct::Direction::vertical});
+        };
+        node.dispatches = [=] { return std::vector<StageData>{data()}; };
+        node.reads = [=, &c, &binding](graph::Reads& r) {
+            r.value(c.settings.layout.visibility);
+            r.dispatch(binding, data());
+        };
+        node.outputs = [=] {
+            Bundle b;
+            const bool there = all().size() >= (std::size_t(l) + 1) * pixels;
+            lend(b, output, there ? Shape{size.y, size.x} : Shape{0, 0}, there ? result() : nullptr);
+            return b;
+        };
+        node.run = [=, &c, &binding](const RunOptions& options, graph::NodeRun& run) {
+            plumb::run(binding, data(), options, result());
+            raster::quantise(c.settings.layout.visibility, result(), size, options.threads);
+            run.bytes = pixels * sizeof(float);
+        };
+        node.leave_out = [=] { std::fill_n(result(), pixels, 1.0f); };
+        node.explain = [=, &c, &binding](glm::ivec2 pixel) {
+            return with_stored(plumb::explain(binding, data(), pixel), output.c_str(), c.settings.layout.visibility,
+                               c.settings.layout);
+        };
+        nodes.push_back(std::move(node));
+    }
 }
 
 void add_direct(Context& c, int view, Nodes& nodes) {

@@ -319,7 +319,7 @@ void add_static_visibility(Context& c, Nodes& nodes) {
     PlannedNode node = begin_node(c, "static lamps", "", "", 0, {});
     node.listed = false;
     node.reads = [&c](graph::Reads& r) {
-        r.list(c.frame.visibility), r.image(c.frame.gbuffer.id);
+        r.list(c.shadows(0)), r.image(c.frame.gbuffer.id);
         for (const bool is : c.static_lamps) r.value(is);
         for (const Mesh& mesh : c.scene.meshes) r.value(mesh.dynamic);
     };
@@ -331,7 +331,7 @@ void add_static_visibility(Context& c, Nodes& nodes) {
         return b;
     };
     node.run = [=, &c, &made](const RunOptions&, graph::NodeRun&) {
-        made = c.frame.visibility;
+        made = c.shadows(0);
         for (std::size_t l = 0; l < c.lights.size(); ++l) {
             if (!c.is_static(int(l))) continue;
             for (std::size_t i = 0; i < pixels; ++i) {
@@ -340,7 +340,7 @@ void add_static_visibility(Context& c, Nodes& nodes) {
             }
         }
     };
-    node.leave_out = [&c, &made] { made = c.frame.visibility; };
+    node.leave_out = [&c, &made] { made = c.shadows(0); };
     nodes.push_back(std::move(node));
 }
 

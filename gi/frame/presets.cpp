@@ -57,6 +57,7 @@ Rows vrsm() {
         row("shadow", "variant", word("corrected")),
         row("shadow", "kernel", 4.0),                    // 4.3, a tiny kernel; even, as the loop's limits ask
         row("shadow", "bias", 0.001),                    // 4.3, constant; open
+        row("shadow", "filter", word("none")),
         row("direct", "variant", word("corrected")),
         row("compose", "shadow_color", glm::vec3(0)),    // 4.3; open
         row("ao", "method", word("off")),
@@ -96,6 +97,7 @@ Rows isr() {
         row("shadow", "esm_c", 90.0),                    // Listing 8
         row("shadow", "esm_blur_radius", 3.0),           // open, as the next
         row("shadow", "esm_blur_sigma", 1.5),
+        row("shadow", "filter", word("none")),           // 4.7 names it as a possibility
     };
 }
 

@@ -30,6 +30,10 @@ std::vector<Change> changes() {
     all.push_back([=](Settings& s) { shows_indirect(s), s.isr.bounces = std::max(s.isr.bounces, 2); });
     all.push_back([=](Settings& s) { shows_indirect(s), s.isr.blur = isr::Blur::gaussian; });
     all.push_back([](Settings& s) { s.method = Method::rsm, s.shadow.mode = direct::ShadowMode::esm; });
+    all.push_back([](Settings& s) {
+        if (s.method == Method::reference || !casts_shadows(s)) s.method = Method::rsm;
+        s.shadow.filter = direct::VisibilityFilter::gaussian;
+    });
     for (const screen::AoMethod method : {screen::AoMethod::ssao, screen::AoMethod::horizon})
         all.push_back([=](Settings& s) {
             if (s.method == Method::reference) s.method = Method::rsm;

@@ -203,6 +203,17 @@ void look_at_filters(const Case& c, const Scene& scene, frame::Settings settings
     look_beyond(c, scene, settings, base, effort, out);
 }
 
+// Shadows in between, filtered by the Gaussian alone and along edges.
+void look_at_shadow_filter(const Case& c, const Scene& scene, frame::Settings settings, const frame::Plan& base,
+                           const Effort& effort, Writer& out) {
+    settings.method = frame::Method::direct;
+    settings.shadow.mode = direct::ShadowMode::pcf, settings.shadow.filter_radius = 3;
+    for (const direct::VisibilityFilter filter : {direct::VisibilityFilter::gaussian, direct::VisibilityFilter::edge_aware}) {
+        settings.shadow.filter = filter;
+        look_beyond(c, scene, settings, base, effort, out);
+    }
+}
+
 // Image-space radiosity: with what ISR's chapter 6 adds, as printed, and with positions by inverse matrices. Few samples:
 // every one is the same.
 void look_at_isr(const Case& c, const Scene& scene, frame::Settings settings, const frame::Plan& base, const Effort& effort,
@@ -319,6 +330,7 @@ void run_frame(const Case& c, const Scene& scene, const Effort& effort, Writer& 
     otherwise("direct", [](frame::Settings& s) { s.direct.variant = direct::DirectVariant::published; });
     otherwise("compose", [=](frame::Settings& s) { s.compose.shadow_color = shadow_color; });
     look_at_filters(c, scene, settings, drawn.plan, effort, out);
+    look_at_shadow_filter(c, scene, settings, drawn.plan, effort, out);
     look_at_isr(c, scene, settings, drawn.plan, effort, out);
     look_at_zbuffer(c, scene, settings, drawn.plan, effort, out);
     look_at_ao(c, scene, settings, drawn.plan, effort, out);

@@ -124,6 +124,8 @@ inline std::map<std::string, std::string> buffers(const frame::Frame& f, glm::iv
         b["shadow " + std::to_string(l)] = bytes(f.visibility.data() + l * pixels, pixels);
     }
     b["visibility"] = std::to_string(f.visibility.size());
+    b["shadows filtered"] = bytes(f.visibility_filtered.data(), f.visibility_filtered.size()) +
+                            bytes(f.visibility_across.data(), f.visibility_across.size());
     b["direct"] = bytes(f.direct), b["indirect"] = bytes(f.indirect), b["error"] = bytes(f.indirect_error);
     b["radiance"] = bytes(f.radiance), b["display"] = bytes(f.display), b["truth_display"] = bytes(f.truth_display);
     b["sent"] = bytes(f.zbuffer.sent) + bytes(f.zbuffer.vertex_light.diffuse) + bytes(f.zbuffer.vertex_light.specular);

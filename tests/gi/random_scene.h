@@ -225,6 +225,11 @@ inline frame::Settings random_settings(std::uint32_t seed) {
         t.shadow.mode = soft.one_in(3) ? direct::ShadowMode::pcf : direct::ShadowMode::esm;
         t.shadow.esm_blur_radius = soft.below(4);
     }
+    Dice smooth(seed ^ 0x6a09e667u);
+    if (smooth.one_in(3)) {
+        t.shadow.filter = direct::VisibilityFilter(1 + smooth.below(2));
+        t.shadow.filter_radius = 1 + smooth.below(4);
+    }
     t.reference.samples = 2;
     t.seed = dice.word() & 0xffff;
     if (t.rsm.gather == rsm::Gather::disc && dice.one_in(2)) {

@@ -62,6 +62,7 @@ TEST_CASE("settings: what is idle changes no bit of the picture", "[frame][setti
     int idle = 0, changed = 0;
     all.push_back(base(frame::Method::zbuffer)), all.back().reflect.march = screen::March::steps;
     add([](frame::Settings& s) { s.reflect.march = screen::March::steps, s.reflect.variant = screen::ReflectVariant::published; });
+    add([](frame::Settings& s) { s.shadow.filter = direct::VisibilityFilter::gaussian; });
     std::vector<std::pair<const Scene*, frame::Settings>> cases;
     for (const frame::Settings& settings : all) cases.emplace_back(&shining, settings);
     for (const Scene* scene : {&dull, &smooth})
@@ -71,7 +72,7 @@ TEST_CASE("settings: what is idle changes no bit of the picture", "[frame][setti
     for (const auto& [of, before] : cases) {
         const Scene& scene = *of;
         const Image4 picture = render(scene, before).radiance;
-        for (const std::string table : {"ao", "reflect", "reuse", "rsm", "indirect", "isr", "reference"}) {
+        for (const std::string table : {"ao", "reflect", "reuse", "rsm", "indirect", "isr", "reference", "shadow"}) {
             if (before.method == frame::Method::reference && table == "reference") continue;
             frame::Settings copy = before;
             const std::size_t count = frame::table_fields(copy, table, table).size();

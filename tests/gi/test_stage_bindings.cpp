@@ -311,11 +311,14 @@ TEST_CASE("stage bindings: numbers that kernels loop over and index by are held 
     };
     const StageData tonemap = test::tonemap_case(small, compose::Operator::clamp, "tonemap");
     const StageData map_blur = test::log_blur_case(small, 32, 8, direct::Direction::vertical, "shadow.blur");
+    const StageData filter = test::shadow_filter_case(small, direct::VisibilityFilter::edge_aware, 32, 8,
+                                                      direct::Direction::vertical, "shadow.filter");
     const StageData isr_gather = isr_case("isr.gather.turned"), isr_ssao = isr_case("isr.ssao"),
                     isr_camera = isr_case("isr.gather_camera"), isr_blur = isr_case("isr.blur.rows"),
                     isr_upsample = isr_case("isr.upsample"), isr_compose = isr_case("isr.compose");
     for (const Range& r : {Range{shadow_case(), "kernel", 1, 64}, {shadow_case(), "soft", 0, 2},
-                           {map_blur, "radius", 0, 32}, {disc_case(), "reach", 0, 32768},
+                           {map_blur, "radius", 0, 32}, {filter, "radius", 0, 32}, {filter, "kind", 0, 1},
+                           {filter, "vertical", 0, 1}, {disc_case(), "reach", 0, 32768},
                            {continuous_case(), "reach", 0, 32769},
                            {continuous_case(), "samples", 0, uniform(continuous_case(), "samples")},
                            {disc_case(), "samples", 0, uniform(disc_case(), "samples")}, {tonemap, "op", 0, 3},

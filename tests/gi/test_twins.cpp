@@ -58,6 +58,7 @@ const TappedTwin tapped_twins[] = {
     {"gi/rsm/paths_kernel.h", {"gi/rsm/gather_paths.glsl"}},
     {"gi/direct/log_blur_kernel.h", {"gi/direct/log_blur.comp"}},
     {"gi/direct/shadow_kernel.h", {"gi/direct/shadow.comp"}},
+    {"gi/direct/visibility_filter_kernel.h", {"gi/direct/visibility_filter.comp"}},
     {"gi/direct/direct_kernel.h", {"gi/direct/direct.comp"}},
     {"gi/filter/weights_kernel.h", {"gi/filter/weights.glsl"}},
     {"gi/filter/reduce_kernel.h", {"gi/filter/reduce.comp"}},

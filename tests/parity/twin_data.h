@@ -6,7 +6,7 @@
 
 #include "gi/compose/compose.h"
 #include "gi/direct/direct.h"
-#include "gi/direct/log_blur.h"
+#include "gi/direct/visibility_filter.h"
 #include "gi/filter/filter.h"
 #include "gi/rsm/gather.h"
 #include "tests/parity/twin_data_isr.h"
@@ -46,6 +46,18 @@ inline StageData log_blur_case(glm::ivec2 size, int radius, float sigma, direct:
     params.mode = direct::ShadowMode::esm;
     params.esm_blur_radius = radius, params.esm_blur_sigma = sigma;
     return named(owned_data(direct::data_of(params, direct::LogBlurInputs{&map, direction, 10})), id);
+}
+
+// Shadows in between on blocks of two depths, with holes.
+inline StageData shadow_filter_case(glm::ivec2 size, direct::VisibilityFilter filter, int radius, float sigma,
+                                    direct::Direction direction, const std::string& id) {
+    const Points p = steps(size, 5);
+    Buffer<float> visibility(p.position.size());
+    for (std::size_t i = 0; i < visibility.size(); ++i) visibility[i] = i % 3 == 0 ? 1 : noise(int(i), 0, 0, 10);
+    direct::ShadowParams params;
+    params.filter = filter, params.filter_radius = radius, params.filter_sigma = sigma;
+    const direct::VisibilityFilterInputs in{visibility.data(), &p.position, &p.normal, direction};
+    return named(owned_data(direct::data_of(params, in)), id);
 }
 
 inline StageData direct_case(glm::ivec2 size, const std::string& id, bool density = false,
@@ -173,6 +185,9 @@ inline std::vector<StageData> compute_cases(glm::ivec2 size) {
         shadow_case(size, LightType::spot, 0, ShadowMode::esm, ShadowVariant::published, "shadow.esm.published"),
         log_blur_case(size, 3, 1.5f, direct::Direction::horizontal, "shadow.blur.rows"),
         log_blur_case(size, 8, 4, direct::Direction::vertical, "shadow.blur.columns"),
+        shadow_filter_case(size, VisibilityFilter::gaussian, 4, 2, direct::Direction::horizontal, "shadow.filter.rows"),
+        shadow_filter_case(size, VisibilityFilter::edge_aware, 4, 2, direct::Direction::horizontal, "shadow.filter.edges.rows"),
+        shadow_filter_case(size, VisibilityFilter::edge_aware, 8, 4, direct::Direction::vertical, "shadow.filter.edges.columns"),
         direct_case(size, "direct"),
         direct_case(size, "direct.density", true),
         direct_case(size, "direct.published", false, DirectVariant::published),

@@ -1,11 +1,12 @@
-// The filters of indirect light at 512^2 pixels: kernel 17 full and separable, both similarities; reduce and upsample; by
-// instruction set, on one and on two threads.
+// The filters of indirect light at 512^2 pixels: kernel 17 full and separable, both similarities; reduce and upsample; and
+// that of a light's shadows, rows and columns together; by instruction set, on one and on two threads.
 //
 //     plumb_bench --benchmark_filter=filter --benchmark_repetitions=9 --benchmark_enable_random_interleaving=true
 #include <benchmark/benchmark.h>
 
 #include <string>
 
+#include "gi/direct/visibility_filter.h"
 #include "gi/filter/filter.h"
 
 namespace {
@@ -49,6 +50,24 @@ void run(benchmark::State& state, const std::string& what, filter::FilterParams 
     }
 }
 
+void run_shadows(benchmark::State& state, direct::VisibilityFilter filter, Isa isa, int threads) {
+    static const Wall wall;
+    static const Buffer<float> visibility = [] {
+        Buffer<float> half(wall.position.size());
+        for (std::size_t i = 0; i < half.size(); ++i) half[i] = i % 5 < 3 ? 1.0f : 0.25f;
+        return half;
+    }();
+    direct::ShadowParams params;
+    params.filter = filter;
+    RunOptions options;
+    options.isa = isa, options.threads = threads;
+    Buffer<float> out(visibility.size());
+    for (auto _ : state) {
+        direct::filter_visibility(params, {visibility.data(), &wall.position, &wall.normal}, options, out.data());
+        benchmark::DoNotOptimize(out.data());
+    }
+}
+
 [[maybe_unused]] const bool registered = [] {
     for (const Isa isa : supported_isas())
         for (const int threads : {1, 2}) {
@@ -58,6 +77,13 @@ void run(benchmark::State& state, const std::string& what, filter::FilterParams 
                     ->Unit(benchmark::kMillisecond)
                     ->UseRealTime();
             };
+            for (const auto& [what, filter] : {std::pair("shadows", direct::VisibilityFilter::gaussian),
+                                               std::pair("shadows_edge_aware", direct::VisibilityFilter::edge_aware)})
+                benchmark::RegisterBenchmark(
+                    (std::string("filter/") + what + "/" + isa_name(isa) + "/" + std::to_string(threads)).c_str(),
+                    run_shadows, filter, isa, threads)
+                    ->Unit(benchmark::kMillisecond)
+                    ->UseRealTime();
             filter::FilterParams params;
             add("reduce", params), add("upsample", params);
             params.blur = filter::Blur::full;

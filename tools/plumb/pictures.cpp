@@ -75,7 +75,7 @@ void write_pictures(const Scene& scene, const frame::Plan& plan, const frame::Fr
         if (!of.radiance.empty()) layers.push_back(layer(of.name, rgb, of.radiance));
     for (int l = 0; l < int(lights.size()); ++l) {
         if (runs(ran, "shadow", l))
-            layers.push_back({"shadow." + lights[l], {"Y"}, frame.visibility.data() + l * pixels, 1});
+            layers.push_back({"shadow." + lights[l], {"Y"}, frame::shadows_of(frame).data() + l * pixels, 1});
     }
     const glm::ivec2 size = scene.frame_size;
     outputs.write(name + ".exr", [&](const std::string& path) { io::write_exr(path, size.x, size.y, layers); });
