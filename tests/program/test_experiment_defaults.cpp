@@ -45,4 +45,6 @@ TEST_CASE("experiment defaults: wrong input is refused in one line", "[program][
     CHECK_THAT(refused({"--only", "irs"}), Contains("--only irs: unknown group; the nearest known one is 'isr'"));
     CHECK_THAT(refused({"--only", "isr", "--sizes", "16", "--set", "isr.rotations=3"}), Contains("expected a power of two"));
     CHECK_THAT(refused({"--sizes", "4"}), Contains("--sizes"));
+    CHECK_THAT(refused({"--only", "isr", "--sizes", "16", "--preset", "isr_prnted"}),
+               Contains("--preset isr_prnted: unknown preset; the nearest known one is 'isr_printed'"));
 }

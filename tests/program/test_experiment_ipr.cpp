@@ -178,6 +178,10 @@ TEST_CASE("experiment ipr: what is refused", "[program]") {
     CHECK_THAT(refused({"--samples", "0"}), Contains("--samples"));
     CHECK_THAT(refused({"--open", "nan"}), Contains("--open"));
     CHECK_THAT(refused({"--updates", "0"}), Contains("--updates"));
+    CHECK_THAT(refused({"--preset", "isr_prnted"}),
+               Contains("--preset isr_prnted: unknown preset; the nearest known one is 'isr_printed'"));
+    CHECK_THAT(run({"experiment", "indirect-shadow", scene, "--preset", "isr_prnted"}).err,
+               Contains("--preset isr_prnted: unknown preset; the nearest known one is 'isr_printed'"));
     CHECK_THAT(refused({"-o", out, "--set", "probes.degree=9"}), Contains("degree"));
     CHECK_THAT(refused({"--html", folder + "/none/page.html"}), Contains("none/page.html"));
     CHECK_THAT(refused({folder + "/none.toml"}), Contains("none.toml"));

@@ -105,4 +105,6 @@ TEST_CASE("experiment screen: what is refused, and nothing written", "[program]"
     CHECK_THAT(refused({scene, "--size", "0x4"}), Contains("--size"));
     CHECK_THAT(refused({scene, "--set", "ao.smaples=3"}), Contains("samples"));
     CHECK_THAT(refused({scene, "--frames", "1"}), Contains("--frames"));
+    CHECK_THAT(refused({scene, "--preset", "isr_prnted"}),
+               Contains("--preset isr_prnted: unknown preset; the nearest known one is 'isr_printed'"));
 }

@@ -63,6 +63,20 @@ TEST_CASE("experiment shadows: acne, leaks and edges of the Cornell box", "[prog
     CHECK(without[0]["beside"].get<double>() > 0.2);
 }
 
+TEST_CASE("experiment shadows: a preset lies under what a way sets", "[program][preset]") {
+    const std::string folder = fresh_folder("experiment_shadows_preset"), scene = box(folder);
+    const auto rows = [&](Words more) {
+        Words words = {"experiment", "shadows", scene, "--sizes", "48", "--maps", "64", "--json", "--way", "density 4, depth"};
+        words.insert(words.end(), more.begin(), more.end());
+        return rows_of(words)[0];
+    };
+    // Algorithm 4 as printed: light and shadow change places.
+    const Json plain = rows({}), printed = rows({"--preset", "vrsm_printed"});
+    CHECK(printed["lit"] == plain["lit"]);
+    CHECK(printed["acne"].get<int>() > 9 * plain["acne"].get<int>() + 1000);
+    CHECK(rows({"--preset", "vrsm_printed", "--set", "shadow.variant=corrected"})["acne"].get<int>() < 500);
+}
+
 TEST_CASE("experiment shadows: the same numbers for any number of threads and instruction set", "[program][bits]") {
     const std::string folder = fresh_folder("experiment_shadows_bits"), scene = box(folder);
     std::string first;
@@ -92,6 +106,8 @@ TEST_CASE("experiment shadows: what is refused", "[program]") {
     CHECK_THAT(refused({"--maps", "20000"}), Contains("--maps"));
     CHECK_THAT(refused({"--set", "shadow.pcf_kernel=0"}), Contains("pcf_kernel"));
     CHECK_THAT(refused({"--set", "shadow.tests=plane"}), Contains("tests"));
+    CHECK_THAT(refused({"--preset", "isr_prnted"}),
+               Contains("--preset isr_prnted: unknown preset; the nearest known one is 'isr_printed'"));
     CHECK(!std::filesystem::exists(out));
     CHECK(run({"experiment", "shadows", folder + "/none.toml"}).exit == 2);
 }

@@ -179,6 +179,26 @@ TEST_CASE("sweep: what takes longer than asked for is left out, but never all", 
     CHECK(left_out == 2);
 }
 
+TEST_CASE("sweep: a preset is later than the scene file, --set later than it, and the page says so", "[program][preset]") {
+    const std::string folder = fresh_folder("sweep_preset"), scene = small_scene(folder, "[24, 24]");
+    set_cache(folder + "/cache");
+    const auto picture = [&](const std::string& name, Words more) {
+        more.insert(more.begin(), {"--method", "direct", "--spp", "16"});
+        const Result r = sweep(scene, folder + "/" + name, more);
+        INFO(r.err);
+        REQUIRE(r.exit == 0);
+        const Json json = sweep_json(folder + "/" + name);
+        REQUIRE(json["points"].size() == 1);
+        return json["points"][0]["picture"].dump();
+    };
+    const std::string plain = picture("plain", {"--set", "direct.variant=corrected"});
+    const std::string printed = picture("printed", {"--preset", "vrsm_printed"});
+    CHECK(printed != plain);
+    CHECK(picture("again", {"--preset", "vrsm_printed"}) == printed);
+    CHECK(picture("set", {"--preset", "vrsm_printed", "--set", "direct.variant=corrected"}) != printed);
+    CHECK_THAT(read(folder + "/printed/sweep.html"), Contains("--preset vrsm_printed"));
+}
+
 TEST_CASE("sweep: bad words are one line, exit code 2, and nothing is written", "[program][contract]") {
     const std::string folder = fresh_folder("sweep_bad"), scene = small_scene(folder, "[24, 24]");
     set_cache(folder + "/cache");
@@ -201,6 +221,8 @@ TEST_CASE("sweep: bad words are one line, exit code 2, and nothing is written", 
                  {{"--compare-to", folder + "/huge.json"}, "huge.json: a number that is not finite"},
                  {{"--compare-to", folder + "/missing.json"}, "missing.json"},
                  {{"--spp", "0"}, "--spp"},
+                 {{"--preset", "isr_prnted"}, "--preset isr_prnted: unknown preset; the nearest known one is 'isr_printed'"},
+                 {{"--preset", ""}, "--preset"},
                  {{"--rnus", "5"}, "'--runs'"}};
     for (const auto& c : cases) {
         const Result r = sweep(scene, folder + "/out", c.words);

@@ -18,6 +18,7 @@
 #include "tools/shared/machine_load.h"
 #include "tools/shared/outputs.h"
 #include "tools/shared/reports.h"
+#include "tools/shared/scene_command.h"
 #include "tools/shared/sweep.h"
 #include "tools/shared/table.h"
 
@@ -134,6 +135,7 @@ void add_defaults(CLI::App& experiment, Action& action) {
     command->add_option("-o,--output", given->folder, "folder for defaults.txt, defaults.csv and defaults.json")->check(some_word())->type_name("DIR");
     command->add_option("--sizes", request.sizes, "pixels a side; 256,512,1024 otherwise")->delimiter(',')->check(CLI::Range(8, 4096).description(""))->type_name("N,N");
     command->add_option("--only", request.groups, "shadow, rsm, rsm.disc, isr, ao, ao.horizon, probes or radiosity; may be repeated")->type_name("GROUP");
+    add_preset_option(*command, request.preset);
     command->add_option("--set", request.sets, "table.key=value in place of a default, to see what would become of it; may be repeated")->allow_extra_args(false)->type_name("T.K=V");
     command->add_option("--spp", request.samples, "paths a pixel of the truths; 64 otherwise")->check(CLI::Range(4, 65536).description(""))->type_name("N");
     command->add_option("--runs", request.runs, "each with a seed of its own; the time is their median; 3 otherwise")->check(CLI::Range(1, 1000).description(""))->type_name("N");

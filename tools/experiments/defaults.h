@@ -50,6 +50,7 @@ struct DefaultVerdict {
 
 struct DefaultsRequest {
     std::vector<std::string> scenes, groups, sets;  // files; names of groups, empty: all; settings in place of defaults
+    std::string preset;                             // frame::presets(), under those settings; empty: none
     std::vector<int> sizes = {256, 512, 1024};      // pixels a side
     int runs = 3;                                   // each with a seed of its own
     int samples = 64;                               // paths a pixel of the truth

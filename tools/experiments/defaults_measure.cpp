@@ -49,7 +49,8 @@ class OfScene {
   public:
     OfScene(const std::string& file, int size, const DefaultsRequest& request, const RunOptions& options)
         : request_(request), options_(options), kept_(request.no_cache ? "" : cache_folder()) {
-        words_.file = file, words_.size = fmt::format("{}x{}", size, size), words_.sets = request.sets;
+        words_.file = file, words_.size = fmt::format("{}x{}", size, size);
+        words_.preset = request.preset, words_.sets = request.sets;
         scene_ = std::make_shared<const Scene>(load(words_));
     }
 

@@ -36,6 +36,7 @@ std::string command_line(const IprOptions& given) {
     if (!given.only.empty()) text += fmt::format(" --only {}", fmt::join(given.only, ","));
     if (given.request.open < 1) text += fmt::format(" --open {:g}", given.request.open);
     if (!given.cameras.empty()) text += " --cameras " + given.cameras;
+    if (!given.scene.preset.empty()) text += " --preset " + given.scene.preset;
     for (const std::string& set : given.scene.sets) text += " --set " + set;
     return text;
 }
@@ -145,6 +146,7 @@ void add_ipr(CLI::App& experiment, Action& action) {
         ->check(some_word())
         ->type_name("FILE");
     add_size_option(*command, given->scene);
+    add_preset_option(*command, given->scene.preset);
     command->add_option("--set", given->scene.sets, "table.key=value in place of the scene file's; may be repeated")
         ->allow_extra_args(false)
         ->type_name("T.K=V");

@@ -16,6 +16,7 @@
 #include "tools/shared/machine_load.h"
 #include "tools/shared/outputs.h"
 #include "tools/shared/reports.h"
+#include "tools/shared/scene_command.h"
 #include "tools/shared/sweep.h"
 
 namespace plumb::cli {
@@ -36,7 +37,11 @@ struct OfScene {
 
 std::string command_line(const ScreenOptions& given) {
     const ScreenRequest& r = given.request;
-    return fmt::format("plumb experiment screen {} --size {} --spp {} --repeats {} --frames {}{}", fmt::join(given.scenes, " "), r.size, r.paths, r.repeats, r.frames, r.sets.empty() ? "" : fmt::format(" --set {}", fmt::join(r.sets, " --set ")));
+    std::string text = fmt::format("plumb experiment screen {} --size {} --spp {} --repeats {} --frames {}",
+                                   fmt::join(given.scenes, " "), r.size, r.paths, r.repeats, r.frames);
+    if (!r.preset.empty()) text += " --preset " + r.preset;
+    for (const std::string& set : r.sets) text += " --set " + set;
+    return text;
 }
 
 std::string html_of(const std::vector<OfScene>& all, const ScreenOptions& given, const std::string& where) {
@@ -96,6 +101,7 @@ void add_screen(CLI::App& experiment, Action& action) {
     command->add_option("scenes", given->scenes, "scenes: .toml, or bare .obj, .gltf or .glb")->required()->type_name("SCENE");
     command->add_option("-o,--output", given->folder, "folder for screen.html, screen.txt, screen.csv and screen.json")->check(some_word())->type_name("DIR");
     command->add_option("--size", given->request.size, "pixels; 480x270 otherwise")->type_name("WxH");
+    add_preset_option(*command, given->request.preset);
     command->add_option("--set", given->request.sets, "table.key=value in place of the scene files'; may be repeated")->type_name("T.K=V");
     command->add_option("--spp", given->request.paths, "rays and paths a pixel of the truths; 64 otherwise")->check(CLI::Range(1, 65536).description(""))->type_name("N");
     command->add_option("--repeats", given->request.repeats, "whose median is a time; 5 otherwise")->check(CLI::Range(1, 1000).description(""))->type_name("N");

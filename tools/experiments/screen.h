@@ -16,6 +16,7 @@ struct ScreenRequest {
     int paths = 64;                // of the truths, a pixel
     int repeats = 5;               // whose median is a time
     int frames = 32;               // that share gathered light before they are compared
+    std::string preset;            // frame::presets(); empty: none
     std::vector<std::string> sets;
 };
 

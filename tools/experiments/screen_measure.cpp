@@ -42,7 +42,7 @@ std::vector<ScreenCurve::Point> steps_of(double length, std::initializer_list<in
 class Subject {
   public:
     Subject(const std::string& file, const ScreenRequest& request, const RunOptions& options) : request_(request), options_(options) {
-        words_.file = file, words_.size = request.size, words_.sets = request.sets;
+        words_.file = file, words_.size = request.size, words_.preset = request.preset, words_.sets = request.sets;
         scene_ = load(words_);
     }
     const Scene& scene() const { return scene_; }

@@ -127,6 +127,7 @@ void add_indirect_shadow(CLI::App& experiment, Action& action) {
     command->add_option("--samples", given->request.samples, "paths a pixel of each truth; 2048 otherwise")->check(CLI::Range(32, 1 << 20).description(""))->type_name("N");
     command->add_option("--repeats", given->request.repeats, "whose median is the time; 5 otherwise")->check(CLI::Range(1, 1000).description(""))->type_name("N");
     add_size_option(*command, given->scene);
+    add_preset_option(*command, given->scene.preset);
     command->add_option("--set", given->scene.sets, "table.key=value in place of the scene file's; may be repeated")->allow_extra_args(false)->type_name("T.K=V");
     add_common(*command, given->common);
     command->footer(

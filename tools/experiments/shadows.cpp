@@ -24,7 +24,7 @@ struct ShadowsOptions {
     Common common;
     std::vector<std::string> scenes, sets, ways;
     std::vector<int> sizes = {256, 512, 1024}, maps = {0};
-    std::string folder;
+    std::string folder, preset;
 };
 
 std::string percent(double share) { return fmt::format("{:.3f}", 100 * share); }
@@ -92,13 +92,13 @@ int run_shadows(const ShadowsOptions& given) {
     std::vector<ShadowRow> rows;
     for (const std::string& file : given.scenes) {
         SceneOptions words;
-        words.file = file;
+        words.file = file, words.preset = given.preset, words.sets = given.sets;
         Scene scene = load(words);
         scene.name = io::stem_of(file);
         for (const int size : given.sizes)
             for (const int map : given.maps) {
                 auto tell = [&](const std::string& line) { std::fprintf(stderr, "%s, %d: %s\n", scene.name.c_str(), size, line.c_str()); };
-                std::vector<ShadowRow> some = measure_shadows(scene, given.sets, ways, size, map, given.common.run_options(), tell);
+                std::vector<ShadowRow> some = measure_shadows(scene, words, ways, size, map, given.common.run_options(), tell);
                 for (ShadowRow& row : some) {
                     if (outputs) {
                         std::string name = fmt::format("{}_{}_{}_{}.png", row.scene, row.size, row.map, row.way);
@@ -135,6 +135,7 @@ void add_shadows(CLI::App& experiment, Action& action) {
     command->add_option("--maps", given->maps, "sides of the lights' maps, texels; 0, and otherwise: the scene's own")
         ->delimiter(',')->check(CLI::Range(0, 16384).description(""))->type_name("N,N");
     command->add_option("--way", given->ways, "of the table's ways this one; may be repeated; all otherwise")->allow_extra_args(false)->type_name("NAME");
+    add_preset_option(*command, given->preset);
     command->add_option("--set", given->sets, "table.key=value in place of the scene files'; may be repeated")->allow_extra_args(false)->type_name("T.K=V");
     add_common(*command, given->common);
     command->footer(

@@ -7,6 +7,7 @@
 
 #include "core/image.h"
 #include "gi/frame/frame.h"
+#include "tools/shared/options.h"
 
 namespace plumb::cli {
 
@@ -37,8 +38,9 @@ struct ShadowRow {
 };
 
 using ShadowTell = std::function<void(const std::string&)>;
-// A row for each way, of a frame of size x size pixels. map: texels a side of every map; 0: the scene's own.
-std::vector<ShadowRow> measure_shadows(const Scene& scene, const std::vector<std::string>& sets, const std::vector<ShadowWay>& ways,
+// A row for each way, of a frame of size x size pixels. map: texels a side of every map; 0: the scene's own. set: preset and
+// settings, under those of the way.
+std::vector<ShadowRow> measure_shadows(const Scene& scene, const SceneOptions& set, const std::vector<ShadowWay>& ways,
                                        int size, int map, const RunOptions& options, const ShadowTell& tell);
 
 }  // namespace plumb::cli

@@ -194,7 +194,7 @@ std::vector<ShadowWay> shadow_ways() {
             {"esm", {"shadow.mode=esm"}, 4}};
 }
 
-std::vector<ShadowRow> measure_shadows(const Scene& given, const std::vector<std::string>& sets, const std::vector<ShadowWay>& ways,
+std::vector<ShadowRow> measure_shadows(const Scene& given, const SceneOptions& set, const std::vector<ShadowWay>& ways,
                                        int size, int map, const RunOptions& options, const ShadowTell& tell) {
     Scene scene = given;
     scene.frame_size = {size, size};
@@ -209,8 +209,8 @@ std::vector<ShadowRow> measure_shadows(const Scene& given, const std::vector<std
     frame::KeptStages kept;
     std::vector<ShadowRow> rows;
     for (const ShadowWay& way : ways) {
-        SceneOptions words;
-        words.method = "direct", words.sets = sets;
+        SceneOptions words = set;
+        words.method = "direct";
         words.sets.insert(words.sets.end(), way.sets.begin(), way.sets.end());
         const frame::Settings settings = settings_of(scene, words);
         const frame::Frame& f = frame::execute(scene, settings, frame::plan(scene, settings), options, kept);

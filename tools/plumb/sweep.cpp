@@ -11,6 +11,7 @@
 #include "tools/plumb/sweep_choose.h"
 #include "tools/plumb/sweep_page.h"
 #include "tools/shared/outputs.h"
+#include "tools/shared/scene_command.h"
 #include "tools/shared/sweep.h"
 
 namespace plumb::cli {
@@ -21,7 +22,7 @@ struct SweepOptions {
     SweepRequest request;
     Common common;
     std::vector<std::string> scenes, sets;
-    std::string folder, size, budget, error, longest, compare_to;
+    std::string folder, preset, size, budget, error, longest, compare_to;
 };
 
 // "direct, rsm.disc, rsm.all, rsm.all_rays, reference": without those that one more parameter sets apart.
@@ -74,7 +75,7 @@ SweepRequest request_of(const SweepOptions& given) {
     SweepRequest request = given.request;
     for (const std::string& file : given.scenes) {
         SceneOptions scene;
-        scene.file = file, scene.sets = given.sets;
+        scene.file = file, scene.preset = given.preset, scene.sets = given.sets;
         request.scenes.push_back(scene);
     }
     if (!given.size.empty()) request.size = parse_size("--size", given.size);
@@ -92,6 +93,7 @@ std::string command_line(const SweepOptions& given) {
     add("-o", given.folder);
     for (const std::string& m : given.request.methods) add("--method", m);
     for (const std::string& v : given.request.vary) add("--vary", v);
+    add("--preset", given.preset);
     for (const std::string& s : given.sets) add("--set", s);
     if (given.request.runs != 5) add("--runs", std::to_string(given.request.runs));
     add("--size", given.size), add("--spp", given.request.samples), add("--until-error", given.request.until_error);
@@ -164,6 +166,7 @@ void add_sweep(CLI::App& program, Action& action) {
                         "the last along, a curve for each value of the others")
         ->allow_extra_args(false)
         ->type_name("T.K=V,V");
+    add_preset_option(*command, given->preset);
     command->add_option("--set", given->sets, "table.key=value in place of the scene files'; may be repeated")
         ->allow_extra_args(false)
         ->type_name("T.K=V");

@@ -26,13 +26,18 @@ void add_scene_options(CLI::App& command, SceneOptions& options) {
     command.add_option("--method", options.method, "direct, rsm, isr, probes, radiosity, zbuffer or reference; the scene file's otherwise")
         ->check(some_word())
         ->type_name("M");
-    command.add_option("--preset", options.preset, fmt::format("a document's set-up, whole, in place of the scene file's: {}", preset_names()))
-        ->check(some_word())
-        ->type_name("NAME");
+    add_preset_option(command, options.preset);
     command.add_option("--set", options.sets, "table.key=value in place of the scene file's, or light.N.on=false: the N-th light, or one of that name; may be repeated")
         ->allow_extra_args(false)
         ->type_name("T.K=V");
     command.add_flag("--no-pruning", options.no_pruning, "run every stage, needed or not: the picture is the same");
+}
+
+void add_preset_option(CLI::App& command, std::string& preset) {
+    command.add_option("--preset", preset,
+                       fmt::format("a document's set-up, whole, in place of the scene file's: {}", preset_names()))
+        ->check(some_word())
+        ->type_name("NAME");
 }
 
 void add_size_option(CLI::App& command, SceneOptions& options) {

@@ -9,6 +9,8 @@ namespace plumb::cli {
 
 void add_scene_options(CLI::App& command, SceneOptions& options);
 
+void add_preset_option(CLI::App& command, std::string& preset);
+
 void add_size_option(CLI::App& command, SceneOptions& options);
 
 // --truth and what goes with it.
