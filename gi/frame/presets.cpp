@@ -41,6 +41,7 @@ Rows vrsm() {
         row("rsm", "visibility", word("algorithm_6")),   // 4.4
         row("rsm", "slots", 5.0),                        // 3.3, 4.4
         row("rsm", "slot_edges", word("angle")),         // 3.3
+        row("rsm", "fade", 0.0),                         // ours, and of clamped projections
         row("rsm", "texels", word("continuous")),        // Algorithm 1, lines 6 to 10
         row("rsm", "projection", word("plain")),         // Algorithm 1, line 9
         row("rsm", "sample_area", word("none")),         // 3.1: pixel lights are infinitely small
@@ -55,6 +56,7 @@ Rows vrsm() {
         row("indirect", "sigma_normal", 0.3),
         row("shadow", "mode", word("density")),          // 4.3, Algorithm 4
         row("shadow", "variant", word("corrected")),
+        row("shadow", "test", word("depth")),            // Algorithm 4
         row("shadow", "kernel", 4.0),                    // 4.3, a tiny kernel; even, as the loop's limits ask
         row("shadow", "bias", 0.001),                    // 4.3, constant; open
         row("shadow", "filter", word("none")),

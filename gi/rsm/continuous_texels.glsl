@@ -11,8 +11,10 @@ bool is_near(vec2 centre, int map_size, int reach) {
     return centre.x >= low && centre.x < high && centre.y >= low && centre.y < high;
 }
 
-bool is_in_place(vec2 centre, Projection map) {
-    return centre.x > map.low && centre.x < map.high && centre.y > map.low && centre.y < map.high;
+float within(vec2 centre, Projection map) {
+    precise vec2 from_low = centre - map.low, to_high = map.high - centre;
+    vec2 left = min(from_low, to_high);
+    return min(left.x, left.y);
 }
 
 ivec2 texel_of(vec2 centre, int row) {

@@ -64,6 +64,9 @@ std::vector<Field> fields(GatherParams& p) {
          paths(curves, {5, 9})},
         {"slot_edges", as_int(p.slot_edges), "", "paths: slots of equal angle (VRSM 3.3) or of equal solid angle (ours)", 0,
          1, {"angle", "solid_angle"}, false, paths(curves, {})},
+        {"fade", &p.fade, "map sides",
+         "paths, projection = clamped: how far within the map's border samples begin to hide less, to nothing at the border (ours)", 0,
+         1, {}, false, paths(curves, {})},
         {"turn", as_int(p.turn), "",
          "disc, paths: how a pixel gets its rotation: by hash, or dealt out over square tiles of as many pixels, in Bayer's order "
          "(ours); automatic: over tiles of up to 8 x 8, by a hash where there are more or no square has as many", 0, 2,

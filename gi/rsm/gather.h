@@ -63,6 +63,7 @@ struct GatherParams {
     Visibility visibility = Visibility::algorithm_6;
     int slots = 5;
     SlotEdges slot_edges = SlotEdges::angle;
+    float fade = 0.125f;
     Turn turn = Turn::automatic;
     Texels texels = Texels::whole;
     SampleArea sample_area = SampleArea::none;  // of the variant published none

@@ -80,6 +80,8 @@ std::vector<unsigned char> block_of(const GatherParams& params, const GatherInpu
     for (int c = 0; c < 3; ++c) u.axis[c] = float(-in.rsm->view.forward[c]);
     u.directions = params.directions;
     u.steps = params.steps;
+    const float texels = params.fade * float(in.rsm->size);
+    u.fade = texels > 1e-30f ? 1 / texels : 1e30f;
     u.slots = params.visibility == Visibility::none ? 0 : params.slots;
     u.propagates = params.visibility == Visibility::algorithm_2 ? 0 : -1;
     return uniform_block(u);

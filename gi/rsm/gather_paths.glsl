@@ -19,6 +19,7 @@ struct PathsUniforms {
     int propagates;
     vec4 texel_area;
     float sample_area;
+    float fade;
 };
 
 layout(std140, binding = 0) uniform PathsUniformBlock { PathsUniforms u; };
@@ -69,7 +70,12 @@ vec3 gather_paths(ivec2 pixel) {
     if (u.tile != 0) rotation = tile_place(u.tile, pixel);
     TAP(rotation, rotation);
 
-    bool sighted = is_in_place(centre, u.map);                  TAP(sighted, sighted);
+    float sight = 1.0;
+    if (u.map.low >= 0.0) {
+        precise float faded = within(centre, u.map) * u.fade;
+        sight = min(max(faded, 0.0), 1.0);
+    }
+    TAP(sight, sight);
 
     bool near = is_near(centre, u.map.size, u.reach);
     precise vec3 sum = vec3(0.0);
@@ -94,7 +100,8 @@ vec3 gather_paths(ivec2 pixel) {
             float visibility = 1.0;
             precise vec3 d = x_p - x;
             if (u.slots > 0) visibility = visibility_of(d, inside && n_p.w > 0.0, met);
-            if (!sighted) visibility = 1.0;
+            precise float least = 1.0 - sight;
+            visibility = max(visibility, least);
             TAP(visibility, visibility);
 
             float share = 1.0;

@@ -13,7 +13,7 @@
 //     slot 0 |
 //
 // A point beside the map whose projection is held at its border (`projection = "clamped"`, ours) has no such lines: its
-// paths start elsewhere, and nothing is hidden from it.
+// paths start elsewhere, and nothing is hidden from it. Towards the border what is hidden fades, so that no line is seen there.
 //
 // differs: the elevation phi of a sample is never computed. Slot i ends where sin(phi) = s_i, and with d = x_p - x and
 // dz = d . axis, sin(phi) = dz / |d|: the test is dz |dz| >= s_i |s_i| |d|^2. A texel without a surface neither hides nor
@@ -42,7 +42,8 @@ struct PathsUniforms {
     std::int32_t propagates;  // -1: Algorithms 3 and 6, 0: Algorithm 2
     float texel_area[4];      // as GatherUniforms'
     float sample_area;
-    std::int32_t padding[3];
+    float fade;               // 1/texels from a clamped map's border to where samples hide all they hide; 1e30: at once
+    std::int32_t padding[2];
 };
 static_assert(sizeof(PathsUniforms) == 160);
 
@@ -99,7 +100,7 @@ PLUMB_INLINE F visibility_of(const PathsInputsView<Component>& in, const vec3<F>
 // What the paths of a pixel share.
 template <class F, bool continuous>
 struct PathsPoint : ProjectedPoint<F, continuous> {
-    mask_t<F> sighted;  // where paths are lines of sight: they start where x lies
+    F sight;  // 1 where paths are lines of sight, 0 where they do not start where x lies
 };
 
 template <class F, bool continuous, class Component, class Tap>
@@ -114,9 +115,10 @@ PLUMB_INLINE PathsPoint<F, continuous> projected_point(const PathsInputsView<Com
     const TexelsOf<F, continuous> texels(u.map, x, tap);
     const I rotation = rotation_of(u, px, py);
     tap("rotation", rotation, "column of the tables of offsets and weights");
-    const mask_t<F> sighted = texels.in_place(u.map);
-    tap("sighted", sighted, "0 where the projection is held on the map: nothing hides a sample there");
-    return {{x, n, texels, rotation, texels.near(u.map.size, u.reach)}, sighted};
+    F sight(1.0f);
+    if (u.map.low >= 0.0f) sight = clamp(texels.within(u.map) * F(u.fade), F(0.0f), F(1.0f));
+    tap("sight", sight, "0 where the projection is held on the map: nothing hides a sample there");
+    return {{x, n, texels, rotation, texels.near(u.map.size, u.reach)}, sight};
 }
 
 // Adds a path's samples to the sum. `rotation` is the point's own or what rotation_packets.h knows of it.
@@ -143,8 +145,8 @@ PLUMB_INLINE void gather_path(const PathsInputsView<Component>& in, const PathsP
 
         F visibility(1.0f);
         if (u.slots > 0) visibility = visibility_of<F>(in, x_p - point.x, sample.inside & (sample.p.b.w > F(0.0f)), met, tap);
-        visibility = select(point.sighted, visibility, F(1.0f));
-        tap("visibility", visibility, "VRSM Algorithm 5, line 12: 1 visible, 0 hidden");
+        visibility = max(visibility, F(1.0f) - point.sight);
+        tap("visibility", visibility, "VRSM Algorithm 5, line 12: 1 visible, 0 hidden; 1 - sight at least");
 
         F share(1.0f);
         if (u.sample_area > 0.0f) share = share_of_disc(u, point.x, x_p, n_p, weight, tap);

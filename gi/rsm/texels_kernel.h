@@ -44,11 +44,11 @@ struct WholeTexels {
         return in_range(centre.x + I(reach), range) & in_range(centre.y + I(reach), range);
     }
 
-    // Whether x lies where its projection says: one that is held on the map (projection `clamped`) ends in a border texel.
-    PLUMB_INLINE mask_t<F> in_place(const raster::Projection& map) const {
-        if (map.low < 0.0f) return I(0) < I(1);
-        const I inner(max(map.size - 2, 0));
-        return in_range(centre.x - I(1), inner) & in_range(centre.y - I(1), inner);
+    // Texels from the border of a map on which projections are held (projection `clamped`): 0 where one is, in a border texel.
+    PLUMB_INLINE F within(const raster::Projection& map) const {
+        using N = number<F>;
+        const F x = N::from_index(centre.x), y = N::from_index(centre.y), last(float(map.size - 1));
+        return min(min(x, last - x), min(y, last - y));
     }
 
     // in.offsets: dx in the lower 16 bits, dy in the upper 16.
@@ -75,9 +75,9 @@ struct ContinuousTexels {
         return (centre.x >= low) & (centre.x < high) & (centre.y >= low) & (centre.y < high);
     }
 
-    PLUMB_INLINE mask_t<F> in_place(const raster::Projection& map) const {
+    PLUMB_INLINE F within(const raster::Projection& map) const {
         const F low(map.low), high(map.high);
-        return (centre.x > low) & (centre.x < high) & (centre.y > low) & (centre.y < high);
+        return min(min(centre.x - low, high - centre.x), min(centre.y - low, high - centre.y));
     }
 
     // in.positions: dx, dy.

@@ -15,6 +15,7 @@ std::vector<StageWords> uniform_words() {
           {"directions", "", "paths of a pixel"},
           {"steps", "", "samples of a path"},
           {"tile", "pixels", "side of the tile that deals out rotations, whose square they are, in Bayer's order; 0: a hash of the pixel does", "0", 0},
+          {"fade", "1/texels", "one over how far from a clamped map's border samples begin to hide less, to nothing at the border", "1e30: at once", 1e30},
           {"slots", "", "of the micro linear buffer, 2 to 32", "0: without visibility"},
           {"propagates", "", "-1: Algorithms 3 and 6; 0: Algorithm 2"},
           {"texel_area", "", "a texel at x_p covers h^3 / |n_p . (xyz - w x_p)| m2, h the map's row w of x_p; a view_proj gives it", "0 where sample_area is 0", 0},

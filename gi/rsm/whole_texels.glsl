@@ -15,11 +15,11 @@ bool is_near(ivec2 centre, int map_size, int reach) {
     return shifted.x >= 0 && shifted.x < range && shifted.y >= 0 && shifted.y < range;
 }
 
-// Whether x lies where its projection says: one that is held on the map ends in a border texel.
-bool is_in_place(ivec2 centre, Projection map) {
-    if (map.low < 0.0) return true;
-    int last = map.size - 2;
-    return centre.x >= 1 && centre.x <= last && centre.y >= 1 && centre.y <= last;
+// Texels from the border of a map on which projections are held: 0 where one is, in a border texel.
+float within(ivec2 centre, Projection map) {
+    vec2 from_low = vec2(centre), to_high = float(map.size - 1) - from_low;
+    vec2 left = min(from_low, to_high);
+    return min(left.x, left.y);
 }
 
 ivec2 texel_of(ivec2 centre, int row) {

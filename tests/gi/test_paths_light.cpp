@@ -267,6 +267,36 @@ TEST_CASE("rsm.paths: nothing is hidden from a point whose projection is held at
     }
 }
 
+// What samples hide is 1 - sight at least: texels from the border over fade map sides, 1 from there on.
+TEST_CASE("rsm.paths: towards a clamped map's border less is hidden, by a ramp", "[rsm][paths][analytic]") {
+    const raster::Rsm map = floor_map(48);
+    const Points points = wall_points();
+    for (rsm::Texels texels : {rsm::Texels::whole, rsm::Texels::continuous})
+        for (const float fade : {0.0f, 0.125f, 0.5f, 1.0f}) {
+            rsm::GatherParams params = paths_params(rsm::Visibility::algorithm_2);
+            params.texels = texels, params.fade = fade, params.projection = rsm::Projection::clamped;
+            const rsm::Pattern pattern = rsm::pattern_of(params, map.size, 1);
+            const rsm::GatherInputs in{&points.position, &points.normal, &map, &pattern, 1};
+            int hidden = 0, between = 0;
+            for (int i = 0; i < points.position.width; ++i) {
+                double x = -1, y = -1, sight = -1;
+                for (const TapValue& v : rsm::explain(params, in, {i, 0})) {
+                    if (v.name == "centre" || v.name == "texel_of_x") x = double(v.value[0]), y = double(v.value[1]);
+                    if (v.name == "sight") sight = double(v.value[0]);
+                    if (v.name != "visibility") continue;
+                    CHECK((double(v.value[0]) == 1 || double(v.value[0]) == Approx(1 - sight).margin(1e-6)));
+                    hidden += double(v.value[0]) < 1;
+                }
+                REQUIRE((sight >= 0 && sight <= 1));
+                between += sight > 0 && sight < 1;
+                if (texels == rsm::Texels::continuous) continue;
+                const double left = std::min(std::min(x, 47 - x), std::min(y, 47 - y));
+                CHECK(sight == Approx(fade == 0 ? double(left > 0) : std::min(1.0, left / (double(fade) * 48))).margin(1e-6));
+            }
+            CHECK((hidden > 0 && (between > 0) == (fade >= 0.5f)));
+        }
+}
+
 TEST_CASE("rsm.paths: nothing comes from where there is nothing", "[rsm][paths]") {
     const raster::Rsm floor = floor_map(32);
     for (auto visibility : {rsm::Visibility::none, rsm::Visibility::algorithm_2, rsm::Visibility::algorithm_6}) {

@@ -43,7 +43,7 @@ ToldPoint told(const rsm::GatherParams& params, const rsm::GatherInputs& in, glm
         if (v.sample < 0) {
             if (v.name == "x") point.x = vec(v.value);
             if (v.name == "projection") point.centre = {int(std::floor(v.value[0])), int(std::floor(v.value[1]))};
-            if (v.name == "sighted") point.sighted = v.value[0] != 0;
+            if (v.name == "sight") point.sighted = v.value[0] == 1;
             continue;
         }
         Told& s = point.samples.at(std::size_t(v.sample));
