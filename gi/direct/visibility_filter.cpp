@@ -31,8 +31,7 @@ StageData data_of(const ShadowParams& params, const VisibilityFilterInputs& in) 
                                        int(edges ? FilterKind::edge_aware : FilterKind::gaussian), params.filter_sigma_depth,
                                        slope, 1 - slope});
     lend(d.inputs, "visibility", {size.y, size.x}, in.visibility);
-    static const Image4 nothing(1, 1);
-    lend(d, {{"position", edges ? in.position : &nothing}, {"normal", in.normal}});
+    lend(d, {{"position", in.position}, {"normal", in.normal}});
     const Buffer<float> spatial = weights_of(params);
     add(d.inputs, "spatial", {int(spatial.size())}, spatial.data());
     return d;

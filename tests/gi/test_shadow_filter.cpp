@@ -263,8 +263,6 @@ TEST_CASE("shadow.filter: what is out of range is refused, none copies, and pixe
                       "shadow.filter: visibility must be bound");
     CHECK_THROWS_WITH(direct::data_of(params, VisibilityFilterInputs{lit.data(), nullptr, &points.normal}),
                       "shadow.filter: position must be bound");
-    CHECK_NOTHROW(direct::data_of(params_of(VisibilityFilter::gaussian, 4, 2),
-                                  VisibilityFilterInputs{lit.data(), nullptr, &points.normal}));
     const ShadowParams off = params_of(VisibilityFilter::none, 4, 2);
     CHECK_THROWS_WITH(direct::data_of(off, in), Catch::Contains("filter is none"));
     CHECK(filtered(off, points, lit) == lit);

@@ -95,8 +95,8 @@ Lines inputs_of_twin(const std::string& text) {
     };
     auto base = [](std::string name) { return std::regex_replace(name, std::regex("_image$"), ""); };
     each(R"(\(binding = (\d+)\) uniform sampler2D(Array)? (\w+);)", [&](const std::smatch& m) {
-        const bool depth = m[3] == "behind_image";  // the only one of a single channel
-        found.insert(line_of(m[1], base(m[3]), m[2].matched ? "image_array f32 1" : depth ? "image f32 1" : "image f32 4"));
+        const bool single = m[3] == "behind_image" || m[3] == "visibility_image";  // those of one channel
+        found.insert(line_of(m[1], base(m[3]), m[2].matched ? "image_array f32 1" : single ? "image f32 1" : "image f32 4"));
     });
     each(R"(\(std430, binding = (\d+)\) readonly buffer \w+ \{ (\w+) (\w+)\[\]; \})", [&](const std::smatch& m) {
         found.insert(line_of(m[1], m[3], "buffer " + element_of(m[2])));
