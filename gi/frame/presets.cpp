@@ -42,6 +42,7 @@ Rows vrsm() {
         row("rsm", "slots", 5.0),                        // 3.3, 4.4
         row("rsm", "slot_edges", word("angle")),         // 3.3
         row("rsm", "fade", 0.0),                         // ours, and of clamped projections
+        row("rsm", "thickness", 0.0),                    // 3.3: a sample fills its own slot
         row("rsm", "texels", word("continuous")),        // Algorithm 1, lines 6 to 10
         row("rsm", "projection", word("plain")),         // Algorithm 1, line 9
         row("rsm", "sample_area", word("none")),         // 3.1: pixel lights are infinitely small

@@ -67,6 +67,9 @@ std::vector<Field> fields(GatherParams& p) {
         {"fade", &p.fade, "map sides",
          "paths, projection = clamped: how far within the map's border samples begin to hide less, to nothing at the border (ours)", 0,
          1, {}, false, paths(curves, {})},
+        {"thickness", &p.thickness, "m",
+         "paths: how far a sample's surface is taken to reach down, away from the light, to hide what lies in lower slots "
+         "(ours); 0: it hides what is in its own slot alone (VRSM 3.3)", 0, unbounded, {}, false, paths(curves, {})},
         {"turn", as_int(p.turn), "",
          "disc, paths: how a pixel gets its rotation: by hash, or dealt out over square tiles of as many pixels, in Bayer's order "
          "(ours); automatic: over tiles of up to 8 x 8, by a hash where there are more or no square has as many", 0, 2,

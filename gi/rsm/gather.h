@@ -64,6 +64,7 @@ struct GatherParams {
     int slots = 5;
     SlotEdges slot_edges = SlotEdges::angle;
     float fade = 0.125f;
+    float thickness = 0;
     Turn turn = Turn::automatic;
     Texels texels = Texels::whole;
     SampleArea sample_area = SampleArea::none;  // of the variant published none

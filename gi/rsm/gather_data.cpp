@@ -84,6 +84,7 @@ std::vector<unsigned char> block_of(const GatherParams& params, const GatherInpu
     u.fade = texels > 1e-30f ? 1 / texels : 1e30f;
     u.slots = params.visibility == Visibility::none ? 0 : params.slots;
     u.propagates = params.visibility == Visibility::algorithm_2 ? 0 : -1;
+    u.thickness = params.thickness;
     return uniform_block(u);
 }
 

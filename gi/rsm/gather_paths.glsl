@@ -20,6 +20,7 @@ struct PathsUniforms {
     vec4 texel_area;
     float sample_area;
     float fade;
+    float thickness;
 };
 
 layout(std140, binding = 0) uniform PathsUniformBlock { PathsUniforms u; };
@@ -38,8 +39,28 @@ struct MicroLinearBuffer {
     int last_visible;
 };
 
+// Bits: the slots below a sample's own, whose height and d2 these are, down to that of the lower end of its surface.
+int slots_below(vec3 d, vec3 n, float dz, float height, float d2) {
+    precise float over = n.x * d.x + n.y * d.y + n.z * d.z;
+    precise float depth = max(0.0, min(u.thickness, over));     TAP(depth, depth);
+    precise vec3 low = d - u.axis.xyz * depth;
+    precise float low_dz = dz - depth;                          TAP(low_dz, low_dz);
+    precise float low_height = low_dz * abs(low_dz);
+    precise float low_d2 = low.x * low.x + low.y * low.y + low.z * low.z;
+    int below = 0;
+    for (int i = 0; i + 1 < u.slots; ++i) {
+        float edge = edges[i];
+        precise float top_edge = edge * d2;
+        precise float low_edge = edge * low_d2;
+        bool covered = height >= top_edge && low_height < low_edge;
+        below = covered ? below | 1 << i : below;
+    }
+    TAP(below, below);
+    return below;
+}
+
 // The visibility of a sample, 0 or 1.
-float visibility_of(vec3 d, bool surface, inout MicroLinearBuffer met) {
+float visibility_of(vec3 d, vec3 n, bool surface, inout MicroLinearBuffer met) {
     precise float dz = u.axis.x * d.x + u.axis.y * d.y + u.axis.z * d.z;  TAP(dz, dz);
     precise float height = dz * abs(dz);
     precise float d2 = d.x * d.x + d.y * d.y + d.z * d.z;
@@ -57,6 +78,10 @@ float visibility_of(vec3 d, bool surface, inout MicroLinearBuffer met) {
     bit = surface ? bit : met.last;
     int visible = bit == met.last ? met.last_visible : met.free & bit;
     met.free = met.free & ~bit;
+    if (u.thickness > 0.0) {
+        int below = slots_below(d, n, dz, height, d2);
+        met.free = surface ? met.free & ~below : met.free;
+    }
     met.last = bit & u.propagates;
     met.last_visible = visible;
     return visible == 0 ? 0.0 : 1.0;
@@ -99,7 +124,7 @@ vec3 gather_paths(ivec2 pixel) {
 
             float visibility = 1.0;
             precise vec3 d = x_p - x;
-            if (u.slots > 0) visibility = visibility_of(d, inside && n_p.w > 0.0, met);
+            if (u.slots > 0) visibility = visibility_of(d, n, inside && n_p.w > 0.0, met);
             precise float least = 1.0 - sight;
             visibility = max(visibility, least);
             TAP(visibility, visibility);

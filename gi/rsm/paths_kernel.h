@@ -18,6 +18,9 @@
 // differs: the elevation phi of a sample is never computed. Slot i ends where sin(phi) = s_i, and with d = x_p - x and
 // dz = d . axis, sin(phi) = dz / |d|: the test is dz |dz| >= s_i |s_i| |d|^2. A texel without a surface neither hides nor
 // sends light; the thesis does not say what it does.
+//
+// differs: with a thickness (ours) a sample takes the slots below its own, too, down to that of the point so far below it,
+// or as far below as it is above the plane of x: the light sees the top of a wall alone.
 #pragma once
 
 #include "gi/rsm/gather_kernel.h"
@@ -43,7 +46,8 @@ struct PathsUniforms {
     float texel_area[4];      // as GatherUniforms'
     float sample_area;
     float fade;               // 1/texels from a clamped map's border to where samples hide all they hide; 1e30: at once
-    std::int32_t padding[2];
+    float thickness;          // m: how far below a sample its surface reaches; 0: a sample takes its own slot alone
+    std::int32_t padding[1];
 };
 static_assert(sizeof(PathsUniforms) == 160);
 
@@ -71,10 +75,31 @@ struct MicroLinearBuffer {
     index_t<F> free, last, last_visible;
 };
 
+// Bits: the slots below a sample's own, whose height and d2 these are, down to that of the lower end of its surface.
+template <class F, class Component, class Tap>
+PLUMB_INLINE index_t<F> slots_below(const PathsInputsView<Component>& in, const vec3<F>& d, const vec3<F>& n, const F& dz,
+                                    const F& height, const F& d2, Tap& tap) {
+    using I = index_t<F>;
+    const F depth = max(F(0.0f), min(F(in.u.thickness), dot3(n, d)));
+    tap("depth", depth, "m: how far below x_p its surface reaches; what is so short does not cross the plane of x");
+    const vec3<F> low = d - vec3<F>{F(in.u.axis[0]), F(in.u.axis[1]), F(in.u.axis[2])} * depth;
+    const F low_dz = dz - depth;
+    tap("low_dz", low_dz, "height of the lower end above x towards the light, m");
+    const F low_height = low_dz * abs(low_dz), low_d2 = dot3(low, low);
+    I below(0);
+    for (int i = 0; i + 1 < in.u.slots; ++i) {
+        const F edge(in.edges[i]);
+        const mask_t<F> covered = (height >= edge * d2) & (low_height < edge * low_d2);
+        below = select(covered, below | I(std::int32_t(1u << i)), below);
+    }
+    tap("below", below, "bits of the slots below the sample's own that it hides");
+    return below;
+}
+
 // The visibility of a sample, 0 or 1. The counter of Algorithm 6, clamped to 0..1, is the flag of Algorithm 3: 1 until a
 // sample takes the slot, then 0, -1, ... which are 0. Algorithm 2 is the same without the sample before.
 template <class F, class Component, class Tap>
-PLUMB_INLINE F visibility_of(const PathsInputsView<Component>& in, const vec3<F>& d, const mask_t<F>& surface,
+PLUMB_INLINE F visibility_of(const PathsInputsView<Component>& in, const vec3<F>& d, const vec3<F>& n, const mask_t<F>& surface,
                              MicroLinearBuffer<F>& met, Tap& tap) {
     using I = index_t<F>;
     const F dz = dot3(vec3<F>{F(in.u.axis[0]), F(in.u.axis[1]), F(in.u.axis[2])}, d);
@@ -92,6 +117,10 @@ PLUMB_INLINE F visibility_of(const PathsInputsView<Component>& in, const vec3<F>
     bit = select(surface, bit, met.last);
     const I visible = select(bit == met.last, met.last_visible, met.free & bit);
     met.free = met.free & ~bit;
+    if (in.u.thickness > 0.0f) {
+        const I below = slots_below<F>(in, d, n, dz, height, d2, tap);
+        met.free = select(surface, met.free & ~below, met.free);
+    }
     met.last = bit & I(in.u.propagates);
     met.last_visible = visible;
     return select(visible == I(0), F(0.0f), F(1.0f));
@@ -144,7 +173,8 @@ PLUMB_INLINE void gather_path(const PathsInputsView<Component>& in, const PathsP
         tap("weight", weight, "texels: (2 pi rho / M) (r / K); published: rho^2, normalised");
 
         F visibility(1.0f);
-        if (u.slots > 0) visibility = visibility_of<F>(in, x_p - point.x, sample.inside & (sample.p.b.w > F(0.0f)), met, tap);
+        const mask_t<F> surface = sample.inside & (sample.p.b.w > F(0.0f));
+        if (u.slots > 0) visibility = visibility_of<F>(in, x_p - point.x, point.n, surface, met, tap);
         visibility = max(visibility, F(1.0f) - point.sight);
         tap("visibility", visibility, "VRSM Algorithm 5, line 12: 1 visible, 0 hidden; 1 - sight at least");
 

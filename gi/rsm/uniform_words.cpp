@@ -19,7 +19,8 @@ std::vector<StageWords> uniform_words() {
           {"slots", "", "of the micro linear buffer, 2 to 32", "0: without visibility"},
           {"propagates", "", "-1: Algorithms 3 and 6; 0: Algorithm 2"},
           {"texel_area", "", "a texel at x_p covers h^3 / |n_p . (xyz - w x_p)| m2, h the map's row w of x_p; a view_proj gives it", "0 where sample_area is 0", 0},
-          {"sample_area", "", "1 / pi = 0.31830987: a sample is a disc of its texels' area, sample_area times it being added to d^2", "0: a sample is a point, as (3.2) has it", 0}}},
+          {"sample_area", "", "1 / pi = 0.31830987: a sample is a disc of its texels' area, sample_area times it being added to d^2", "0: a sample is a point, as (3.2) has it", 0},
+          {"thickness", "m", "how far below a sample, away from the light, its surface is taken to reach: it hides the slots down to there", "0: a sample hides what is in its own slot, as VRSM 3.3 has it", 0}}},
     };
 }
 

@@ -67,6 +67,14 @@ frame::Plan plan_of(const Scene& scene, const frame::Settings& settings) {
     return frame::plan(scene, settings, frame::rules());
 }
 
+// Of the scene's largest side, m: whatever its unit, surfaces that are so thick hide some of what lies behind them, not all.
+float a_twentieth(const Scene& scene) {
+    glm::vec3 low(0), high(0);
+    if (!bounds(flatten(scene), low, high)) return 1;
+    const glm::vec3 side = high - low;
+    return std::clamp(0.05f * std::max({side.x, side.y, side.z}), 0.0f, 1e9f);
+}
+
 // Runs the frame; where a stage refuses, again without it and without what reads it: the maps depend on nothing.
 Drawn draw(const Scene& scene, const frame::Settings& settings, const RunOptions& options) {
     Drawn drawn;
@@ -318,6 +326,10 @@ void run_frame(const Case& c, const Scene& scene, const Effort& effort, Writer& 
     });
     otherwise(rsm::stage_name(rsm::Gather::paths, rsm::Texels::whole), [](frame::Settings& s) {
         s.rsm.gather = rsm::Gather::paths, s.rsm.sample_area = rsm::SampleArea::texels;
+    });
+    const float thickness = a_twentieth(scene);
+    otherwise(rsm::stage_name(rsm::Gather::paths, rsm::Texels::whole), [=](frame::Settings& s) {
+        s.rsm.gather = rsm::Gather::paths, s.rsm.thickness = thickness;
     });
     for (const direct::ShadowMode mode : {direct::ShadowMode::hard, direct::ShadowMode::density, direct::ShadowMode::pcf, direct::ShadowMode::esm})
         otherwise("shadow", [mode](frame::Settings& s) { s.shadow.mode = mode, s.shadow.test = direct::ShadowTest::depth; });

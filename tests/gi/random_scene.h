@@ -242,6 +242,7 @@ inline frame::Settings random_settings(std::uint32_t seed) {
     Dice spaced(seed ^ 0x3c6ef372u);
     t.rsm.spacing = rsm::Spacing(spaced.below(3)), t.rsm.growth = 1 + 200 * spaced.unit();
     t.rsm.sample_area = rsm::SampleArea(spaced.below(2));
+    if (spaced.one_in(2)) t.rsm.thickness = spaced.between(0, 2);
     if (dice.one_in(3)) t.compose.shadow_color = dice.in_box(glm::vec3(0), glm::vec3(1));
     if (dice.one_in(5)) t.direct.variant = direct::DirectVariant::published;
     if (t.method == frame::Method::rsm && dice.below(9) < 4) t.method = frame::Method::isr;

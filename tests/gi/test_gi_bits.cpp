@@ -81,6 +81,10 @@ std::vector<rsm::GatherParams> gathers() {
         kinds.push_back(point);
         kinds.back().sample_area = rsm::SampleArea::texels;
     }
+    for (const float thickness : {0.1f, 1e9f}) {
+        kinds.push_back(paths);
+        kinds.back().thickness = thickness;
+    }
     return kinds;
 }
 

@@ -13,6 +13,7 @@ using namespace plumb::test;
 namespace {
 
 constexpr int steps = 10;
+constexpr vec3<float> n{0, 0, 1};  // of x: read where a sample has a thickness
 
 // Numbers of [0, 1).
 struct Stream {
@@ -93,7 +94,7 @@ Met kernel_along(const Path& p, const rsm::GatherParams& params, const Buffer<fl
     Met result;
     for (int k = 0; k < steps; ++k) {
         SlotTap tap;
-        result.visibility[k] = rsm::visibility_of<float>(in, p.d[k], true, met, tap);
+        result.visibility[k] = rsm::visibility_of<float>(in, p.d[k], n, true, met, tap);
         result.slot[k] = tap.slot;
     }
     return result;
@@ -227,8 +228,8 @@ TEST_CASE("rsm.paths: a texel without a surface changes nothing for those after 
             NoTap tap;
             for (int k = 0; k < steps; ++k) {
                 const bool surface = random() < 0.6;
-                const float v = rsm::visibility_of<float>(in, p.d[k], surface, with_holes, tap);
-                if (surface) CHECK(v == rsm::visibility_of<float>(in, p.d[k], true, without, tap));
+                const float v = rsm::visibility_of<float>(in, p.d[k], n, surface, with_holes, tap);
+                if (surface) CHECK(v == rsm::visibility_of<float>(in, p.d[k], n, true, without, tap));
                 holes += !surface;
             }
         }

@@ -208,6 +208,7 @@ inline std::vector<StageData> compute_cases(glm::ivec2 size) {
                    {.min_distance = 0.1f, .visibility = rsm::Visibility::algorithm_2, .slots = 32}, "rsm.paths.32"),
         paths_case(size, LightType::spot, {.texels = rsm::Texels::continuous}, "rsm.paths.continuous"),
         paths_case(size, LightType::spot, {.sample_area = rsm::SampleArea::texels}, "rsm.paths.area"),
+        paths_case(size, LightType::spot, {.slots = 9, .thickness = 0.4f}, "rsm.paths.thick"),
         paths_case(size, LightType::point,
                    {.radius = 0.6f, .projection = rsm::Projection::clamped, .slots = 3,
                     .slot_edges = rsm::SlotEdges::solid_angle}, "rsm.paths.px"),

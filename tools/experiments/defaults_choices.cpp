@@ -114,6 +114,7 @@ const std::vector<ChoiceGroup>& default_choices() {
           values("rsm.visibility", {"none", "algorithm_2", "algorithm_3", "algorithm_6"}),
           values("rsm.spacing", {"uniform", "quadratic", "geometric"}), values("rsm.slots", {"3", "5", "9"}),
           values("rsm.slot_edges", {"angle", "solid_angle"}), turns(), values("rsm.jitter", {"0", "0.5", "1"}),
+          values("rsm.thickness", {"0", "0.02", "0.05", "0.1", "0.3", "1", "1e9"}),
           values("rsm.texels", {"whole", "continuous"}), values("rsm.sample_area", {"none", "texels"})}},
         {"rsm.disc", "rsm", "indirect", {"rsm.gather=disc"},
          {filters(disc_amounts()), values("rsm.samples", {"100", "200", "400", "800"}), turns(),
