@@ -17,7 +17,7 @@ bool is_near(ivec2 centre, int map_size, int reach) {
 
 // Texels from the border of a map on which projections are held: 0 where one is, in a border texel.
 float within(ivec2 centre, Projection map) {
-    vec2 from_low = vec2(centre), to_high = float(map.size - 1) - from_low;
+    precise vec2 from_low = vec2(centre), to_high = float(map.size - 1) - from_low;
     vec2 left = min(from_low, to_high);
     return min(left.x, left.y);
 }

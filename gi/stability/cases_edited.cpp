@@ -79,7 +79,7 @@ struct Part {
 };
 constexpr Part positions[] = {{"position", 4, 0, 3}, {"rsm_position", 4, 0, 3}, {"map_position", 4, 0, 4},
                               {"vertices", 8, 0, 3}, {"lights", 12, 0, 3}};
-constexpr Part normals[] = {{"normal", 4, 0, 3}, {"rsm_normal", 4, 0, 3}, {"vertices", 8, 4, 7},
+constexpr Part normals[] = {{"normal", 4, 0, 3}, {"rsm_normal", 4, 0, 3}, {"map_normal", 4, 0, 3}, {"vertices", 8, 4, 7},
                             {"tangents", 4, 0, 3}, {"lights", 12, 4, 7}};
 constexpr Part amounts[] = {{"rsm_flux", 4, 0, 3},   {"albedo", 4, 0, 3},     {"emission", 4, 0, 3},
                             {"direct", 4, 0, 3},     {"indirect", 4, 0, 3},   {"radiance", 4, 0, 3},

@@ -208,6 +208,7 @@ inline void add_isr(Dice& dice, isr::IsrParams& p) {
 inline frame::Settings random_settings(std::uint32_t seed) {
     Dice dice(seed ^ 0x9e3779b9u);
     frame::Settings t;
+    t.shadow.mode = direct::ShadowMode::hard, t.shadow.test = direct::ShadowTest(pcg(seed) % 3);
     t.method = dice.one_in(10) ? frame::Method::reference : dice.one_in(4) ? frame::Method::direct : frame::Method::rsm;
     t.truth = dice.one_in(6);
     t.layout = raster::layouts()[std::size_t(dice.below(int(raster::layouts().size())))];

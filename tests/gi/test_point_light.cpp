@@ -336,6 +336,7 @@ TEST_CASE("point light: a lamp outside of the scene leaves out the faces that lo
     Scene scene = three_lights();
     scene.lights[1].position = {0, 9, 0};
     frame::Settings settings;
+    settings.shadow.mode = direct::ShadowMode::hard;
     settings.rsm.gather = rsm::Gather::disc, settings.rsm.samples = 16;
     const frame::Frame f = render(scene, settings);
     REQUIRE(f.rsms.size() == 3);

@@ -22,7 +22,7 @@ Scene scene_of(const glm::ivec2& size) {
 frame::Settings ten_samples(int frames) {
     frame::Settings settings;
     settings.method = frame::Method::rsm;
-    settings.rsm.gather = rsm::Gather::disc, settings.rsm.samples = 10, settings.reuse.frames = frames;
+    settings.rsm.gather = rsm::Gather::disc, settings.rsm.samples = 10, settings.rsm.turn = rsm::Turn::hash, settings.reuse.frames = frames;
     settings.reuse.clamp = screen::ReuseClamp::none;
     return settings;
 }
@@ -55,7 +55,7 @@ TEST_CASE("reuse: the first frame is that of the gather alone, to the bit", "[fr
 TEST_CASE("reuse: under a still camera frames of ten turned samples become what all of them make", "[frame][reuse]") {
     const Scene scene = scene_of({48, 36});
     frame::Settings all = ten_samples(0);
-    all.rsm.gather = rsm::Gather::disc, all.rsm.samples = 640, all.indirect.blur = filter::Blur::none;
+    all.rsm.gather = rsm::Gather::disc, all.rsm.samples = 640, all.rsm.turn = rsm::Turn::hash, all.indirect.blur = filter::Blur::none;
     const Image4 truth = render(scene, all).indirect;
     const frame::Settings settings = ten_samples(64);
     frame::KeptStages kept;

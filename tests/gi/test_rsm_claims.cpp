@@ -38,12 +38,12 @@ Points facing_points() {
 
 rsm::GatherParams disc_params(int samples, int rotations) {
     rsm::GatherParams params{.gather = rsm::Gather::disc};
-    params.samples = samples, params.rotations = rotations;
+    params.samples = samples, params.rotations = rotations, params.turn = rsm::Turn::hash;
     return params;
 }
 rsm::GatherParams paths_params(int directions, int steps) {
     rsm::GatherParams params;
-    params.gather = rsm::Gather::paths;
+    params.gather = rsm::Gather::paths, params.turn = rsm::Turn::hash;
     params.directions = directions, params.steps = steps;
     params.visibility = rsm::Visibility::none;
     return params;

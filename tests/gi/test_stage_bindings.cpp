@@ -212,7 +212,7 @@ StageData disc_case() { return test::gather_case(small, rsm::Gather::disc, Light
 StageData continuous_case() {
     return test::gather_case(small, rsm::Gather::disc, LightType::spot, 0, "continuous", rsm::Texels::continuous);
 }
-StageData paths_case() { return test::paths_case(small, LightType::spot, {.directions = 4, .steps = 3}, "paths"); }
+StageData paths_case() { return test::paths_case(small, LightType::spot, {.directions = 4, .steps = 3, .turn = rsm::Turn::hash}, "paths"); }
 StageData isr_case(const std::string& id) {
     for (StageData& data : test::isr_cases(small))
         if (data.id == id) return std::move(data);

