@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "core/error.h"
 #include "core/nearest_known.h"
 
@@ -85,9 +83,6 @@ Settings settings_of(const Scene& scene) {
     s.seed = scene.seed;
     s.method = parse_method(scene.method, scene.name + ": [render]");
     s.layout = parse_layout(scene.layout, scene.name + ": [render]");
-    // By planes a surface whose normals a texture bends lies in its own shadow: gi/direct/README.md.
-    const auto bent = [](const Material& m) { return m.normal_texture >= 0 && m.normal_scale != 0; };
-    if (std::any_of(scene.materials.begin(), scene.materials.end(), bent)) s.shadow.test = direct::ShadowTest::depth;
     for (const Setting& setting : scene.settings) {
         std::vector<Field> fields = table_fields(s, setting.table, setting.place);
         set_field(find_field(fields, setting.key, setting.place), setting.value, setting.place);

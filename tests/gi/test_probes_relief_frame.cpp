@@ -61,6 +61,7 @@ Scene with_quad(Scene scene, Mesh mesh, bool dynamic = true) {
 
 frame::Settings settings_for(const Scene& scene) {
     frame::Settings settings = frame::settings_of(scene);
+    settings.shadow.test = direct::ShadowTest::depth;  // normals that a map bends are not those of the surface's plane
     settings.probes = small();
     settings.probes.receivers_per_m2 = 5, settings.probes.spatial_receivers = 27;
     return settings;

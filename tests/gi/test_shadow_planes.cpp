@@ -7,10 +7,8 @@
 #include "core/formats.h"
 #include "core/host_math.h"
 #include "gi/direct/direct.h"
-#include "gi/frame/settings.h"
 #include "raster/light_view.h"
 #include "rsm_scenes.h"
-#include "verdict_scene.h"
 
 using namespace plumb;
 using namespace plumb::test;
@@ -328,17 +326,4 @@ TEST_CASE("shadow by planes: the same bits for every instruction set and thread 
         CHECK(std::count(first.begin(), first.end(), 0.0f) > 50);
         CHECK(std::count(first.begin(), first.end(), 1.0f) > 500);
     }
-}
-
-TEST_CASE("shadow by planes: a frame's default, unless a normal map bends normals or the scene says otherwise", "[shadow][frame]") {
-    Scene scene = test::small_scene();
-    for (Material& m : scene.materials) m.normal_texture = -1;
-    CHECK(frame::settings_of(scene).shadow.test == ShadowTest::planes);
-    scene.materials[0].normal_texture = 0;
-    CHECK(frame::settings_of(scene).shadow.test == ShadowTest::depth);
-    scene.materials[0].normal_scale = 0;  // a map that bends nothing
-    CHECK(frame::settings_of(scene).shadow.test == ShadowTest::planes);
-    scene.materials[0].normal_scale = 1;
-    scene.settings.push_back({"shadow", "test", std::string("planes"), "a test"});
-    CHECK(frame::settings_of(scene).shadow.test == ShadowTest::planes);
 }
