@@ -39,8 +39,8 @@ struct MicroLinearBuffer {
     int last_visible;
 };
 
-// Bits: the slots below a sample's own, whose height and d2 these are, down to that of the lower end of its surface.
-int slots_below(vec3 d, vec3 n, float dz, float height, float d2) {
+// Bits: the slots below a sample's own down to that of the lower end of its surface.
+int slots_below(vec3 d, vec3 n, float dz, int slot) {
     precise float over = n.x * d.x + n.y * d.y + n.z * d.z;
     precise float depth = max(0.0, min(u.thickness, over));     TAP(depth, depth);
     precise vec3 low = d - u.axis.xyz * depth;
@@ -49,10 +49,8 @@ int slots_below(vec3 d, vec3 n, float dz, float height, float d2) {
     precise float low_d2 = low.x * low.x + low.y * low.y + low.z * low.z;
     int below = 0;
     for (int i = 0; i + 1 < u.slots; ++i) {
-        float edge = edges[i];
-        precise float top_edge = edge * d2;
-        precise float low_edge = edge * low_d2;
-        bool covered = height >= top_edge && low_height < low_edge;
+        precise float edge = edges[i] * low_d2;
+        bool covered = i < slot && low_height < edge;
         below = covered ? below | 1 << i : below;
     }
     TAP(below, below);
@@ -79,7 +77,7 @@ float visibility_of(vec3 d, vec3 n, bool surface, inout MicroLinearBuffer met) {
     int visible = bit == met.last ? met.last_visible : met.free & bit;
     met.free = met.free & ~bit;
     if (u.thickness > 0.0) {
-        int below = slots_below(d, n, dz, height, d2);
+        int below = slots_below(d, n, dz, slot);
         met.free = surface ? met.free & ~below : met.free;
     }
     met.last = bit & u.propagates;

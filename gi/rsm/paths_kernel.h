@@ -75,10 +75,10 @@ struct MicroLinearBuffer {
     index_t<F> free, last, last_visible;
 };
 
-// Bits: the slots below a sample's own, whose height and d2 these are, down to that of the lower end of its surface.
+// Bits: the slots below a sample's own down to that of the lower end of its surface.
 template <class F, class Component, class Tap>
 PLUMB_INLINE index_t<F> slots_below(const PathsInputsView<Component>& in, const vec3<F>& d, const vec3<F>& n, const F& dz,
-                                    const F& height, const F& d2, Tap& tap) {
+                                    const index_t<F>& slot, Tap& tap) {
     using I = index_t<F>;
     const F depth = max(F(0.0f), min(F(in.u.thickness), dot3(n, d)));
     tap("depth", depth, "m: how far below x_p its surface reaches; what is so short does not cross the plane of x");
@@ -88,8 +88,7 @@ PLUMB_INLINE index_t<F> slots_below(const PathsInputsView<Component>& in, const 
     const F low_height = low_dz * abs(low_dz), low_d2 = dot3(low, low);
     I below(0);
     for (int i = 0; i + 1 < in.u.slots; ++i) {
-        const F edge(in.edges[i]);
-        const mask_t<F> covered = (height >= edge * d2) & (low_height < edge * low_d2);
+        const mask_t<F> covered = (I(i) < slot) & (low_height < F(in.edges[i]) * low_d2);
         below = select(covered, below | I(std::int32_t(1u << i)), below);
     }
     tap("below", below, "bits of the slots below the sample's own that it hides");
@@ -118,7 +117,7 @@ PLUMB_INLINE F visibility_of(const PathsInputsView<Component>& in, const vec3<F>
     const I visible = select(bit == met.last, met.last_visible, met.free & bit);
     met.free = met.free & ~bit;
     if (in.u.thickness > 0.0f) {
-        const I below = slots_below<F>(in, d, n, dz, height, d2, tap);
+        const I below = slots_below<F>(in, d, n, dz, slot, tap);
         met.free = select(surface, met.free & ~below, met.free);
     }
     met.last = bit & I(in.u.propagates);
