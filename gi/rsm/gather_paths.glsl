@@ -42,7 +42,8 @@ struct MicroLinearBuffer {
 // Bits: the slots below a sample's own down to that of the lower end of its surface.
 int slots_below(vec3 d, vec3 n, float dz, int slot) {
     precise float over = n.x * d.x + n.y * d.y + n.z * d.z;
-    precise float depth = max(0.0, min(u.thickness, over));     TAP(depth, depth);
+    // Behind the plane of x it is below 0: the end then lies above the sample, and no slot between.
+    precise float depth = min(u.thickness, over);               TAP(depth, depth);
     precise vec3 low = d - u.axis.xyz * depth;
     precise float low_dz = dz - depth;                          TAP(low_dz, low_dz);
     precise float low_height = low_dz * abs(low_dz);

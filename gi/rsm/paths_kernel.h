@@ -80,7 +80,8 @@ template <class F, class Component, class Tap>
 PLUMB_INLINE index_t<F> slots_below(const PathsInputsView<Component>& in, const vec3<F>& d, const vec3<F>& n, const F& dz,
                                     const index_t<F>& slot, Tap& tap) {
     using I = index_t<F>;
-    const F depth = max(F(0.0f), min(F(in.u.thickness), dot3(n, d)));
+    // Behind the plane of x it is below 0: the end then lies above the sample, and no slot between.
+    const F depth = min(F(in.u.thickness), dot3(n, d));
     tap("depth", depth, "m: how far below x_p its surface reaches; what is so short does not cross the plane of x");
     const vec3<F> low = d - vec3<F>{F(in.u.axis[0]), F(in.u.axis[1]), F(in.u.axis[2])} * depth;
     const F low_dz = dz - depth;
