@@ -31,7 +31,7 @@ std::vector<Field> fields(GatherParams& p) {
          disc(along, {25, 50, 100, 200, 400, 800})},
         {"radius", &p.radius, "map sides", "radius of the disc, length of a path; 0.3 is ours", 1e-6, 16, {}, false,
          disc(curves, {0.15, 0.3, 0.6})},
-        {"rotations", &p.rotations, "", "rotations of the pattern, chosen per pixel by hash; a power of two, 1 = none", 1,
+        {"rotations", &p.rotations, "", "rotations of the pattern, of which a pixel has one (turn); a power of two, 1 = none", 1,
          4096, {}, true, disc(curves, {1, 64})},
         {"sequence", as_int(p.sequence), "", "where xi1 and xi2 come from", 0, 2, {"hammersley", "r2", "random"}, false,
          disc(curves, {})},

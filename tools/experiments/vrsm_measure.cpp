@@ -195,8 +195,9 @@ VrsmSubject vrsm_subject(Scene scene, const VrsmRequest& request) {
     using std::string;
     set("rsm", "gather", string("paths")), set("rsm", "directions", 15.0), set("rsm", "steps", 10.0);
     set("rsm", "slots", 5.0), set("rsm", "slot_edges", string("angle")), set("rsm", "turn", string("hash"));
+    set("rsm", "fade", 0.0), set("rsm", "thickness", 0.0);
     set("indirect", "blur", string("full")), set("indirect", "kernel", 17.0);
-    set("shadow", "mode", string("density"));
+    set("shadow", "mode", string("density")), set("shadow", "test", string("depth"));
     VrsmSubject subject{std::move(scene), "", request.sets};
 
     const frame::Plan plan = frame::plan(subject.scene, vrsm_settings(subject, true, Visibility::algorithm_6, 5));
