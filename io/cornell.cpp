@@ -124,10 +124,13 @@ position = [0, 1.97, 0]
 direction = [0, -1, 0]
 cone_deg = [55, 65]              # inner, outer half angle
 intensity = [12, 12, 12]         # W/sr
-rsm_size = 512
+rsm_size = 1024
 
 [render]
 method = "rsm"
+
+[shadow]
+pcf_kernel = 2                   # a border of two texels shows no stairs
 
 [rsm]                            # samples span the map, so that the ceiling, which the map does not see, gathers all
 radius = 1

@@ -27,6 +27,7 @@ layout(std140, binding = 0) uniform ShadowUniforms {
     int test;  // 0 depth, 1 plane, 2 planes
     float least_sine;
     float rounding;
+    int beside;
 } u;
 layout(binding = 1) uniform sampler2D position_image;  // xyz world, m
 layout(binding = 2) uniform sampler2D normal_image;    // xyz unit
@@ -46,12 +47,44 @@ struct Receiver {
     float bias;
     vec3 x;
     vec3 n;       // turned to the light
+    vec3 surface;
     float least;
     float reach;
 };
 
+// The normal of the surface that x lies on, of x, a pixel in its row and one in its column: of four such planes the nearest
+// to n, or n.
+vec3 surface_normal(ivec2 pixel, vec3 x, vec3 n) {
+    ivec2 last = ivec2(u.width - 1, u.height - 1);
+    precise vec3 across[2] = vec3[2](texelFetch(position_image, ivec2(min(pixel.x + 1, last.x), pixel.y), 0).xyz - x,
+                                     texelFetch(position_image, ivec2(max(pixel.x - 1, 0), pixel.y), 0).xyz - x);
+    precise vec3 down[2] = vec3[2](texelFetch(position_image, ivec2(pixel.x, min(pixel.y + 1, last.y)), 0).xyz - x,
+                                   texelFetch(position_image, ivec2(pixel.x, max(pixel.y - 1, 0)), 0).xyz - x);
+    vec3 surface = n;
+    float nearest = 0.5;
+    for (int k = 0; k < 4; ++k) {
+        vec3 e1 = across[k % 2], e2 = down[k / 2];
+        float large1 = max(abs(e1.x), max(abs(e1.y), abs(e1.z)));
+        float large2 = max(abs(e2.x), max(abs(e2.y), abs(e2.z)));
+        precise float scale = 1.0 / max(max(large1, large2), 1e-37);
+        precise vec3 a = e1 * scale, b = e2 * scale;
+        precise vec3 face = vec3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+        precise float d2 = face.x * face.x + face.y * face.y + face.z * face.z;
+        precise vec3 plane = face / max(sqrt(d2), 1e-30);
+        precise float cosine = abs(plane.x * n.x + plane.y * n.y + plane.z * n.z);
+        // Nearer by more than rounding: of four that are one plane the first is taken.
+        precise float limit = nearest + 0.015625;
+        if (cosine > limit) {
+            nearest = cosine;
+            surface = plane;
+        }
+    }
+    TAP(surface, surface);
+    return surface;
+}
+
 // How deep x lies, and how much depth changes across a texel there.
-Receiver receiver(vec3 x, vec3 n) {
+Receiver receiver(vec3 x, vec3 n, vec3 surface) {
     vec3 axis = u.forward.xyz;
     precise vec3 from_eye = x - u.eye.xyz;
     precise float d_p = from_eye.x * axis.x + from_eye.y * axis.y + from_eye.z * axis.z;
@@ -69,7 +102,14 @@ Receiver receiver(vec3 x, vec3 n) {
     precise float reach = u.slope_bias * footprint * min(1.0 / max(abs(n_r), 1e-6), u.max_slope);
     TAP(reach, reach);
     precise vec3 facing = n * turned;
-    return Receiver(from_eye, d_p, bias, x, facing, least, reach);
+    precise vec3 own = facing;
+    if (u.beside != 0) {
+        precise float s_a = surface.x * axis.x + surface.y * axis.y + surface.z * axis.z;
+        precise float s_ray = surface.x * from_eye.x + surface.y * from_eye.y + surface.z * from_eye.z;
+        precise float s_r = u.perspective > 0.0 ? s_ray / max(d_p, u.map.least_w) : s_a;
+        own = surface * (s_r > 0.0 ? -1.0 : 1.0);
+    }
+    return Receiver(from_eye, d_p, bias, x, facing, own, least, reach);
 }
 
 struct MapTexel {
@@ -101,9 +141,15 @@ bool shadows(Receiver r, MapTexel t) {
     precise vec3 v = t.m - r.x;
     precise float height = r.n.x * v.x + r.n.y * v.y + r.n.z * v.z;      TAP(height, height);
     precise float d2 = v.x * v.x + v.y * v.y + v.z * v.z;
-    precise float on_it = r.least + u.least_sine * min(sqrt(d2), r.reach);
+    precise float away = sqrt(d2);
+    precise float on_it = r.least + (away <= r.reach ? u.least_sine : u.rounding) * away;
     TAP(on_it, on_it);
     bool above = known && height > on_it;
+    if (u.beside != 0) {
+        precise float over = r.surface.x * v.x + r.surface.y * v.y + r.surface.z * v.z;
+        TAP(over, over);
+        above = above && over > on_it;
+    }
     if (u.test == 1) return above;
     vec3 n_m = texelFetch(map_normal, t.index, 0).xyz;
     precise float below = n_m.x * v.x + n_m.y * v.y + n_m.z * v.z;       TAP(below, below);
@@ -179,7 +225,7 @@ float soft_shadow(vec3 x, vec3 n, Receiver r) {
     float factor = u.published != 0 ? printed_cosine(n, r) : 1.0;
     float bias = u.published == 0 ? r.bias : (u.soft == 1 ? u.bias : 0.0);
 
-    Receiver biased = Receiver(r.from_eye, r.d_p, bias, r.x, r.n, r.least, r.reach);
+    Receiver biased = Receiver(r.from_eye, r.d_p, bias, r.x, r.n, r.surface, r.least, r.reach);
 
     precise float sum = 0.0;
     float upper = 0.0;
@@ -215,7 +261,9 @@ float soft_shadow(vec3 x, vec3 n, Receiver r) {
 float shadow(ivec2 pixel) {
     vec3 x = texelFetch(position_image, pixel, 0).xyz;          TAP(x, x);
     vec3 n = texelFetch(normal_image, pixel, 0).xyz;            TAP(n, n);
-    Receiver r = receiver(x, n);
+    vec3 surface = n;
+    if (u.beside != 0) surface = surface_normal(pixel, x, n);
+    Receiver r = receiver(x, n, surface);
     if (u.soft == 0) return share_lit(x, r);
     return soft_shadow(x, n, r);
 }

@@ -65,6 +65,8 @@ ShadowUniforms block_of(const ShadowParams& params, const ShadowInputs& in, int 
     u.test = int(test_of(params));
     u.least_sine = params.least_sine + in.rounding;
     u.rounding = in.rounding;
+    // Of coordinates that are rounded by as much as pixels are apart no plane is left.
+    u.beside = in.picture && in.rounding < 0x1p-20f && u.test != int(Test::depth) ? 1 : 0;
     u.width = in.position->width;
     u.height = in.position->height;
     return u;

@@ -22,6 +22,7 @@ struct ShadowInputs {
     const raster::Covered* tiles = nullptr;  // the others, which must see nothing, are not shaded; null: all are
     std::span<const Image4> blurred = {};    // of mode = esm: read instead of the maps' own depths (log_blur.h)
     float rounding = 0x1p-22f;               // of stored positions, relative: rounding_of(layout)
+    bool picture = false;                    // pixels beside one another are so in space: their planes are asked, too
 };
 
 inline StageDescription<ShadowInputsView> describe(ShadowKernel) {
@@ -47,7 +48,7 @@ inline StageDescription<ShadowInputsView> describe(ShadowKernel) {
         .outputs = {{.name = "visibility", .at = &View::visibility,
                      .meaning = "1 lit, 0 shadowed; but for the hard test in between"}},
         .params = plumb::describe(fields(defaults)),
-        .uniforms = {{"map.size", 1, 32767}, {"kernel", 1, 64}, {"soft", 0, int(Soft::esm)}, {"test", 0, int(Test::planes)}},
+        .uniforms = {{"map.size", 1, 32767}, {"kernel", 1, 64}, {"soft", 0, int(Soft::esm)}, {"test", 0, int(Test::planes)}, {"beside", 0, 1}},
         .fixed_uniforms = {{"perspective", 1}, {"samples", 1}},
         .prepare = [](View& v, Buffer<float>&) {
             if (v.u.test == int(Test::planes) && !v.map_normal)

@@ -14,12 +14,13 @@
 // What shadows, of hard, density and pcf, is `test`. By planes a texel with the point m and the normal n_m on it shadows
 // the point x with the normal n, turned to the light, where
 //
-//     n.(m - x) > least + s min(|m - x|, reach)     m lies over the plane of x, not along it
+//     n.(m - x) > least + s |m - x|                 m lies over the plane of x, not along it
 //     n_m.(m - x) > least                           x lies under the plane of m
 //
 // A plane hides nothing of itself, whatever its slope and however far the texel; and of two that meet in a corner neither
-// hides the other. `plane` asks the first line alone. s is for normals that are not the surface's own, and `reach`, how far along
-// the surface the texels lie that are read, keeps it from what is far away.
+// hides the other. `plane` asks the first line alone. s is for normals that are not the surface's own, and 0 beyond `reach`, as
+// far along the surface as the texels lie that are read. A normal map bends n by more: of a picture the first line is asked of
+// the plane of the pixels around x, too (surface_normal()), and both have to lie under m.
 //
 // By depth it is d_p > d_map + bias, with a bias that follows the surface. Across one texel of footprint f (m, across the
 // light's axis a) the depth of a plane with normal n changes by f sqrt(1 - (n.a)^2) / |n.r|, where r is the ray to the
@@ -35,6 +36,7 @@
 #include "core/detmath.h"
 #include "core/number.h"
 #include "raster/project_kernel.h"
+#include "raster/surface_kernel.h"
 
 namespace plumb::direct {
 
@@ -62,7 +64,8 @@ struct ShadowUniforms {
     std::int32_t test;      // Test
     float least_sine;       // s: of the angle over the plane of x; with what positions are rounded by
     float rounding;         // of stored positions, relative
-    std::int32_t padding[3];
+    std::int32_t beside;    // 1: the plane of the pixels around x has to lie under m, too
+    std::int32_t padding[2];
 };
 static_assert(sizeof(ShadowUniforms) == 176);
 
@@ -90,18 +93,51 @@ struct Receiver {
     F bias;            // m
     vec3<F> x;         // m
     vec3<F> n;         // unit, turned to the light
+    vec3<F> surface;   // of the pixels around x, unit, turned to the light; else n
     F least;           // m: no farther from a plane is on it
     F reach;           // m, along the surface
 };
 
+// The normal of the surface that x lies on, of the plane through x, a pixel in its row and one in its column: a normal map
+// does not bend it. At an edge one of the four such planes is the surface's and three cross it; the nearest to n is taken. Where
+// none is within 60 degrees of n, it is n.
+template <class F, class Tap>
+PLUMB_INLINE vec3<F> surface_normal(const ShadowInputsView& in, index_t<F> px, index_t<F> py, const vec3<F>& x,
+                                    const vec3<F>& n, Tap& tap) {
+    using N = number<F>;
+    using I = index_t<F>;
+    auto from_x = [&](I column, I row) {
+        const vec3<F> p = xyz<F>(N::fetch4(in.position, row * I(in.u.width) + column));
+        return vec3<F>{p.x - x.x, p.y - x.y, p.z - x.z};
+    };
+    // Beyond the border the pixel itself stands in: a plane of length 0, which is near to nothing.
+    const vec3<F> across[2] = {from_x(min(px + I(1), I(in.u.width - 1)), py), from_x(max(px - I(1), I(0)), py)};
+    const vec3<F> down[2] = {from_x(px, min(py + I(1), I(in.u.height - 1))), from_x(px, max(py - I(1), I(0)))};
+    vec3<F> surface = n;
+    F nearest(0.5f);
+    for (int k = 0; k < 4; ++k) {
+        const vec3<F> plane = raster::normalised(raster::face_normal(across[k % 2], down[k / 2]));
+        const F cosine = abs(dot3(plane, n));
+        // Nearer by more than rounding: of four that are one plane the first is taken.
+        const mask_t<F> nearer = cosine > nearest + F(0.015625f);
+        nearest = select(nearer, cosine, nearest);
+        surface = select3<F>(nearer, plane, surface);
+    }
+    tap("surface", surface, "normal of x and two pixels beside it, of either sign");
+    return surface;
+}
+
 // How deep x lies, and how much depth changes across a texel there.
 template <class F, class Tap>
-PLUMB_INLINE Receiver<F> receiver(const ShadowUniforms& u, const vec3<F>& x, const vec3<F>& n, Tap& tap) {
+PLUMB_INLINE Receiver<F> receiver(const ShadowUniforms& u, const vec3<F>& x, const vec3<F>& n, const vec3<F>& surface, Tap& tap) {
     const vec3<F> axis{F(u.forward[0]), F(u.forward[1]), F(u.forward[2])};
     const vec3<F> from_eye{x.x - F(u.eye[0]), x.y - F(u.eye[1]), x.z - F(u.eye[2])};
     const F d_p = dot3(from_eye, axis);                            tap("d_p", d_p, "linear depth of x, m");
     const F n_a = dot3(n, axis);
-    const F n_r = u.perspective > 0.0f ? dot3(n, from_eye) / max(d_p, F(u.map.least_w)) : n_a;
+    const auto along_ray = [&](const vec3<F>& v) {
+        return u.perspective > 0.0f ? dot3(v, from_eye) / max(d_p, F(u.map.least_w)) : dot3(v, axis);
+    };
+    const F n_r = along_ray(n);
     const F across = sqrt(max(F(0.0f), F(1.0f) - n_a * n_a));
     const F slope = min(across / max(abs(n_r), F(1e-6f)), F(u.max_slope));
     const F footprint = F(u.footprint_scale) * d_p + F(u.footprint_base);
@@ -113,7 +149,9 @@ PLUMB_INLINE Receiver<F> receiver(const ShadowUniforms& u, const vec3<F>& x, con
     tap("least", least, "bias + rounding (|n_x x| + |n_y y| + |n_z z|), m");
     const F reach = F(u.slope_bias) * footprint * min(F(1.0f) / max(abs(n_r), F(1e-6f)), F(u.max_slope));
     tap("reach", reach, "slope_bias f / |n.r|, m");
-    return {from_eye, d_p, bias, x, n * turned, least, reach};
+    vec3<F> own = n * turned;
+    if (u.beside != 0) own = surface * select(along_ray(surface) > F(0.0f), F(-1.0f), F(1.0f));
+    return {from_eye, d_p, bias, x, n * turned, own, least, reach};
 }
 
 template <class F>
@@ -151,9 +189,14 @@ PLUMB_INLINE mask_t<F> shadows(const ShadowInputsView& in, const Receiver<F>& r,
     if (u.test == int(Test::depth)) return known & (r.d_p > t.depth + r.bias);
     const vec3<F> v{t.m.x - r.x.x, t.m.y - r.x.y, t.m.z - r.x.z};
     const F height = dot3(r.n, v);                                 tap("height", height, "n.(m - x): over the plane of x, m");
-    const F on_it = r.least + F(u.least_sine) * min(sqrt(dot3(v, v)), r.reach);
-    tap("on_it", on_it, "least + s min(|m - x|, reach), m");
-    const mask_t<F> above = known & (height > on_it);
+    const F away = sqrt(dot3(v, v));
+    const F on_it = r.least + select(away <= r.reach, F(u.least_sine), F(u.rounding)) * away;
+    tap("on_it", on_it, "least + s |m - x|, m; beyond reach s is the rounding alone");
+    mask_t<F> above = known & (height > on_it);
+    if (u.beside != 0) {
+        const F over = dot3(r.surface, v);                         tap("over", over, "m over the plane of the pixels around x, m");
+        above = above & (over > on_it);
+    }
     if (u.test == int(Test::plane)) return above;
     const vec3<F> n_m = xyz<F>(number<F>::fetch4(in.map_normal, t.index));
     const F below = dot3(n_m, v);                                  tap("below", below, "n_m.(m - x): x under the plane of m, m");
@@ -239,7 +282,7 @@ PLUMB_INLINE F soft_shadow(const ShadowInputsView& in, const vec3<F>& x, const v
     const F factor = u.published != 0 ? printed_cosine<F>(u, n, r, tap) : F(1.0f);
     const F bias = u.published == 0 ? r.bias : F(u.soft == int(Soft::pcf) ? u.bias : 0.0f);
 
-    const Receiver<F> biased{r.from_eye, r.d_p, bias, r.x, r.n, r.least, r.reach};
+    const Receiver<F> biased{r.from_eye, r.d_p, bias, r.x, r.n, r.surface, r.least, r.reach};
 
     F sum(0.0f), upper(0.0f);
     for (int j = 0; j <= k; ++j) {
@@ -275,7 +318,8 @@ PLUMB_INLINE F shadow(const ShadowInputsView& in, index_t<F> px, index_t<F> py, 
     const index_t<F> pixel = py * index_t<F>(in.u.width) + px;
     const vec3<F> x = xyz<F>(N::fetch4(in.position, pixel));       tap("x", x, "world, m");
     const vec3<F> n = xyz<F>(N::fetch4(in.normal, pixel));         tap("n", n, "unit normal of x");
-    const Receiver<F> r = receiver<F>(in.u, x, n, tap);
+    const vec3<F> surface = in.u.beside != 0 ? surface_normal<F>(in, px, py, x, n, tap) : n;
+    const Receiver<F> r = receiver<F>(in.u, x, n, surface, tap);
     if (in.u.soft == int(Soft::none)) return share_lit<F>(in, x, r, tap);
     return soft_shadow<F>(in, x, n, r, tap);
 }

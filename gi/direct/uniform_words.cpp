@@ -35,7 +35,8 @@ std::vector<StageWords> uniform_words() {
           {"c", "1/m", "of soft = 2: exponent for each metre behind the map", "0"},
           {"test", "", "what shadows: 0 depths, 1 what lies over the point's plane, 2 and has the point under its own", "0", 0.0},
           {"least_sine", "", "of test > 0: sine of the angle over the plane up to which nothing within the texels read shadows", "0", 0.0},
-          {"rounding", "", "of test > 0: of stored positions, relative to their coordinates", "0", 0.0}}},
+          {"rounding", "", "of test > 0: of stored positions, relative to their coordinates", "0", 0.0},
+          {"beside", "", "of test > 0: 1: what shadows lies over the plane of x and two pixels beside it, too", "0", 0.0}}},
     };
 }
 

@@ -101,6 +101,7 @@ void add_shadow(Context& c, int l, int view, Nodes& nodes) {
         direct::ShadowInputs in{&g.position, &g.normal, c.maps(l)};
         if (direct::blurs_maps(params)) in.blurred = c.frame.maps_blurred[std::size_t(l)];
         in.rounding = direct::rounding_of(c.settings.layout);
+        in.picture = true;
         return in;
     };
     node.dispatches = [=, &c, &params] {

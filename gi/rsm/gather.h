@@ -54,8 +54,8 @@ struct GatherParams {
     float min_distance = 0;
     Rays rays = Rays::exact;
     float max_rays = 1e9f;
-    int directions = 15;
-    int steps = 10;
+    int directions = 10;
+    int steps = 15;
     Spacing spacing = Spacing::quadratic;
     float growth = 64;  // geometric: the last of many steps over the first
     float jitter = 1;

@@ -27,7 +27,7 @@ struct AoParams {
     float weight_bias = 0.25f;
     int slices = 4;
     int steps = 8;
-    AoBlur blur = AoBlur::box;
+    AoBlur blur = AoBlur::edge_aware;
     glm::vec3 ambient{0};
 };
 std::vector<Field> fields(AoParams& params);

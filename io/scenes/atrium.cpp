@@ -391,7 +391,6 @@ Scene atrium(const GenerateOptions& options) {
     const std::string place = "atrium";
     scene.settings = {{"rsm", "radius", 0.7, place}, {"rsm", "samples", 1024.0, place},
                       {"rsm", "projection", std::string("clamped"), place}, {"rsm", "min_distance", 0.5, place},
-                      {"shadow", "mode", std::string("density"), place},
                       {"tonemap", "operator", std::string("filmic"), place}, {"tonemap", "exposure", 0.027, place}};
     return scene;
 }

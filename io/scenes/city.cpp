@@ -86,7 +86,7 @@ Scene city(const GenerateOptions& options) {
     // A disc of 60 m: what lies farther away lights nothing that one would see.
     const std::string place = "city";
     scene.settings = {{"rsm", "radius", 0.08, place}, {"rsm", "samples", 400.0, place},
-                      {"rsm", "min_distance", 2.0, place}, {"shadow", "mode", std::string("density"), place},
+                      {"rsm", "min_distance", 2.0, place},
                       {"tonemap", "operator", std::string("filmic"), place},
                       {"tonemap", "exposure", 1.5, place}};
     scene.seed = options.seed;

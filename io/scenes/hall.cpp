@@ -399,7 +399,7 @@ Scene hall(const GenerateOptions& options) {
     const std::string place = "hall";
     scene.settings = {{"rsm", "radius", 0.7, place}, {"rsm", "samples", 1024.0, place},
                       {"rsm", "projection", std::string("clamped"), place}, {"rsm", "min_distance", 0.5, place},
-                      {"shadow", "mode", std::string("density"), place},
+                      {"rsm", "thickness", 1.0, place},  // of piers, balustrades and lamps
                       {"tonemap", "operator", std::string("filmic"), place}, {"tonemap", "exposure", 0.034, place}};
     return scene;
 }

@@ -197,7 +197,6 @@ Scene rooms(const GenerateOptions& options) {
     const std::string place = "rooms";
     scene.settings = {{"rsm", "radius", 1.0, place}, {"rsm", "samples", 1024.0, place},
                       {"rsm", "projection", std::string("clamped"), place}, {"rsm", "min_distance", 0.3, place},
-                      {"shadow", "mode", std::string("density"), place},
                       {"tonemap", "operator", std::string("filmic"), place}, {"tonemap", "exposure", 1.6, place}};
     scene.seed = options.seed;
     return scene;

@@ -268,7 +268,7 @@ TEST_CASE("own pattern: what does not fit is refused by the file's name", "[rsm]
     rsm::GatherParams params = with_own({.gather = rsm::Gather::disc}, {{0, 10, 1}, {3, 4, 1}});
     CHECK(error_of(params) == "");
     params.gather = rsm::Gather::paths;
-    CHECK_THAT(error_of(params), Contains("folder/own.npy: rsm.paths: has 2 samples: expected directions = 15 x steps = 10"));
+    CHECK_THAT(error_of(params), Contains("folder/own.npy: rsm.paths: has 2 samples: expected directions = 10 x steps = 15"));
     params.directions = 2, params.steps = 1;
     CHECK(error_of(params) == "");
 

@@ -137,6 +137,7 @@ TEST_CASE("rsm.paths: Algorithm 2 darkens a floor that Algorithms 3 and 6 leave 
     // nine.
     const raster::Rsm map = floor_map(64);
     rsm::GatherParams params = paths_params();
+    params.steps = 10;
     CHECK(hidden_share(params, floor_points(), map) == 0);
     params.visibility = rsm::Visibility::algorithm_3;
     CHECK(hidden_share(params, floor_points(), map) == 0);
@@ -331,7 +332,7 @@ TEST_CASE("rsm.paths: a map of one texel sends as much as the paths' disc covers
     rsm::GatherParams all;
     all.gather = rsm::Gather::all;
     rsm::GatherParams params = paths_params();
-    params.jitter = 0;
+    params.directions = 15, params.steps = 10, params.jitter = 0;
     const double expected = host::pi * 0.3 * 0.3 * gather(all, point, one)(0, 0).x;
     for (auto visibility : {rsm::Visibility::none, rsm::Visibility::algorithm_6}) {
         params.visibility = visibility;

@@ -142,6 +142,7 @@ TEST_CASE("rsm.paths: weights by squared distance are right where spacing grows 
     // rho^2 over the ring's share: beyond r / growth the two agree but for one factor.
     const Law law{rsm::Spacing::geometric, 1e6f};
     rsm::GatherParams params = paths_params(law, 1);
+    params.steps = 10;
     const rsm::Pattern corrected = rsm::paths_pattern(params, map_size, 1);
     params.variant = rsm::Variant::published;
     const rsm::Pattern published = rsm::paths_pattern(params, map_size, 1);

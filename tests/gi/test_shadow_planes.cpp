@@ -90,12 +90,14 @@ ShadowParams params_of(ShadowMode mode, int kernel, ShadowTest test = ShadowTest
     return params;
 }
 
-std::vector<float> visibility_of(const ShadowParams& params, const raster::Rsm& map, const std::vector<Seen>& points, float rounding = 0x1p-22f) {
-    Points p(int(points.size()), 1);
+// `rows` > 0: the points are a picture of so many rows.
+std::vector<float> visibility_of(const ShadowParams& params, const raster::Rsm& map, const std::vector<Seen>& points, float rounding = 0x1p-22f,
+                                 int rows = 0) {
+    Points p(int(points.size()) / std::max(rows, 1), std::max(rows, 1));
     for (std::size_t i = 0; i < points.size(); ++i)
         p.position.texels[i] = glm::vec4(glm::vec3(points[i].x), 0), p.normal.texels[i] = glm::vec4(glm::vec3(points[i].n), 1);
     std::vector<float> visibility(points.size(), -1);
-    direct::run(params, {&p.position, &p.normal, {&map, 1}, nullptr, {}, rounding}, {}, visibility.data());
+    direct::run(params, {&p.position, &p.normal, {&map, 1}, nullptr, {}, rounding, rows > 0}, {}, visibility.data());
     return visibility;
 }
 
@@ -258,6 +260,72 @@ TEST_CASE("shadow by planes: a surface that bends does not shadow itself, its no
         CHECK(below_one(visibility_of(params, of.map, bent)) == 0);
     }
     CHECK(without > 50);
+}
+
+// A normal map turns the normals of a plane by 37 degrees, each another way; the plane of the pixels stays what it is.
+TEST_CASE("shadow by planes: a normal map puts no part of a plane in its own shadow", "[shadow][acne][analytic]") {
+    const double tilt = std::sqrt(0.36);
+    for (const glm::dvec3& n : {glm::dvec3(0, 1, 0), unit({0.4, 1, 0.5}), unit({-0.9, 0.4, 0})}) {
+        const glm::dvec3 a = unit({n.y, -n.x, 0}), b(a.y * n.z - a.z * n.y, a.z * n.x - a.x * n.z, a.x * n.y - a.y * n.x);
+        for (const Light& light : {sun({0.1f, -1, 0}), spot({0, 1.5f, 0}, {0, -1, 0})}) {
+            LightOf of(light, 64, {{{0, -0.5, 0}, n}});
+            std::vector<Seen> points;
+            for (int y = 0; y < 24; ++y)
+                for (int x = 0; x < 24; ++x) {
+                    Seen s = of.at(20.3 + x, 20.7 + y);
+                    REQUIRE(s.depth > 0);
+                    const double turn = 0.7 * x + 2.1 * y;
+                    s.n = n * 0.8 + (a * host::cos(turn) + b * host::sin(turn)) * tilt;
+                    points.push_back(s);
+                }
+            for (int y = 0; y < 64; ++y)
+                for (int x = 0; x < 64; ++x) {
+                    const double turn = 1.3 * x + 0.4 * y;
+                    of.map.normal(x, y) = glm::vec4(glm::vec3(n * 0.8 + (a * host::cos(turn) + b * host::sin(turn)) * tilt), 1);
+                }
+            std::size_t of_normals_alone = 0;
+            for (const ShadowTest test : {ShadowTest::plane, ShadowTest::planes})
+                for (const ShadowParams& params : filters(test, 5)) {
+                    CAPTURE(n.x, int(light.type), int(params.mode), params.kernel, int(test));
+                    CHECK(below_one(visibility_of(params, of.map, points, 0x1p-22f, 24)) == 0);
+                    of_normals_alone += below_one(visibility_of(params, of.map, points));
+                }
+            CHECK(of_normals_alone > 1000);
+        }
+    }
+}
+
+// Two walls of a stair, each a pixel beside the other: at their edges three of the four planes of a pixel cross.
+TEST_CASE("shadow by planes: what stands over an edge shadows both sides of it", "[shadow][leak][analytic]") {
+    const glm::dvec3 left = unit({-0.5, 1, 0}), right = unit({0.5, 1, 0});
+    const Patch roof_l{{0, -0.5, 0}, left, [](const glm::dvec3& x) { return x.x < 0; }}, roof_r{{0, -0.5, 0}, right, [](const glm::dvec3& x) { return x.x >= 0; }};
+    const Light light = sun({0, -1, 0});
+    const LightOf roof(light, 64, {roof_l, roof_r}), of(light, 64, {roof_l, roof_r, {{0, 0, 0}, {0, 1, 0}}});
+    std::vector<Seen> points;
+    for (int y = 0; y < 16; ++y)
+        for (int x = 0; x < 16; ++x) points.push_back(roof.at(24.3 + x, 24.7 + y));
+    for (const ShadowParams& params : filters(ShadowTest::planes, 5)) {
+        CAPTURE(int(params.mode), params.kernel);
+        for (const float v : visibility_of(params, of.map, points, 0x1p-22f, 16)) CHECK(v == 0);
+        CHECK(below_one(visibility_of(params, roof.map, points, 0x1p-22f, 16)) == 0);
+    }
+}
+
+// Light along a surface: what stands 1 m before it in the light lies 3 cm over its plane, less than a tenth of the texels' reach on it.
+TEST_CASE("shadow by planes: what is farther away than a surface's own texels shadows it at any angle", "[shadow][leak][analytic]") {
+    const Light light = sun({0, -1, 0});
+    const glm::dvec3 n = unit({1, 0.03, 0});
+    const Patch wall{{0, -0.5, 0}, n};
+    const LightOf plane(light, 1024, {wall}), of(light, 1024, {wall, {{0, 1, 0}, {0, 1, 0}}});
+    std::vector<Seen> points;
+    for (double t = 511.2; t < 513; t += 0.1) points.push_back(plane.at(t, 500.4)), points.push_back(plane.at(500.4, t));
+    std::erase_if(points, [](const Seen& s) { return std::abs(s.x.y) > 0.6; });
+    REQUIRE(points.size() > 3);
+    for (ShadowParams params : {params_of(ShadowMode::hard, 1), params_of(ShadowMode::pcf, 1)}) {
+        params.least_sine = 0.1f;
+        for (const float v : visibility_of(params, of.map, points)) CHECK(v == 0);
+        CHECK(below_one(visibility_of(params, plane.map, points)) == 0);
+    }
 }
 
 // Halves of coordinates up to 2 m are 2^-10 m apart: far more than the bias.

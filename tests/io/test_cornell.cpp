@@ -59,7 +59,7 @@ TEST_CASE("make_scene: an unknown name and a folder that cannot be made are one 
 }
 
 TEST_CASE("cornell: the room is closed but for its front, and its front sides look inwards", "[io]") {
-    const Scene s = load_scene(data + "cornell/cornell.toml", {"rsm"});
+    const Scene s = load_scene(data + "cornell/cornell.toml", {"rsm", "shadow"});
     CHECK(s.notes.empty());
     REQUIRE(s.meshes.size() == 1);
     // 5 faces of the room, 3 more for the hole in the ceiling, the lamp; 5 faces for each block.
@@ -86,7 +86,7 @@ TEST_CASE("cornell: the room is closed but for its front, and its front sides lo
 }
 
 TEST_CASE("cornell: red is on the left, green on the right, the lamp above, the room 2 m high", "[io]") {
-    const Scene s = load_scene(data + "cornell/cornell.toml", {"rsm"});
+    const Scene s = load_scene(data + "cornell/cornell.toml", {"rsm", "shadow"});
     const auto seen = [&](const glm::dvec3& d) {
         return s.materials[std::size_t(s.meshes[0].material[trace(s, {0, 1.5, 0.3}, d).triangle])].name;
     };
@@ -110,7 +110,7 @@ TEST_CASE("cornell: the reflectances are the measured spectra at 650, 510 and 47
     const std::vector<std::pair<std::string, glm::vec3>> measured = {{"white", rgb(0.729, 0.730, 0.739, 0.732, 0.729)},
                                                                      {"red", rgb(0.612, 0.610, 0.055, 0.056, 0.062)},
                                                                      {"green", rgb(0.117, 0.117, 0.390, 0.435, 0.115)}};
-    const Scene s = load_scene(data + "cornell/cornell.toml", {"rsm"});
+    const Scene s = load_scene(data + "cornell/cornell.toml", {"rsm", "shadow"});
     for (const auto& [name, reflectance] : measured)
         for (const Material& m : s.materials)
             if (m.name == name)
@@ -119,20 +119,20 @@ TEST_CASE("cornell: the reflectances are the measured spectra at 650, 510 and 47
 }
 
 TEST_CASE("cornell: the small scene is the same room", "[io]") {
-    const Scene big = load_scene(data + "cornell/cornell.toml", {"rsm"}),
-                small = load_scene(data + "cornell_small.toml", {"rsm"});
+    const Scene big = load_scene(data + "cornell/cornell.toml", {"rsm", "shadow"}),
+                small = load_scene(data + "cornell_small.toml", {"rsm", "shadow"});
     CHECK(small.frame_size == glm::ivec2(256, 256));
     CHECK(small.camera.position == big.camera.position);
     CHECK(small.meshes[0].triangles == big.meshes[0].triangles);
     // generate = "cornell" is that room too, without a file.
     const Folder folder;
-    const Scene generated = load_scene(folder.put("g.toml", "[[mesh]]\ngenerate = \"cornell\"\n"), {"rsm"});
+    const Scene generated = load_scene(folder.put("g.toml", "[[mesh]]\ngenerate = \"cornell\"\n"), {"rsm", "shadow"});
     CHECK(generated.meshes[0].triangles == big.meshes[0].triangles);
     CHECK(generated.materials.size() == 4);
 }
 
 TEST_CASE("cornell: the lamp of cornell_lamp sends the spot's light into the room, and none elsewhere", "[io]") {
-    const Scene spot = load_scene(data + "cornell/cornell.toml", {"rsm"}),
+    const Scene spot = load_scene(data + "cornell/cornell.toml", {"rsm", "shadow"}),
                 lamp = load_scene(data + "cornell/cornell_lamp.toml", {});
     CHECK(lamp.lights.empty());
     CHECK(lamp.frame_size == glm::ivec2(1024, 768));
@@ -187,8 +187,8 @@ TEST_CASE("cornell: cornell_glossy is the same room, with a glossy and a mirrori
 }
 
 TEST_CASE("cornell: cornell_mirror is the same room, with a floor that mirrors", "[io]") {
-    const Scene box = load_scene(data + "cornell/cornell.toml", {"rsm", "reflect"}),
-                mirror = load_scene(data + "cornell/cornell_mirror.toml", {"rsm", "reflect"});
+    const Scene box = load_scene(data + "cornell/cornell.toml", {"rsm", "shadow", "reflect"}),
+                mirror = load_scene(data + "cornell/cornell_mirror.toml", {"rsm", "shadow", "reflect"});
     const Mesh &a = box.meshes[0], &b = mirror.meshes[0];
     REQUIRE(a.vertices.size() == b.vertices.size());
     CHECK(std::memcmp(a.vertices.data(), b.vertices.data(), a.vertices.size() * sizeof(Vertex)) == 0);

@@ -25,6 +25,7 @@ Open open_choices(rsm::Gather gather, rsm::Texels texels) {
     Scene scene = io::load_scene(PLUMB_SOURCE_DIR "/data/scenes/cornell/cornell.toml",
                                  frame::method_tables());
     scene.frame_size = {96, 96};
+    scene.lights.at(0).rsm_size = 512;
     frame::Settings settings = frame::settings_of(scene);
     settings.rsm.gather = gather, settings.rsm.texels = texels;
     const frame::Plan plan = frame::plan(scene, settings);
