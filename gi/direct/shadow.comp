@@ -47,14 +47,40 @@ struct Receiver {
     float bias;
     vec3 x;
     vec3 n;       // turned to the light
-    vec3 surface;
+    ivec2 pixel;
+    vec3 surface; // of the pixels around x, turned to the light; made where it is asked for
+    bool asked;
     float least;
     float reach;
 };
 
+// How deep x lies, and how much depth changes across a texel there.
+Receiver receiver(ivec2 pixel, vec3 x, vec3 n) {
+    vec3 axis = u.forward.xyz;
+    precise vec3 from_eye = x - u.eye.xyz;
+    precise float d_p = from_eye.x * axis.x + from_eye.y * axis.y + from_eye.z * axis.z;
+    TAP(d_p, d_p);
+    precise float n_a = n.x * axis.x + n.y * axis.y + n.z * axis.z;
+    precise float n_ray = n.x * from_eye.x + n.y * from_eye.y + n.z * from_eye.z;
+    precise float n_r = u.perspective > 0.0 ? n_ray / max(d_p, u.map.least_w) : n_a;
+    precise float across = sqrt(max(0.0, 1.0 - n_a * n_a));
+    precise float slope = min(across / max(abs(n_r), 1e-6), u.max_slope);
+    precise float footprint = u.footprint_scale * d_p + u.footprint_base;
+    precise float bias = u.bias + u.slope_bias * footprint * slope;      TAP(bias, bias);
+    float turned = n_r > 0.0 ? -1.0 : 1.0;                      TAP(turned, turned);
+    precise float moved = abs(n.x * x.x) + abs(n.y * x.y) + abs(n.z * x.z);
+    precise float least = u.bias + u.rounding * moved;          TAP(least, least);
+    precise float reach = u.slope_bias * footprint * min(1.0 / max(abs(n_r), 1e-6), u.max_slope);
+    TAP(reach, reach);
+    precise vec3 facing = n * turned;
+    return Receiver(from_eye, d_p, bias, x, facing, pixel, n, false, least, reach);
+}
+
 // The normal of the surface that x lies on, of x, a pixel in its row and one in its column: of four such planes the nearest
-// to n, or n.
-vec3 surface_normal(ivec2 pixel, vec3 x, vec3 n) {
+// to n, or n. Turned to the light.
+vec3 surface_normal(Receiver r) {
+    ivec2 pixel = r.pixel;
+    vec3 x = r.x, n = r.n;
     ivec2 last = ivec2(u.width - 1, u.height - 1);
     precise vec3 across[2] = vec3[2](texelFetch(position_image, ivec2(min(pixel.x + 1, last.x), pixel.y), 0).xyz - x,
                                      texelFetch(position_image, ivec2(max(pixel.x - 1, 0), pixel.y), 0).xyz - x);
@@ -79,37 +105,12 @@ vec3 surface_normal(ivec2 pixel, vec3 x, vec3 n) {
             surface = plane;
         }
     }
-    TAP(surface, surface);
-    return surface;
-}
-
-// How deep x lies, and how much depth changes across a texel there.
-Receiver receiver(vec3 x, vec3 n, vec3 surface) {
     vec3 axis = u.forward.xyz;
-    precise vec3 from_eye = x - u.eye.xyz;
-    precise float d_p = from_eye.x * axis.x + from_eye.y * axis.y + from_eye.z * axis.z;
-    TAP(d_p, d_p);
-    precise float n_a = n.x * axis.x + n.y * axis.y + n.z * axis.z;
-    precise float n_ray = n.x * from_eye.x + n.y * from_eye.y + n.z * from_eye.z;
-    precise float n_r = u.perspective > 0.0 ? n_ray / max(d_p, u.map.least_w) : n_a;
-    precise float across = sqrt(max(0.0, 1.0 - n_a * n_a));
-    precise float slope = min(across / max(abs(n_r), 1e-6), u.max_slope);
-    precise float footprint = u.footprint_scale * d_p + u.footprint_base;
-    precise float bias = u.bias + u.slope_bias * footprint * slope;      TAP(bias, bias);
-    float turned = n_r > 0.0 ? -1.0 : 1.0;                      TAP(turned, turned);
-    precise float moved = abs(n.x * x.x) + abs(n.y * x.y) + abs(n.z * x.z);
-    precise float least = u.bias + u.rounding * moved;          TAP(least, least);
-    precise float reach = u.slope_bias * footprint * min(1.0 / max(abs(n_r), 1e-6), u.max_slope);
-    TAP(reach, reach);
-    precise vec3 facing = n * turned;
-    precise vec3 own = facing;
-    if (u.beside != 0) {
-        precise float s_a = surface.x * axis.x + surface.y * axis.y + surface.z * axis.z;
-        precise float s_ray = surface.x * from_eye.x + surface.y * from_eye.y + surface.z * from_eye.z;
-        precise float s_r = u.perspective > 0.0 ? s_ray / max(d_p, u.map.least_w) : s_a;
-        own = surface * (s_r > 0.0 ? -1.0 : 1.0);
-    }
-    return Receiver(from_eye, d_p, bias, x, facing, own, least, reach);
+    precise float s_a = surface.x * axis.x + surface.y * axis.y + surface.z * axis.z;
+    precise float s_ray = surface.x * r.from_eye.x + surface.y * r.from_eye.y + surface.z * r.from_eye.z;
+    float along_ray = u.perspective > 0.0 ? s_ray : s_a;
+    surface = surface * (along_ray > 0.0 ? -1.0 : 1.0);         TAP(surface, surface);
+    return surface;
 }
 
 struct MapTexel {
@@ -132,7 +133,7 @@ MapTexel texel_at(ivec2 texel) {
 }
 
 // Whether what the map holds there hides x from the light.
-bool shadows(Receiver r, MapTexel t) {
+bool shadows(inout Receiver r, MapTexel t) {
     bool known = t.inside && t.depth > 0.0;
     if (u.test == 0) {
         precise float limit = t.depth + r.bias;
@@ -145,7 +146,13 @@ bool shadows(Receiver r, MapTexel t) {
     precise float on_it = r.least + (away <= r.reach ? u.least_sine : u.rounding) * away;
     TAP(on_it, on_it);
     bool above = known && height > on_it;
+    // Most texels lie on the plane of x.
+    if (!above) return false;
     if (u.beside != 0) {
+        if (!r.asked) {
+            r.surface = surface_normal(r);
+            r.asked = true;
+        }
         precise float over = r.surface.x * v.x + r.surface.y * v.y + r.surface.z * v.z;
         TAP(over, over);
         above = above && over > on_it;
@@ -225,7 +232,7 @@ float soft_shadow(vec3 x, vec3 n, Receiver r) {
     float factor = u.published != 0 ? printed_cosine(n, r) : 1.0;
     float bias = u.published == 0 ? r.bias : (u.soft == 1 ? u.bias : 0.0);
 
-    Receiver biased = Receiver(r.from_eye, r.d_p, bias, r.x, r.n, r.surface, r.least, r.reach);
+    Receiver biased = Receiver(r.from_eye, r.d_p, bias, r.x, r.n, r.pixel, r.surface, r.asked, r.least, r.reach);
 
     precise float sum = 0.0;
     float upper = 0.0;
@@ -261,9 +268,7 @@ float soft_shadow(vec3 x, vec3 n, Receiver r) {
 float shadow(ivec2 pixel) {
     vec3 x = texelFetch(position_image, pixel, 0).xyz;          TAP(x, x);
     vec3 n = texelFetch(normal_image, pixel, 0).xyz;            TAP(n, n);
-    vec3 surface = n;
-    if (u.beside != 0) surface = surface_normal(pixel, x, n);
-    Receiver r = receiver(x, n, surface);
+    Receiver r = receiver(pixel, x, n);
     if (u.soft == 0) return share_lit(x, r);
     return soft_shadow(x, n, r);
 }

@@ -93,51 +93,22 @@ struct Receiver {
     F bias;            // m
     vec3<F> x;         // m
     vec3<F> n;         // unit, turned to the light
-    vec3<F> surface;   // of the pixels around x, unit, turned to the light; else n
+    index_t<F> px, py; // of the picture
+    vec3<F> surface;   // of the pixels around x, unit, turned to the light; made where it is `asked` for
+    bool asked;
     F least;           // m: no farther from a plane is on it
     F reach;           // m, along the surface
 };
 
-// The normal of the surface that x lies on, of the plane through x, a pixel in its row and one in its column: a normal map
-// does not bend it. At an edge one of the four such planes is the surface's and three cross it; the nearest to n is taken. Where
-// none is within 60 degrees of n, it is n.
-template <class F, class Tap>
-PLUMB_INLINE vec3<F> surface_normal(const ShadowInputsView& in, index_t<F> px, index_t<F> py, const vec3<F>& x,
-                                    const vec3<F>& n, Tap& tap) {
-    using N = number<F>;
-    using I = index_t<F>;
-    auto from_x = [&](I column, I row) {
-        const vec3<F> p = xyz<F>(N::fetch4(in.position, row * I(in.u.width) + column));
-        return vec3<F>{p.x - x.x, p.y - x.y, p.z - x.z};
-    };
-    // Beyond the border the pixel itself stands in: a plane of length 0, which is near to nothing.
-    const vec3<F> across[2] = {from_x(min(px + I(1), I(in.u.width - 1)), py), from_x(max(px - I(1), I(0)), py)};
-    const vec3<F> down[2] = {from_x(px, min(py + I(1), I(in.u.height - 1))), from_x(px, max(py - I(1), I(0)))};
-    vec3<F> surface = n;
-    F nearest(0.5f);
-    for (int k = 0; k < 4; ++k) {
-        const vec3<F> plane = raster::normalised(raster::face_normal(across[k % 2], down[k / 2]));
-        const F cosine = abs(dot3(plane, n));
-        // Nearer by more than rounding: of four that are one plane the first is taken.
-        const mask_t<F> nearer = cosine > nearest + F(0.015625f);
-        nearest = select(nearer, cosine, nearest);
-        surface = select3<F>(nearer, plane, surface);
-    }
-    tap("surface", surface, "normal of x and two pixels beside it, of either sign");
-    return surface;
-}
-
 // How deep x lies, and how much depth changes across a texel there.
 template <class F, class Tap>
-PLUMB_INLINE Receiver<F> receiver(const ShadowUniforms& u, const vec3<F>& x, const vec3<F>& n, const vec3<F>& surface, Tap& tap) {
+PLUMB_INLINE Receiver<F> receiver(const ShadowUniforms& u, index_t<F> px, index_t<F> py, const vec3<F>& x, const vec3<F>& n,
+                                  Tap& tap) {
     const vec3<F> axis{F(u.forward[0]), F(u.forward[1]), F(u.forward[2])};
     const vec3<F> from_eye{x.x - F(u.eye[0]), x.y - F(u.eye[1]), x.z - F(u.eye[2])};
     const F d_p = dot3(from_eye, axis);                            tap("d_p", d_p, "linear depth of x, m");
     const F n_a = dot3(n, axis);
-    const auto along_ray = [&](const vec3<F>& v) {
-        return u.perspective > 0.0f ? dot3(v, from_eye) / max(d_p, F(u.map.least_w)) : dot3(v, axis);
-    };
-    const F n_r = along_ray(n);
+    const F n_r = u.perspective > 0.0f ? dot3(n, from_eye) / max(d_p, F(u.map.least_w)) : n_a;
     const F across = sqrt(max(F(0.0f), F(1.0f) - n_a * n_a));
     const F slope = min(across / max(abs(n_r), F(1e-6f)), F(u.max_slope));
     const F footprint = F(u.footprint_scale) * d_p + F(u.footprint_base);
@@ -149,9 +120,38 @@ PLUMB_INLINE Receiver<F> receiver(const ShadowUniforms& u, const vec3<F>& x, con
     tap("least", least, "bias + rounding (|n_x x| + |n_y y| + |n_z z|), m");
     const F reach = F(u.slope_bias) * footprint * min(F(1.0f) / max(abs(n_r), F(1e-6f)), F(u.max_slope));
     tap("reach", reach, "slope_bias f / |n.r|, m");
-    vec3<F> own = n * turned;
-    if (u.beside != 0) own = surface * select(along_ray(surface) > F(0.0f), F(-1.0f), F(1.0f));
-    return {from_eye, d_p, bias, x, n * turned, own, least, reach};
+    return {from_eye, d_p, bias, x, n * turned, px, py, n, false, least, reach};
+}
+
+// The normal of the surface that x lies on, of the plane through x, a pixel in its row and one in its column: a normal map
+// does not bend it. At an edge one of the four such planes is the surface's and three cross it; the nearest to n is taken. Where
+// none is within 60 degrees of n, it is n. Turned to the light.
+template <class F, class Tap>
+PLUMB_INLINE vec3<F> surface_normal(const ShadowInputsView& in, const Receiver<F>& r, Tap& tap) {
+    using N = number<F>;
+    using I = index_t<F>;
+    auto from_x = [&](I column, I row) {
+        const vec3<F> p = xyz<F>(N::fetch4(in.position, row * I(in.u.width) + column));
+        return vec3<F>{p.x - r.x.x, p.y - r.x.y, p.z - r.x.z};
+    };
+    // Beyond the border the pixel itself stands in: a plane of length 0, which is near to nothing.
+    const vec3<F> across[2] = {from_x(min(r.px + I(1), I(in.u.width - 1)), r.py), from_x(max(r.px - I(1), I(0)), r.py)};
+    const vec3<F> down[2] = {from_x(r.px, min(r.py + I(1), I(in.u.height - 1))), from_x(r.px, max(r.py - I(1), I(0)))};
+    vec3<F> surface = r.n;
+    F nearest(0.5f);
+    for (int k = 0; k < 4; ++k) {
+        const vec3<F> plane = raster::normalised(raster::face_normal(across[k % 2], down[k / 2]));
+        const F cosine = abs(dot3(plane, r.n));
+        // Nearer by more than rounding: of four that are one plane the first is taken.
+        const mask_t<F> nearer = cosine > nearest + F(0.015625f);
+        nearest = select(nearer, cosine, nearest);
+        surface = select3<F>(nearer, plane, surface);
+    }
+    const vec3<F> axis{F(in.u.forward[0]), F(in.u.forward[1]), F(in.u.forward[2])};
+    const F along_ray = in.u.perspective > 0.0f ? dot3(surface, r.from_eye) : dot3(surface, axis);
+    surface = surface * select(along_ray > F(0.0f), F(-1.0f), F(1.0f));
+    tap("surface", surface, "normal of x and two pixels beside it, turned to the light");
+    return surface;
 }
 
 template <class F>
@@ -183,7 +183,7 @@ PLUMB_INLINE MapTexel<F> texel_at(const ShadowInputsView& in, ivec2<index_t<F>> 
 
 // Whether what the map holds there hides x from the light.
 template <class F, class Tap>
-PLUMB_INLINE mask_t<F> shadows(const ShadowInputsView& in, const Receiver<F>& r, const MapTexel<F>& t, Tap& tap) {
+PLUMB_INLINE mask_t<F> shadows(const ShadowInputsView& in, Receiver<F>& r, const MapTexel<F>& t, Tap& tap) {
     const ShadowUniforms& u = in.u;
     const mask_t<F> known = t.inside & (t.depth > F(0.0f));
     if (u.test == int(Test::depth)) return known & (r.d_p > t.depth + r.bias);
@@ -193,7 +193,10 @@ PLUMB_INLINE mask_t<F> shadows(const ShadowInputsView& in, const Receiver<F>& r,
     const F on_it = r.least + select(away <= r.reach, F(u.least_sine), F(u.rounding)) * away;
     tap("on_it", on_it, "least + s |m - x|, m; beyond reach s is the rounding alone");
     mask_t<F> above = known & (height > on_it);
+    // Most texels lie on the plane of x.
+    if (!any(above)) return above;
     if (u.beside != 0) {
+        if (!r.asked) r.surface = surface_normal<F>(in, r, tap), r.asked = true;
         const F over = dot3(r.surface, v);                         tap("over", over, "m over the plane of the pixels around x, m");
         above = above & (over > on_it);
     }
@@ -205,7 +208,7 @@ PLUMB_INLINE mask_t<F> shadows(const ShadowInputsView& in, const Receiver<F>& r,
 
 // The hard test, and the shadow density.
 template <class F, class Tap>
-PLUMB_INLINE F share_lit(const ShadowInputsView& in, const vec3<F>& x, const Receiver<F>& r, Tap& tap) {
+PLUMB_INLINE F share_lit(const ShadowInputsView& in, const vec3<F>& x, Receiver<F>& r, Tap& tap) {
     using I = index_t<F>;
     const ShadowUniforms& u = in.u;
     const ivec2<I> centre = raster::project<F>(u.map, x, tap);     tap("centre", centre, "texel of the projection");
@@ -282,7 +285,7 @@ PLUMB_INLINE F soft_shadow(const ShadowInputsView& in, const vec3<F>& x, const v
     const F factor = u.published != 0 ? printed_cosine<F>(u, n, r, tap) : F(1.0f);
     const F bias = u.published == 0 ? r.bias : F(u.soft == int(Soft::pcf) ? u.bias : 0.0f);
 
-    const Receiver<F> biased{r.from_eye, r.d_p, bias, r.x, r.n, r.surface, r.least, r.reach};
+    Receiver<F> biased{r.from_eye, r.d_p, bias, r.x, r.n, r.px, r.py, r.surface, r.asked, r.least, r.reach};
 
     F sum(0.0f), upper(0.0f);
     for (int j = 0; j <= k; ++j) {
@@ -318,8 +321,7 @@ PLUMB_INLINE F shadow(const ShadowInputsView& in, index_t<F> px, index_t<F> py, 
     const index_t<F> pixel = py * index_t<F>(in.u.width) + px;
     const vec3<F> x = xyz<F>(N::fetch4(in.position, pixel));       tap("x", x, "world, m");
     const vec3<F> n = xyz<F>(N::fetch4(in.normal, pixel));         tap("n", n, "unit normal of x");
-    const vec3<F> surface = in.u.beside != 0 ? surface_normal<F>(in, px, py, x, n, tap) : n;
-    const Receiver<F> r = receiver<F>(in.u, x, n, surface, tap);
+    Receiver<F> r = receiver<F>(in.u, px, py, x, n, tap);
     if (in.u.soft == int(Soft::none)) return share_lit<F>(in, x, r, tap);
     return soft_shadow<F>(in, x, n, r, tap);
 }

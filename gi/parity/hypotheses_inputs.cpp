@@ -11,6 +11,7 @@
 
 #include "core/parallel.h"
 #include "gi/parity/hypothesis.h"
+#include "gi/parity/slot_texels.h"
 #include "gi/parity/texel_changes.h"
 #include "gi/parity/uniform_rows.h"
 
@@ -25,30 +26,6 @@ Array* find_array(StageData& data, const std::string& name) {
 }
 
 float* numbers_of(Array& array) { return reinterpret_cast<float*>(array.bytes.data()); }
-
-// An input of floats as layers of rows of texels; a buffer is one row.
-struct Texels {
-    std::size_t layers = 1, height = 1, width = 1, channels = 1;
-
-    std::size_t count() const { return layers * height * width; }
-    std::size_t at(std::size_t layer, std::size_t y, std::size_t x) const {
-        return ((layer * height + y) * width + x) * channels;
-    }
-};
-
-Texels texels_of(const Slot& slot, const Array& array) {
-    Texels t;
-    t.channels = slot.kind == SlotKind::image_array ? 1 : std::size_t(slot.channels);
-    const Shape& s = array.shape;
-    if (slot.kind == SlotKind::buffer) {
-        t.width = array.bytes.size() / 4 / t.channels;
-    } else {
-        const std::size_t first = slot.kind == SlotKind::image_array ? 1 : 0;
-        if (first) t.layers = std::size_t(s[0]);
-        t.height = std::size_t(s[first]), t.width = std::size_t(s[first + 1]);
-    }
-    return t;
-}
 
 class InputHypotheses {
   public:

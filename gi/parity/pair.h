@@ -1,9 +1,13 @@
 // One dumped output beside ours. Private to gi/parity/.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cstring>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "core/binding.h"
 #include "gi/parity/stored.h"
@@ -59,6 +63,15 @@ struct Pair {
         return n;
     }
 };
+
+// The first output of which a dump says why nothing was written, and how many there are: ": out/a.bin is missing".
+inline std::string absent_outputs(const std::vector<Pair>& pairs) {
+    const auto is_absent = [](const Pair& p) { return !p.dumped->absent.empty(); };
+    const auto first = std::find_if(pairs.begin(), pairs.end(), is_absent);
+    if (first == pairs.end()) return "";
+    const auto all = std::count_if(pairs.begin(), pairs.end(), is_absent);
+    return ": " + first->dumped->absent + (pairs.size() > 1 ? fmt::format(" ({} of {} outputs)", all, pairs.size()) : "");
+}
 
 // All outputs that were dumped, each beside what our kernel makes of it, rounded as the target rounds. `binding`, `data`,
 // `dumped` and `options` have to outlive it.

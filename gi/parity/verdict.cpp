@@ -60,16 +60,6 @@ class Judge {
         return true;
     }
 
-    // The first output of which a dump says why nothing was written, and how many there are: ": out/a.bin is missing".
-    std::string absent() const {
-        const auto is_absent = [](const Pair& p) { return !p.dumped->absent.empty(); };
-        const auto first = std::find_if(pairs_.begin(), pairs_.end(), is_absent);
-        if (first == pairs_.end()) return "";
-        const auto all = std::count_if(pairs_.begin(), pairs_.end(), is_absent);
-        return ": " + first->dumped->absent +
-               (pairs_.size() > 1 ? fmt::format(" ({} of {} outputs)", all, pairs_.size()) : "");
-    }
-
     // Where the dump is the same at every pixel that was judged: "0" or "NaN"; else "".
     std::string one_value() const {
         bool zero = true, nan = true;
@@ -380,7 +370,7 @@ std::string one_value_text(const std::string& value) {
 }
 
 std::string unwritten_text(const Judge& judge, const StageVerdict& v) {
-    if (v.unwritten == v.pixels) return "nothing was written" + judge.absent();
+    if (v.unwritten == v.pixels) return "nothing was written" + absent_outputs(judge.pairs());
     const std::int64_t others = v.count[int(Verdict::wrong)] - v.unwritten;
     return fmt::format("{} of {} pixels were never written, in row{} {}{}{}", v.unwritten, v.pixels,
                        v.unwritten_rows[0] == v.unwritten_rows[1] ? "" : "s", v.unwritten_rows[0],

@@ -10,14 +10,17 @@
 #include "gi/frame/kept.h"
 #include "gi/parity/side_by_side.h"
 #include "gi/parity/stages.h"
+#include "tests/gi/frame_bits.h"
 #include "tests/gi/keys_of.h"
 #include "tests/gi/moving_scene.h"
 
 using namespace plumb;
+using test::labels_of;
+using test::Labels;
+using test::render;
+using test::same_bits;
 
 namespace {
-
-using Labels = std::vector<std::string>;
 
 frame::Settings settings_of(filter::Resolution resolution, filter::Blur blur,
                             rsm::Gather gather = rsm::Gather::all) {
@@ -25,22 +28,6 @@ frame::Settings settings_of(filter::Resolution resolution, filter::Blur blur,
     settings.rsm.gather = gather, settings.rsm.samples = 16;
     settings.indirect.resolution = resolution, settings.indirect.blur = blur;
     return settings;
-}
-
-frame::Frame render(const Scene& scene, const frame::Settings& settings, const RunOptions& options = {}) {
-    return frame::execute(scene, settings, frame::plan(scene, settings), options);
-}
-
-Labels labels_of(const frame::Plan& plan, const std::string& start) {
-    Labels labels;
-    for (const frame::PlannedStage& s : plan.stages)
-        if (s.name.rfind(start, 0) == 0) labels.push_back(s.label);
-    return labels;
-}
-
-bool same_bits(const Image4& a, const Image4& b) {
-    return a.width == b.width && a.height == b.height &&
-           std::memcmp(a.data(), b.data(), a.size() * sizeof(glm::vec4)) == 0;
 }
 
 const filter::Resolution resolutions[] = {filter::Resolution::full, filter::Resolution::half};

@@ -10,15 +10,18 @@
 #include "gi/frame/kept.h"
 #include "gi/parity/side_by_side.h"
 #include "gi/parity/stages.h"
+#include "tests/gi/frame_bits.h"
 #include "tests/gi/keys_of.h"
 #include "tests/gi/moving_scene.h"
 
 using namespace plumb;
+using test::labels_of;
+using test::Labels;
+using test::render;
+using test::same_bits;
 using direct::VisibilityFilter;
 
 namespace {
-
-using Labels = std::vector<std::string>;
 
 frame::Settings settings_of(VisibilityFilter filter, frame::Method method = frame::Method::direct) {
     frame::Settings settings;
@@ -26,21 +29,6 @@ frame::Settings settings_of(VisibilityFilter filter, frame::Method method = fram
     settings.shadow.mode = direct::ShadowMode::hard, settings.shadow.test = direct::ShadowTest::depth;
     settings.shadow.filter = filter, settings.shadow.filter_radius = 2, settings.shadow.filter_sigma = 1;
     return settings;
-}
-
-frame::Frame render(const Scene& scene, const frame::Settings& settings, const RunOptions& options = {}) {
-    return frame::execute(scene, settings, frame::plan(scene, settings), options);
-}
-
-Labels labels_of(const frame::Plan& plan, const std::string& start) {
-    Labels labels;
-    for (const frame::PlannedStage& s : plan.stages)
-        if (s.name.rfind(start, 0) == 0) labels.push_back(s.label);
-    return labels;
-}
-
-bool same_bits(const Image4& a, const Image4& b) {
-    return a.width == b.width && a.height == b.height && std::memcmp(a.data(), b.data(), a.size() * sizeof(glm::vec4)) == 0;
 }
 
 const VisibilityFilter filters[] = {VisibilityFilter::none, VisibilityFilter::gaussian, VisibilityFilter::edge_aware};
