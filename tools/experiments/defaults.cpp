@@ -139,13 +139,13 @@ void add_defaults(CLI::App& experiment, Action& action) {
     command->add_option("--set", request.sets, "table.key=value in place of a default, to see what would become of it; may be repeated")->allow_extra_args(false)->type_name("T.K=V");
     command->add_option("--spp", request.samples, "paths a pixel of the truths; 64 otherwise")->check(CLI::Range(4, 65536).description(""))->type_name("N");
     command->add_option("--runs", request.runs, "each with a seed of its own; the time is their median; 3 otherwise")->check(CLI::Range(1, 1000).description(""))->type_name("N");
-    command->add_flag("--no-cache", request.no_cache, "trace truths and bakes anew");
+    command->add_flag("--no-cache", request.no_cache, "trace truths anew");
     add_common(*command, given->common);
     command->footer(
         "A setting's error is the RMSE of the layer that it decides over (direct or indirect irradiance, open share, or the picture) against\n"
         "a path traced one, over the truth's mean and without the truth's noise; +- is its standard error over seeds. A default is off the\n"
         "front where an alternative that takes no longer errs less by more than a tenth and by more than two standard errors. Exit code 1:\n"
-        "one is. Times need an idle machine.");
+        "one is. Times are of a frame, with the bake or the solution that it shows; they need an idle machine.");
     command->callback([given, &action] { action = [=] { return run_defaults(*given); }; });
 }
 
