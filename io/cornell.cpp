@@ -135,6 +135,7 @@ pcf_kernel = 2                   # a border of two texels shows no stairs
 [rsm]                            # samples span the map, so that the ceiling, which the map does not see, gathers all
 radius = 1
 projection = "clamped"
+thickness = 0.1                  # m: of what a sample stands for
 )";
 }
 

@@ -76,35 +76,41 @@ Receiver receiver(ivec2 pixel, vec3 x, vec3 n) {
     return Receiver(from_eye, d_p, bias, x, facing, pixel, n, false, least, reach);
 }
 
-// The normal of the surface that x lies on, of x, a pixel in its row and one in its column: of four such planes the nearest
-// to n, or n. Turned to the light.
-vec3 surface_normal(Receiver r) {
-    ivec2 pixel = r.pixel;
-    vec3 x = r.x, n = r.n;
+// What one axis of the picture tells of the surface of x: the step to the next pixel where that and the one behind it go on as
+// the surface does.
+struct Step {
+    vec3 along;
+    bool known;
+};
+Step goes_on(vec3 x, ivec2 pixel, ivec2 way) {
     ivec2 last = ivec2(u.width - 1, u.height - 1);
-    precise vec3 across[2] = vec3[2](texelFetch(position_image, ivec2(min(pixel.x + 1, last.x), pixel.y), 0).xyz - x,
-                                     texelFetch(position_image, ivec2(max(pixel.x - 1, 0), pixel.y), 0).xyz - x);
-    precise vec3 down[2] = vec3[2](texelFetch(position_image, ivec2(pixel.x, min(pixel.y + 1, last.y)), 0).xyz - x,
-                                   texelFetch(position_image, ivec2(pixel.x, max(pixel.y - 1, 0)), 0).xyz - x);
-    vec3 surface = n;
-    float nearest = 0.5;
-    for (int k = 0; k < 4; ++k) {
-        vec3 e1 = across[k % 2], e2 = down[k / 2];
-        float large1 = max(abs(e1.x), max(abs(e1.y), abs(e1.z)));
-        float large2 = max(abs(e2.x), max(abs(e2.y), abs(e2.z)));
-        precise float scale = 1.0 / max(max(large1, large2), 1e-37);
-        precise vec3 a = e1 * scale, b = e2 * scale;
-        precise vec3 face = vec3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
-        precise float d2 = face.x * face.x + face.y * face.y + face.z * face.z;
-        precise vec3 plane = face / max(sqrt(d2), 1e-30);
-        precise float cosine = abs(plane.x * n.x + plane.y * n.y + plane.z * n.z);
-        // Nearer by more than rounding: of four that are one plane the first is taken.
-        precise float limit = nearest + 0.015625;
-        if (cosine > limit) {
-            nearest = cosine;
-            surface = plane;
-        }
-    }
+    vec3 a = texelFetch(position_image, clamp(pixel + way, ivec2(0), last), 0).xyz;
+    vec3 b = texelFetch(position_image, clamp(pixel + 2 * way, ivec2(0), last), 0).xyz;
+    precise vec3 along = a - x;
+    precise vec3 bend = (b - a) - along;
+    precise float bend2 = bend.x * bend.x + bend.y * bend.y + bend.z * bend.z;
+    precise float along2 = along.x * along.x + along.y * along.y + along.z * along.z;
+    precise float limit = 0.25 * along2;
+    return Step(along, bend2 < limit);
+}
+Step step_along(vec3 x, ivec2 pixel, ivec2 way) {
+    Step first = goes_on(x, pixel, way), other = goes_on(x, pixel, -way);
+    return Step(first.known ? first.along : other.along, first.known || other.known);
+}
+
+// The normal of the surface that x lies on, turned to the light, from the pixels around; else n.
+vec3 surface_normal(Receiver r) {
+    Step row = step_along(r.x, r.pixel, ivec2(1, 0));
+    Step column = step_along(r.x, r.pixel, ivec2(0, 1));
+    vec3 e1 = row.along, e2 = column.along;
+    float large1 = max(abs(e1.x), max(abs(e1.y), abs(e1.z)));
+    float large2 = max(abs(e2.x), max(abs(e2.y), abs(e2.z)));
+    precise float scale = 1.0 / max(max(large1, large2), 1e-37);
+    precise vec3 a = e1 * scale, b = e2 * scale;
+    precise vec3 face = vec3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+    precise float d2 = face.x * face.x + face.y * face.y + face.z * face.z;
+    precise vec3 plane = face / max(sqrt(d2), 1e-30);
+    vec3 surface = row.known && column.known ? plane : r.n;
     vec3 axis = u.forward.xyz;
     precise float s_a = surface.x * axis.x + surface.y * axis.y + surface.z * axis.z;
     precise float s_ray = surface.x * r.from_eye.x + surface.y * r.from_eye.y + surface.z * r.from_eye.z;

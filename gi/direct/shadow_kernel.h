@@ -123,35 +123,44 @@ PLUMB_INLINE Receiver<F> receiver(const ShadowUniforms& u, index_t<F> px, index_
     return {from_eye, d_p, bias, x, n * turned, px, py, n, false, least, reach};
 }
 
-// The normal of the surface that x lies on, of the plane through x, a pixel in its row and one in its column: a normal map
-// does not bend it. At an edge one of the four such planes is the surface's and three cross it; the nearest to n is taken. Where
-// none is within 60 degrees of n, it is n. Turned to the light.
+// What one axis of the picture tells of the surface of x: the step to the next pixel where that and the one behind it go on as
+// the surface does, so that x - 2 a + b is less than half of a - x; to the right (down) if they do, else to the left (up).
+template <class F>
+struct Step {
+    vec3<F> along;  // m
+    mask_t<F> known;
+};
+template <class F, class At>
+PLUMB_INLINE Step<F> step_along(const vec3<F>& x, const At& at) {
+    auto goes_on = [&](int way) -> Step<F> {
+        const vec3<F> a = at(way), b = at(2 * way);
+        const vec3<F> along{a.x - x.x, a.y - x.y, a.z - x.z};
+        const vec3<F> bend{(b.x - a.x) - along.x, (b.y - a.y) - along.y, (b.z - a.z) - along.z};
+        return {along, dot3(bend, bend) < F(0.25f) * dot3(along, along)};
+    };
+    const Step<F> first = goes_on(1), other = goes_on(-1);
+    return {select3<F>(first.known, first.along, other.along), first.known | other.known};
+}
+
+// The normal of the surface that x lies on, turned to the light, from the pixels around: a normal map does not bend it. Where
+// no two pixels beside x go on as its surface does, in a row or in a column, it is n. Beyond the border the last pixel stands
+// in, which goes on as nothing does.
 template <class F, class Tap>
 PLUMB_INLINE vec3<F> surface_normal(const ShadowInputsView& in, const Receiver<F>& r, Tap& tap) {
     using N = number<F>;
     using I = index_t<F>;
-    auto from_x = [&](I column, I row) {
-        const vec3<F> p = xyz<F>(N::fetch4(in.position, row * I(in.u.width) + column));
-        return vec3<F>{p.x - r.x.x, p.y - r.x.y, p.z - r.x.z};
-    };
-    // Beyond the border the pixel itself stands in: a plane of length 0, which is near to nothing.
-    const vec3<F> across[2] = {from_x(min(r.px + I(1), I(in.u.width - 1)), r.py), from_x(max(r.px - I(1), I(0)), r.py)};
-    const vec3<F> down[2] = {from_x(r.px, min(r.py + I(1), I(in.u.height - 1))), from_x(r.px, max(r.py - I(1), I(0)))};
-    vec3<F> surface = r.n;
-    F nearest(0.5f);
-    for (int k = 0; k < 4; ++k) {
-        const vec3<F> plane = raster::normalised(raster::face_normal(across[k % 2], down[k / 2]));
-        const F cosine = abs(dot3(plane, r.n));
-        // Nearer by more than rounding: of four that are one plane the first is taken.
-        const mask_t<F> nearer = cosine > nearest + F(0.015625f);
-        nearest = select(nearer, cosine, nearest);
-        surface = select3<F>(nearer, plane, surface);
-    }
+    const I right(in.u.width - 1), bottom(in.u.height - 1);
+    auto position = [&](I column, I row) { return xyz<F>(N::fetch4(in.position, row * I(in.u.width) + column)); };
+    const Step<F> row = step_along<F>(r.x, [&](int d) { return position(min(max(r.px + I(d), I(0)), right), r.py); });
+    const Step<F> column = step_along<F>(r.x, [&](int d) { return position(r.px, min(max(r.py + I(d), I(0)), bottom)); });
+    const vec3<F> plane = raster::normalised(raster::face_normal(row.along, column.along));
+    const vec3<F> surface = select3<F>(row.known & column.known, plane, r.n);
     const vec3<F> axis{F(in.u.forward[0]), F(in.u.forward[1]), F(in.u.forward[2])};
     const F along_ray = in.u.perspective > 0.0f ? dot3(surface, r.from_eye) : dot3(surface, axis);
-    surface = surface * select(along_ray > F(0.0f), F(-1.0f), F(1.0f));
-    tap("surface", surface, "normal of x and two pixels beside it, turned to the light");
-    return surface;
+    const F turned = select(along_ray > F(0.0f), F(-1.0f), F(1.0f));
+    const vec3<F> facing = surface * turned;
+    tap("surface", facing, "normal of the surface by the pixels around x, turned to the light");
+    return facing;
 }
 
 template <class F>
