@@ -30,6 +30,7 @@ Rows vrsm() {
         row("render", "layout", word("vrsm")),           // 4.2 to 4.4: RGBA16F, linear depth in alpha
         row("rsm", "gather", word("paths")),             // 3.2, Algorithms 1 and 5
         row("rsm", "variant", word("corrected")),
+        // rsm.radius, how far paths reach, is open and a length of the map: the scene's.
         row("rsm", "directions", 15.0),                  // 4.4
         row("rsm", "steps", 10.0),
         row("rsm", "spacing", word("geometric")),        // 3.2 has density fall and weights grow by squares, which is geometric;
@@ -59,7 +60,9 @@ Rows vrsm() {
         row("shadow", "variant", word("corrected")),
         row("shadow", "test", word("depth")),            // Algorithm 4
         row("shadow", "kernel", 4.0),                    // 4.3, a tiny kernel; even, as the loop's limits ask
-        row("shadow", "bias", 0.001),                    // 4.3, constant; open
+        row("shadow", "bias", 0.001),                    // 4.3; open. Constant there: as `published` has it
+        row("shadow", "slope_bias", 1.0),                // ours, as the next; a constant bias leaves acne
+        row("shadow", "max_slope", 16.0),
         row("shadow", "filter", word("none")),
         row("direct", "variant", word("corrected")),
         row("compose", "shadow_color", glm::vec3(0)),    // 4.3; open

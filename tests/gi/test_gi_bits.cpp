@@ -245,6 +245,33 @@ TEST_CASE("shadow: the same bits for every instruction set and thread count", "[
     }
 }
 
+// Terraces, so that in a packet some pixels go on as their neighbours do and some do not, and some ask for that and some do not.
+TEST_CASE("shadow by planes: the same bits for every instruction set and thread count", "[shadow][bits]") {
+    for (glm::ivec2 size : sizes) {
+        Image4 position(size.x, size.y);
+        const Image4 normal = noise_normals(size.x, size.y, 1);
+        for (int y = 0; y < size.y; ++y)
+            for (int x = 0; x < size.x; ++x)
+                position(x, y) = glm::vec4(2 * (x + 0.5f) / float(size.x) - 1, 0.2f * float((x / 5 + y / 3) % 4) - 0.3f, 2 * (y + 0.5f) / float(size.y) - 1, 0);
+        const raster::Rsm map = noise_map(24, false);
+        for (const bool picture : {false, true})
+            for (const direct::ShadowMode mode : {direct::ShadowMode::hard, direct::ShadowMode::density, direct::ShadowMode::pcf})
+                for (const direct::ShadowTest test : {direct::ShadowTest::plane, direct::ShadowTest::planes}) {
+                    CAPTURE(size.x, size.y, picture, int(mode), int(test));
+                    require_same_bits([&](const RunOptions& options, Image4& out) {
+                        Buffer<float> visibility(std::size_t(size.x) * size.y, -1.0f);
+                        direct::run(direct::ShadowParams{.mode = mode, .test = test},
+                                    {&position, &normal, {&map, 1}, nullptr, {}, 0x1p-22f, picture}, options, visibility.data());
+                        out = Image4(size.x, size.y);
+                        for (std::size_t i = 0; i < out.size(); ++i) {
+                            REQUIRE((visibility[i] >= 0 && visibility[i] <= 1));
+                            out.texels[i].x = visibility[i];
+                        }
+                    });
+                }
+    }
+}
+
 TEST_CASE("compose, tonemap: the same bits for every instruction set and thread count", "[compose][bits]") {
     for (glm::ivec2 size : sizes) {
         CAPTURE(size.x, size.y);
