@@ -246,7 +246,7 @@ TEST_CASE("shadow: the same bits for every instruction set and thread count", "[
 }
 
 // Terraces, so that in a packet some pixels go on as their neighbours do and some do not, and some ask for that and some do not.
-TEST_CASE("shadow by planes: the same bits for every instruction set and thread count", "[shadow][bits]") {
+TEST_CASE("shadow by planes of a picture: the same bits for every instruction set and thread count", "[shadow][bits]") {
     for (glm::ivec2 size : sizes) {
         Image4 position(size.x, size.y);
         const Image4 normal = noise_normals(size.x, size.y, 1);
