@@ -253,7 +253,8 @@ TEST_CASE("shadow by planes of a picture: the same bits for every instruction se
         for (int y = 0; y < size.y; ++y)
             for (int x = 0; x < size.x; ++x)
                 position(x, y) = glm::vec4(2 * (x + 0.5f) / float(size.x) - 1, 0.2f * float((x / 5 + y / 3) % 4) - 0.3f, 2 * (y + 0.5f) / float(size.y) - 1, 0);
-        const raster::Rsm map = noise_map(24, false);
+        raster::Rsm map = noise_map(24, false);
+        map.normal = noise_normals(24, 24, 2);
         for (const bool picture : {false, true})
             for (const direct::ShadowMode mode : {direct::ShadowMode::hard, direct::ShadowMode::density, direct::ShadowMode::pcf})
                 for (const direct::ShadowTest test : {direct::ShadowTest::plane, direct::ShadowTest::planes}) {
