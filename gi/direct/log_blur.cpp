@@ -41,10 +41,10 @@ Buffer<float> blur_weights(const ShadowParams& params) {
 
 StageData data_of(const ShadowParams& params, const LogBlurInputs& in) {
     ShadowParams copy = params;
-    validate_fields("shadow.blur", fields(copy));
-    const glm::ivec2 size = size_of(bound("shadow.blur", "map", in.map));
+    validate_fields(log_blur_stage, fields(copy));
+    const glm::ivec2 size = size_of(bound(log_blur_stage, "map", in.map));
     if (!(in.range > 0 && in.range < unbounded))
-        throw InputError(fmt::format("shadow.blur: range = {} m: expected a finite length above 0", in.range));
+        throw InputError(fmt::format("{}: range = {} m: expected a finite length above 0", log_blur_stage, in.range));
     StageData d = begin_data<LogBlurKernel>(
         size, LogBlurUniforms{size.x, size.y, params.esm_blur_radius, in.direction == Direction::vertical ? 1 : 0,
                               per_metre(params.esm_c, in.range), {}});

@@ -28,11 +28,13 @@ struct LogBlurInputs {
     double range = 1;             // m: depth_range()
 };
 
+inline constexpr const char* log_blur_stage = "shadow.blur";
+
 inline StageDescription<LogBlurInputsView> describe(LogBlurKernel) {
     using View = LogBlurInputsView;
     ShadowParams defaults;
     return {
-        .name = "shadow.blur",
+        .name = log_blur_stage,
         .source = "ISR 4.6 (logarithmic blur of the shadow map)",
         .domain = "texel",
         .inputs = {{.name = "depth_map", .at = &View::depth_map, .unit = "m",

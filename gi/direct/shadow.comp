@@ -236,9 +236,7 @@ float soft_shadow(vec3 x, vec3 n, Receiver r) {
     ivec2 first = ivec2(floor(place));
     precise vec2 fraction = place - vec2(first);                TAP(fraction, fraction);
     float factor = u.published != 0 ? printed_cosine(n, r) : 1.0;
-    float bias = u.published == 0 ? r.bias : (u.soft == 1 ? u.bias : 0.0);
-
-    Receiver biased = Receiver(r.from_eye, r.d_p, bias, r.x, r.n, r.pixel, r.surface, r.asked, r.least, r.reach);
+    if (u.published != 0) r.bias = u.soft == 1 ? u.bias : 0.0;
 
     precise float sum = 0.0;
     float upper = 0.0;
@@ -250,9 +248,9 @@ float soft_shadow(vec3 x, vec3 n, Receiver r) {
             MapTexel t = texel_at(first + ivec2(i - before, j - before));
             float lit;
             if (u.soft == 1) {
-                lit = shadows(biased, t) ? 0.0 : 1.0;
+                lit = shadows(r, t) ? 0.0 : 1.0;
             } else {
-                precise float behind = max(0.0, (r.d_p - t.depth) - bias) * factor;
+                precise float behind = max(0.0, (r.d_p - t.depth) - r.bias) * factor;
                 TAP(behind, behind);
                 precise float exponent = -(u.c * behind);
                 lit = t.inside && t.depth > 0.0 ? det_exp(exponent) : 1.0;

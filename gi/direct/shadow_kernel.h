@@ -277,7 +277,7 @@ PLUMB_INLINE F printed_cosine(const ShadowUniforms& u, const vec3<F>& n, const R
 // PCF and ESM: the (k + 1)^2 texels that a square of k x k texels around the projection touches, weighed by the share of
 // each that it covers. Of k = 1: four, bilinearly.
 template <class F, class Tap>
-PLUMB_INLINE F soft_shadow(const ShadowInputsView& in, const vec3<F>& x, const vec3<F>& n, const Receiver<F>& r,
+PLUMB_INLINE F soft_shadow(const ShadowInputsView& in, const vec3<F>& x, const vec3<F>& n, Receiver<F>& r,
                            Tap& tap) {
     using raster::chosen;
     using N = number<F>;
@@ -292,9 +292,7 @@ PLUMB_INLINE F soft_shadow(const ShadowInputsView& in, const vec3<F>& x, const v
     const vec2<F> fraction{place.x - N::from_index(first.x), place.y - N::from_index(first.y)};
     tap("fraction", fraction, "weight of the last column and row of texels; of the first, 1 - it");
     const F factor = u.published != 0 ? printed_cosine<F>(u, n, r, tap) : F(1.0f);
-    const F bias = u.published == 0 ? r.bias : F(u.soft == int(Soft::pcf) ? u.bias : 0.0f);
-
-    Receiver<F> biased{r.from_eye, r.d_p, bias, r.x, r.n, r.px, r.py, r.surface, r.asked, r.least, r.reach};
+    if (u.published != 0) r.bias = F(u.soft == int(Soft::pcf) ? u.bias : 0.0f);
 
     F sum(0.0f), upper(0.0f);
     for (int j = 0; j <= k; ++j) {
@@ -304,9 +302,9 @@ PLUMB_INLINE F soft_shadow(const ShadowInputsView& in, const vec3<F>& x, const v
             const MapTexel<F> t = texel_at<F>(in, {first.x + I(i - before), first.y + I(j - before)}, tap);
             F lit;
             if (u.soft == int(Soft::pcf)) {
-                lit = select(shadows<F>(in, biased, t, tap), F(0.0f), F(1.0f));
+                lit = select(shadows<F>(in, r, t, tap), F(0.0f), F(1.0f));
             } else {
-                const F behind = max(F(0.0f), (r.d_p - t.depth) - bias) * factor;
+                const F behind = max(F(0.0f), (r.d_p - t.depth) - r.bias) * factor;
                 tap("behind", behind, "max(0, d_p - d_map - bias), m; as printed times the cosine");
                 lit = select(t.inside & (t.depth > F(0.0f)), detmath::exp(-(F(u.c) * behind)), F(1.0f));
             }

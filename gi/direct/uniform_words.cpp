@@ -1,5 +1,8 @@
 #include "gi/uniform_words.h"
 
+#include "gi/direct/log_blur.h"
+#include "gi/direct/visibility_filter.h"
+
 namespace plumb::direct {
 
 std::vector<StageWords> uniform_words() {
@@ -7,11 +10,11 @@ std::vector<StageWords> uniform_words() {
         {"direct",
          {{"lights", "", "how many: layers of visibility"},
           {"density", "", "1: w of the output is the shadow density; 2: density, and E / pi", "0: w is 0"}}},
-        {"shadow.blur",
+        {log_blur_stage,
          {{"radius", "texels", "of the blur"},
           {"vertical", "", "0 along rows, 1 along columns"},
           {"c", "1/m", "of ISR (30): exponent for each metre behind the map"}}},
-        {"shadow.filter",
+        {visibility_filter_stage,
          {{"radius", "pixels", "of the kernel"},
           {"vertical", "", "0 along rows, 1 along columns"},
           {"kind", "", "0: the Gaussian alone; 1: times how alike pixels are"},

@@ -8,8 +8,6 @@ namespace plumb::direct {
 
 namespace {
 
-constexpr const char* stage_name = "shadow.filter";
-
 Buffer<float> weights_of(const ShadowParams& params) {
     filter::FilterParams of;
     of.kernel = 2 * params.filter_radius + 1, of.sigma_distance = params.filter_sigma;
@@ -20,10 +18,10 @@ Buffer<float> weights_of(const ShadowParams& params) {
 
 StageData data_of(const ShadowParams& params, const VisibilityFilterInputs& in) {
     ShadowParams copy = params;
-    validate_fields(stage_name, fields(copy));
-    const glm::ivec2 size = size_of(bound(stage_name, "normal", in.normal));
-    if (!in.visibility) throw InputError(fmt::format("{}: visibility must be bound", stage_name));
-    if (params.filter == VisibilityFilter::none) throw InputError(fmt::format("{}: filter is none", stage_name));
+    validate_fields(visibility_filter_stage, fields(copy));
+    const glm::ivec2 size = size_of(bound(visibility_filter_stage, "normal", in.normal));
+    if (!in.visibility) throw InputError(fmt::format("{}: visibility must be bound", visibility_filter_stage));
+    if (params.filter == VisibilityFilter::none) throw InputError(fmt::format("{}: filter is none", visibility_filter_stage));
     const bool edges = params.filter == VisibilityFilter::edge_aware;
     const float slope = 1 / params.filter_sigma_normal;
     StageData d = begin_data<VisibilityFilterKernel>(
@@ -38,7 +36,7 @@ StageData data_of(const ShadowParams& params, const VisibilityFilterInputs& in) 
 }
 
 void filter_visibility(const ShadowParams& params, const VisibilityFilterInputs& in, const RunOptions& options, float* filtered) {
-    const std::size_t pixels = bound(stage_name, "normal", in.normal).size();
+    const std::size_t pixels = bound(visibility_filter_stage, "normal", in.normal).size();
     if (params.filter == VisibilityFilter::none) {
         std::copy_n(in.visibility, pixels, filtered);
         return;

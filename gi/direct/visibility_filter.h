@@ -15,11 +15,13 @@ struct VisibilityFilterInputs {
     Direction direction = Direction::horizontal;
 };
 
+inline constexpr const char* visibility_filter_stage = "shadow.filter";
+
 inline StageDescription<VisibilityFilterView> describe(VisibilityFilterKernel) {
     using View = VisibilityFilterView;
     ShadowParams defaults;
     return {
-        .name = "shadow.filter",
+        .name = visibility_filter_stage,
         .source = "ISR 4.7 (shadows in a screen-sized buffer, filtered); edge_aware: VRSM 4.5",
         .domain = "pixel",
         .inputs = {{.name = "visibility", .at = &View::visibility, .meaning = "1 lit, 0 shadowed", .channels = 1},

@@ -89,7 +89,7 @@ void add_shadow(Context& c, int l, int view, Nodes& nodes) {
     const StageBinding& binding = stage<direct::ShadowKernel>();
     const glm::ivec2 size = c.views[std::size_t(view)].size;
     const std::size_t pixels = c.pixels(view);
-    const char* reader = filters_shadows(c.settings) ? "shadow.filter reads it" : "direct light reads it";
+    const std::string reader = filters_shadows(c.settings) ? std::string(direct::visibility_filter_stage) + " reads it" : "direct light reads it";
     PlannedNode node = begin_node(c, binding, "shadow", view > 0 ? "" : reader, double(pixels), l);
     set_view(c, node, view);
     node.of_pixels = node.by_name = view == 0, node.direct = true;

@@ -389,6 +389,40 @@ TEST_CASE("shadow by planes: what is farther away than a surface's own texels sh
     }
 }
 
+// The limit of the slope ends the reach, too: of a surface at a cosine of 0.03 it is 16 texels of k', and not 33.
+TEST_CASE("shadow by planes: what hangs before a grazed surface beyond its limited reach shadows it", "[shadow][leak][analytic]") {
+    const Light light = sun({0, -1, 0});
+    const glm::dvec3 n = unit({1, 0.03, 0});
+    const Patch wall{{0, -0.5, 0}, n};
+    const LightOf plane(light, 1024, {wall});
+    const double texel = plane.map.texel_scale;
+    std::vector<Seen> points;
+    for (double t = 511.2; t < 513; t += 0.1) points.push_back(plane.at(t, 500.4));
+    for (const auto& [mode, taps] : {std::pair{ShadowMode::hard, 1.0}, std::pair{ShadowMode::pcf, 2.0}}) {
+        const LightOf of(light, 1024, {wall, {{0, -0.5 + 24 * taps * texel, 0}, n}});
+        ShadowParams params = params_of(mode, 1);
+        params.least_sine = 0.1f;
+        CAPTURE(int(mode));
+        for (const float v : visibility_of(params, of.map, points)) CHECK(v == 0);
+        CHECK(below_one(visibility_of(params, plane.map, points)) == 0);
+    }
+}
+
+// Half a bias behind the plane of a wall is on it.
+TEST_CASE("shadow by planes: a point on the plane of what the light sees is not under it", "[shadow][seam][analytic]") {
+    const Patch floor{{0, -0.5, 0}, {0, 1, 0}, [](const glm::dvec3& x) { return x.x >= -0.2; }};
+    const Patch wall{{-0.2, -0.5, 0}, {1, 0, 0}, [](const glm::dvec3& x) { return x.y >= -0.5; }};
+    const LightOf of(sun({-0.5f, -0.8f, 0.1f}), 64, {floor, wall});
+    ShadowParams params = params_of(ShadowMode::density, 4);
+    params.bias = 1e-3f;
+    for (const auto& [behind, lit] : {std::pair{0.5e-3, true}, std::pair{5e-3, false}}) {
+        std::vector<Seen> points;
+        for (int k = 0; k < 16; ++k) points.push_back({{-0.2 - behind, -0.5, 0.05 * (k - 8)}, {0, 1, 0}, 1});
+        CAPTURE(behind);
+        CHECK((below_one(visibility_of(params, of.map, points)) == 0) == lit);
+    }
+}
+
 // Halves of coordinates up to 2 m are 2^-10 m apart: far more than the bias.
 TEST_CASE("shadow by planes: positions that are stored as halves take the rounding of the layout", "[shadow][acne]") {
     CHECK(direct::rounding_of(raster::Layout::fp32) == 0x1p-22f);
