@@ -1,4 +1,5 @@
 // Twin of surface_kernel.h: the same functions, in the same order. Every buffer is bound as the kernel reads it.
+#include "raster/normal.glsl"
 #include "raster/texture.glsl"
 
 layout(std430, binding = 1) readonly buffer Vertices { vec4 vertices[]; };    // [vertex][2]: position m, u; normal, v
@@ -24,18 +25,6 @@ struct Surface {
     vec3 emission;
 };
 
-float dot3(vec3 a, vec3 b) {
-    precise float sum = a.x * b.x + a.y * b.y + a.z * b.z;
-    return sum;
-}
-
-float largest3(vec3 v) { return max(abs(v.x), max(abs(v.y), abs(v.z))); }
-
-vec3 cross3(vec3 a, vec3 b) {
-    precise vec3 c = vec3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
-    return c;
-}
-
 float interpolate(float a, float e1, float e2, vec2 l) {
     precise float value = a + (e1 * l.x + e2 * l.y);
     return value;
@@ -44,24 +33,11 @@ vec3 interpolate3(vec3 a, vec3 e1, vec3 e2, vec2 l) {
     return vec3(interpolate(a.x, e1.x, e2.x, l), interpolate(a.y, e1.y, e2.y, l), interpolate(a.z, e1.z, e2.z, l));
 }
 
-vec3 face_normal(vec3 e1, vec3 e2) {
-    precise float scale = 1.0 / max(max(largest3(e1), largest3(e2)), 1e-37);
-    precise vec3 a = e1 * scale;
-    precise vec3 b = e2 * scale;
-    return cross3(a, b);
-}
-
 float side_of(float x) { return x < 0.0 ? -1.0 : 1.0; }
 
 float viewed_side(vec3 face, vec3 n, vec3 to_viewer) {
     precise float side = side_of(dot3(face, to_viewer)) * side_of(dot3(face, n));
     return side;
-}
-
-vec3 normalised(vec3 n) {
-    precise float length_n = max(sqrt(dot3(n, n)), 1e-30);
-    precise vec3 unit = vec3(n.x / length_n, n.y / length_n, n.z / length_n);
-    return unit;
 }
 
 struct MaterialRow {

@@ -2,6 +2,7 @@
 // Twin of shadow_kernel.h: shadow tests against a light's depth map. A point light takes six dispatches, a face each.
 #extension GL_GOOGLE_include_directive : require
 #include "core/detmath.glsl"
+#include "raster/normal.glsl"
 #include "raster/project.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
@@ -88,10 +89,8 @@ Step goes_on(vec3 x, ivec2 pixel, ivec2 way) {
     vec3 b = texelFetch(position_image, clamp(pixel + 2 * way, ivec2(0), last), 0).xyz;
     precise vec3 along = a - x;
     precise vec3 bend = (b - a) - along;
-    precise float bend2 = bend.x * bend.x + bend.y * bend.y + bend.z * bend.z;
-    precise float along2 = along.x * along.x + along.y * along.y + along.z * along.z;
-    precise float limit = 0.25 * along2;
-    return Step(along, bend2 < limit);
+    precise float limit = 0.25 * dot3(along, along);
+    return Step(along, dot3(bend, bend) < limit);
 }
 Step step_along(vec3 x, ivec2 pixel, ivec2 way) {
     Step first = goes_on(x, pixel, way), other = goes_on(x, pixel, -way);
@@ -102,19 +101,10 @@ Step step_along(vec3 x, ivec2 pixel, ivec2 way) {
 vec3 surface_normal(Receiver r) {
     Step row = step_along(r.x, r.pixel, ivec2(1, 0));
     Step column = step_along(r.x, r.pixel, ivec2(0, 1));
-    vec3 e1 = row.along, e2 = column.along;
-    float large1 = max(abs(e1.x), max(abs(e1.y), abs(e1.z)));
-    float large2 = max(abs(e2.x), max(abs(e2.y), abs(e2.z)));
-    precise float scale = 1.0 / max(max(large1, large2), 1e-37);
-    precise vec3 a = e1 * scale, b = e2 * scale;
-    precise vec3 face = vec3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
-    precise float d2 = face.x * face.x + face.y * face.y + face.z * face.z;
-    precise vec3 plane = face / max(sqrt(d2), 1e-30);
+    vec3 plane = normalised(face_normal(row.along, column.along));
     vec3 surface = row.known && column.known ? plane : r.n;
     vec3 axis = u.forward.xyz;
-    precise float s_a = surface.x * axis.x + surface.y * axis.y + surface.z * axis.z;
-    precise float s_ray = surface.x * r.from_eye.x + surface.y * r.from_eye.y + surface.z * r.from_eye.z;
-    float along_ray = u.perspective > 0.0 ? s_ray : s_a;
+    float along_ray = u.perspective > 0.0 ? dot3(surface, r.from_eye) : dot3(surface, axis);
     surface = surface * (along_ray > 0.0 ? -1.0 : 1.0);         TAP(surface, surface);
     return surface;
 }
@@ -161,7 +151,7 @@ bool shadows(inout Receiver r, MapTexel t) {
         }
         precise float over = r.surface.x * v.x + r.surface.y * v.y + r.surface.z * v.z;
         TAP(over, over);
-        above = above && over > on_it;
+        above = over > on_it;
     }
     if (u.test == 1) return above;
     vec3 n_m = texelFetch(map_normal, t.index, 0).xyz;
