@@ -102,7 +102,7 @@ vec3 surface_normal(Receiver r) {
     Step row = step_along(r.x, r.pixel, ivec2(1, 0));
     Step column = step_along(r.x, r.pixel, ivec2(0, 1));
     vec3 plane = normalised(face_normal(row.along, column.along));
-    vec3 surface = row.known && column.known ? plane : r.n;
+    precise vec3 surface = row.known && column.known ? plane : r.n;
     vec3 axis = u.forward.xyz;
     float along_ray = u.perspective > 0.0 ? dot3(surface, r.from_eye) : dot3(surface, axis);
     surface = surface * (along_ray > 0.0 ? -1.0 : 1.0);         TAP(surface, surface);
