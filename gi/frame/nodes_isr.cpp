@@ -251,8 +251,8 @@ class Adder {
         auto result = [=, &c = c_]() -> Image4& { return last ? c.frame.indirect : c.frame.isr.*to; };
         node.leave_out = open(coarse(), result);
         push(std::move(node),
-             [=, &c = c_] {
-                 isr::BlurInputs in{&(c.frame.isr.*from), &c.frame.isr.surface};
+             [=, &c = c_, camera = frame_camera()] {
+                 isr::BlurInputs in{&(c.frame.isr.*from), &c.frame.isr.surface, camera};
                  in.direction = direction;
                  return in;
              },

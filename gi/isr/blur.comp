@@ -6,6 +6,9 @@
 layout(local_size_x = 8, local_size_y = 8) in;
 
 layout(std140, binding = 0) uniform BlurUniforms {
+    vec4 right;     // xyz: what x of a pixel adds to its ray at eye depth 1, m; of edge_aware alone
+    vec4 down;
+    vec4 origin;
     int width;
     int height;
     int radius;
@@ -17,7 +20,7 @@ layout(binding = 2) uniform sampler2D surface_image;  // xyz unit normal, w line
 layout(std430, binding = 3) readonly buffer Spatial { float spatial[]; };  // [2 radius + 1]
 layout(binding = 4, rgba32f) uniform writeonly image2D blurred_image;
 
-const float edge_depth = 0.05;
+const float edge_distance = 0.02;
 
 struct BlurTexel {
     vec3 irradiance;
@@ -41,19 +44,38 @@ BlurTexel at(ivec2 pixel, int d) {
     return BlurTexel(lit.xyz, lit.w, covered ? 1.0 : 0.0, normal, surface.w);
 }
 
-// max(0, 1 - q^2) max(0, n . n_i).
-float edge_weight(BlurTexel c, BlurTexel t) {
-    precise float q = (t.depth - c.depth) / max(edge_depth * c.depth, 1e-37);
-    precise float of_depth = max(0.0, 1.0 - q * q);             TAP(of_depth, of_depth);
-    precise float cosine = c.normal.x * t.normal.x + c.normal.y * t.normal.y + c.normal.z * t.normal.z;
-    precise float of_normal = max(0.0, cosine);                 TAP(of_normal, of_normal);
-    precise float weight = of_depth * of_normal;
+float dot_of(vec3 a, vec3 b) {
+    precise float sum = a.x * b.x + a.y * b.y + a.z * b.z;
+    return sum;
+}
+
+// n . r of the pixels along a row or a column: `own` of the pixel itself, `each` more for every pixel further.
+struct Facing {
+    float own;
+    float each;
+};
+
+Facing facing_of(ivec2 pixel, vec3 n) {
+    precise vec3 ray = u.right.xyz * float(pixel.x) + u.down.xyz * float(pixel.y) + u.origin.xyz;
+    return Facing(dot_of(n, ray), dot_of(n, u.vertical != 0 ? u.down.xyz : u.right.xyz));
+}
+
+// max(0, 1 - q^2) max(0, n . n_i), i being d pixels away.
+float edge_weight(BlurTexel c, Facing f, BlurTexel t, int d) {
+    precise float away = f.own * (t.depth - c.depth) + (f.each * float(d)) * t.depth;
+    TAP(away, away);
+    precise float q = away / max(edge_distance * c.depth, 1e-37);
+    precise float of_plane = max(0.0, 1.0 - q * q);             TAP(of_plane, of_plane);
+    precise float of_normal = max(0.0, dot_of(c.normal, t.normal));
+    TAP(of_normal, of_normal);
+    precise float weight = of_plane * of_normal;
     return weight;
 }
 
 vec4 blur(ivec2 pixel) {
     BlurTexel c = at(pixel, 0);                                 TAP(n, c.normal);
     TAP(depth, c.depth);
+    Facing facing = facing_of(pixel, c.normal);
     precise vec3 sum = vec3(0.0);
     precise float open = 0.0;
     precise float total = 0.0;
@@ -63,7 +85,7 @@ vec4 blur(ivec2 pixel) {
         TAP(accessibility_i, t.accessibility);
         precise float weight = spatial[k];
         if (u.kind == 0) weight = weight * t.covered;
-        if (u.kind == 1) weight = weight * t.covered * edge_weight(c, t);
+        if (u.kind == 1) weight = weight * t.covered * edge_weight(c, facing, t, k - u.radius);
         TAP(weight, weight);
         sum.x += weight * t.irradiance.x;
         sum.y += weight * t.irradiance.y;

@@ -31,8 +31,14 @@ StageData data_of(const IsrParams& given, const BlurInputs& in) {
     validate(given);
     const IsrParams params = resolved(given);
     const glm::ivec2 size = size_of(bound("isr.blur", "lit", in.lit));
+    bound("isr.blur", "surface", in.surface);
+    const CoarseCamera& camera = in.camera;
+    if (kind_of(params) == BlurKind::edge_aware && camera.footprint <= 0)
+        throw InputError("isr.blur: camera must be bound: blur = edge_aware measures distances from planes");
+    const auto vector = [](const glm::dvec3& v) { return glm::vec4(glm::vec3(v), 0); };
     StageData d = begin_data<BlurKernel>(
-        size, BlurUniforms{size.x, size.y, radius_of(params), in.direction == Direction::vertical, int(kind_of(params)), {}});
+        size, BlurUniforms{vector(camera.f_u), vector(camera.f_v), vector(camera.f_o), size.x, size.y, radius_of(params),
+                           in.direction == Direction::vertical, int(kind_of(params)), {}});
     lend(d, {{"lit", in.lit}, {"surface", in.surface}});
     const Buffer<float> spatial = blur_weights(params);
     add(d.inputs, "spatial", {int(spatial.size())}, spatial.data());

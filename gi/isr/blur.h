@@ -12,8 +12,9 @@ enum class Direction : int { horizontal, vertical };
 
 struct BlurInputs {
     using Kernel = BlurKernel;
-    const Image4* lit = nullptr;      // xyz irradiance, W/m2, w accessibility
+    const Image4* lit = nullptr;         // xyz irradiance, W/m2, w accessibility
     const Image4* surface = nullptr;
+    CoarseCamera camera{};          // that sees `surface`; read by edge_aware alone
     Direction direction = Direction::horizontal;
     const raster::Covered* tiles = nullptr;
 };

@@ -49,8 +49,8 @@ PLUMB_INLINE void blur_rows(const BlurInputsView& in, int first, int last, float
     const int halo = BlurPlanes::halo(in.u);
     const BlurPlanes planes{scratch, BlurPlanes::stride_of(in.u.width), first - halo};
     for (int y = first - halo; y < last + halo; ++y) take_apart<kind>(in, planes, y);
-    shade_packets<F>(in.u.width, first, last, tiles, in.blurred, [&](int x, I, int y, NoTap& tap) {
-        return blur_by<F, kind>(in.u, in.spatial, PlaneTexels{planes, x, y, in.u.vertical != 0}, tap);
+    shade_packets<F>(in.u.width, first, last, tiles, in.blurred, [&](int x, I px, int y, NoTap& tap) {
+        return blur_by<F, kind>(in.u, in.spatial, px, I(y), PlaneTexels{planes, x, y, in.u.vertical != 0}, tap);
     });
 }
 

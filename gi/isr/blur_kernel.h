@@ -4,10 +4,12 @@
 //     E = sum_i w_i E_i / sum_i w_i,    i = -radius .. radius along a row or a column
 //
 //     gaussian    w_i = g_i where i has a surface, else 0; beyond the border there is none
-//     edge_aware  w_i = g_i max(0, 1 - q^2) max(0, n . n_i),  q = (z_i - z) / (0.05 z)
+//     edge_aware  w_i = g_i max(0, 1 - q^2) max(0, n . n_i),  q = n . (r_i z_i - r z) / (0.02 z)
 //     published   w_i = g_i everywhere, the border's pixel standing for what lies beyond; not divided by the sum
 //
-// g a Gaussian whose sum is 1. All four components are blurred: irradiance and accessibility.
+// g a Gaussian whose sum is 1. All four components are blurred: irradiance and accessibility. r z is where a pixel's surface
+// is as seen from the eye (surface_kernel.h), so that q is the distance of i from the plane of the pixel's own surface: a
+// floor seen at grazing incidence is no edge.
 //
 // One template serves two ways to reach a pixel's neighbours: Texels is BlurImageTexels, the images as they are bound,
 // or a packet's view of them taken apart into planes (blur_isa.cpp).
@@ -21,18 +23,19 @@ namespace plumb::isr {
 
 enum class BlurKind : int { gaussian, edge_aware, published };
 
-// Beyond this share of the depth a neighbour is another surface. Ours, as is the whole of edge_aware.
-inline constexpr float edge_depth = 0.05f;
+// As far from the pixel's plane, in shares of its depth, a neighbour is another surface. Ours, as is the whole of edge_aware.
+inline constexpr float edge_distance = 0.02f;
 
 // The twin's uniform block (std140).
 struct BlurUniforms {
+    glm::vec4 right, down, origin;  // xyz f_u, f_v, f_o, m at eye depth 1: of edge_aware alone
     std::int32_t width, height;
     std::int32_t radius;    // coarse pixels
     std::int32_t vertical;  // 0: along rows, 1: along columns
     std::int32_t kind;      // BlurKind
     std::int32_t padding[3];
 };
-static_assert(sizeof(BlurUniforms) == 32);
+static_assert(sizeof(BlurUniforms) == 80);
 
 // Images are [height][width] rgba32f.
 struct BlurInputsView {
@@ -76,23 +79,44 @@ struct BlurImageTexels {
     }
 };
 
-// max(0, 1 - q^2) max(0, n . n_i). Polynomials that reach 0: beyond an edge nothing is left.
+// n . r of the pixels along a row or a column: `own` of the pixel itself, `each` more for every pixel further.
+template <class F>
+struct Facing {
+    F own, each;  // m at eye depth 1
+};
+
+template <class F>
+PLUMB_INLINE Facing<F> facing_of(const BlurUniforms& u, index_t<F> px, index_t<F> py, const vec3<F>& n) {
+    using N = number<F>;
+    const F x = N::from_index(px), y = N::from_index(py);
+    const vec3<F> right{F(u.right.x), F(u.right.y), F(u.right.z)}, down{F(u.down.x), F(u.down.y), F(u.down.z)};
+    const vec3<F> ray{right.x * x + down.x * y + F(u.origin.x), right.y * x + down.y * y + F(u.origin.y),
+                      right.z * x + down.z * y + F(u.origin.z)};
+    return {dot3(n, ray), dot3(n, u.vertical != 0 ? down : right)};
+}
+
+// max(0, 1 - q^2) max(0, n . n_i), i being d pixels away. Polynomials that reach 0: beyond an edge nothing is left.
 template <class F, class Tap>
-PLUMB_INLINE F edge_weight(const BlurTexel<F>& c, const BlurTexel<F>& t, Tap& tap) {
+PLUMB_INLINE F edge_weight(const BlurTexel<F>& c, const Facing<F>& f, const BlurTexel<F>& t, int d, Tap& tap) {
+    // As a difference of n . r_i z_i and n . r z it would lose the digits that they share.
+    const F away = f.own * (t.depth - c.depth) + (f.each * F(float(d))) * t.depth;
+    tap("away", away, "n . (r_i z_i - r z), m: from the plane of the pixel's surface");
     // Below 1e-37 m the quotient would overflow.
-    const F q = (t.depth - c.depth) / max(F(edge_depth) * c.depth, F(1e-37f));
-    const F of_depth = max(F(0.0f), F(1.0f) - q * q);
-    tap("of_depth", of_depth, "max(0, 1 - q^2), q = (z_i - z) / (0.05 z)");
+    const F q = away / max(F(edge_distance) * c.depth, F(1e-37f));
+    const F of_plane = max(F(0.0f), F(1.0f) - q * q);
+    tap("of_plane", of_plane, "max(0, 1 - q^2), q = away / (0.02 z)");
     const F of_normal = max(F(0.0f), dot3(c.normal, t.normal));
     tap("of_normal", of_normal, "max(0, n . n_i)");
-    return of_depth * of_normal;
+    return of_plane * of_normal;
 }
 
 template <class F, BlurKind kind, class Texels, class Tap>
-PLUMB_INLINE vec4<F> blur_by(const BlurUniforms& u, const float* spatial, const Texels& texels, Tap& tap) {
+PLUMB_INLINE vec4<F> blur_by(const BlurUniforms& u, const float* spatial, index_t<F> px, index_t<F> py, const Texels& texels,
+                             Tap& tap) {
     const BlurTexel<F> c = texels.at(0);
     tap("n", c.normal, "unit normal");
     tap("depth", c.depth, "m");
+    const Facing<F> facing = facing_of<F>(u, px, py, c.normal);
     vec3<F> sum{F(0.0f), F(0.0f), F(0.0f)};
     F open(0.0f), total(0.0f);
     for (int k = 0; k <= u.radius + u.radius; ++k) {
@@ -102,7 +126,7 @@ PLUMB_INLINE vec4<F> blur_by(const BlurUniforms& u, const float* spatial, const 
         tap("accessibility_i", t.accessibility, "1 open .. 0 closed");
         F weight(spatial[k]);
         if (kind == BlurKind::gaussian) weight = weight * t.covered;
-        if (kind == BlurKind::edge_aware) weight = weight * t.covered * edge_weight(c, t, tap);
+        if (kind == BlurKind::edge_aware) weight = weight * t.covered * edge_weight(c, facing, t, k - u.radius, tap);
         tap("weight", weight, "ISR 4.2: Gaussian; 0 where no surface is");
         sum.x += weight * t.irradiance.x;
         sum.y += weight * t.irradiance.y;
@@ -128,10 +152,11 @@ PLUMB_INLINE vec4<F> blur_by(const BlurUniforms& u, const float* spatial, const 
 }
 
 template <class F, class Texels, class Tap>
-PLUMB_INLINE vec4<F> blur(const BlurUniforms& u, const float* spatial, const Texels& texels, Tap& tap) {
-    if (u.kind == int(BlurKind::gaussian)) return blur_by<F, BlurKind::gaussian>(u, spatial, texels, tap);
-    if (u.kind == int(BlurKind::edge_aware)) return blur_by<F, BlurKind::edge_aware>(u, spatial, texels, tap);
-    return blur_by<F, BlurKind::published>(u, spatial, texels, tap);
+PLUMB_INLINE vec4<F> blur(const BlurUniforms& u, const float* spatial, index_t<F> px, index_t<F> py, const Texels& texels,
+                          Tap& tap) {
+    if (u.kind == int(BlurKind::gaussian)) return blur_by<F, BlurKind::gaussian>(u, spatial, px, py, texels, tap);
+    if (u.kind == int(BlurKind::edge_aware)) return blur_by<F, BlurKind::edge_aware>(u, spatial, px, py, texels, tap);
+    return blur_by<F, BlurKind::published>(u, spatial, px, py, texels, tap);
 }
 
 // The images around a band of rows, taken apart into planes: a packet then reads its neighbours side by side. What lies
@@ -160,7 +185,7 @@ struct BlurKernel {
 
     template <class F, class Tap>
     PLUMB_INLINE static vec4<F> item(const View& in, index_t<F> px, index_t<F> py, Tap& tap) {
-        return blur<F>(in.u, in.spatial, BlurImageTexels<F>{in, px, py}, tap);
+        return blur<F>(in.u, in.spatial, px, py, BlurImageTexels<F>{in, px, py}, tap);
     }
     static float* out(const View& in) { return in.blurred; }
     static std::size_t scratch(const View& in, int rows) { return BlurPlanes::floats(in.u, rows); }

@@ -124,11 +124,20 @@ inline StageData isr_gather_camera_case(glm::ivec2 size, const isr::IsrParams& p
 
 inline StageData isr_blur_case(glm::ivec2 size, isr::Blur blur, isr::Variant variant, isr::Direction direction,
                                const std::string& id) {
-    const Image4 lit = noise_image(size, 75, 0, 3),
-                 surface = isr_surface(size, 61, isr::Position::linear, isr_camera());
+    const Camera camera = isr_camera();
+    const glm::vec3 to_eye(glm::normalize(camera.position - camera.look_at));
+    const Image4 lit = noise_image(size, 75, 0, 3);
+    Image4 surface = isr_surface(size, 61, isr::Position::linear, camera);
+    // Two of three pixels face the eye, more or less, and are a few hundredths of their depth apart: neither near nor beyond.
+    for (std::size_t i = 0; i < surface.size(); ++i) {
+        glm::vec4& s = surface.texels[i];
+        if (i % 3 == 0 || !(s.w > 0) || s.w > 10) continue;
+        s = glm::vec4(normalize3<float>(glm::vec3(s) * 0.5f + to_eye), 2 + 0.1f * (s.w - 2));
+    }
     isr::IsrParams params;
     params.blur = blur, params.variant = variant, params.blur_radius = 3, params.blur_sigma = 1.5f;
-    return named(owned_data(isr::data_of(params, isr::BlurInputs{&lit, &surface, direction})), id);
+    const isr::BlurInputs in{&lit, &surface, isr::coarse_camera(camera, 2 * size), direction};
+    return named(owned_data(isr::data_of(params, in)), id);
 }
 
 inline StageData isr_upsample_case(glm::ivec2 size, isr::Upsample mode, isr::Variant variant, isr::Position position,

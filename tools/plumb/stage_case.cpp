@@ -288,21 +288,24 @@ CaseReader::CaseReader(const io::Manifest& manifest, const DeviceProfile& profil
 
 namespace {
 
-// Makes the stage's outputs as large as the manifest says: the light's maps, the frame, or one of which they are a half.
+// Makes the stage's outputs as large as the manifest says: the light's maps, the frame, or one of which they are a half. The
+// scene's own frame comes first: of half the size there are two along each axis, and a pixel's ray is another in each.
 void set_size(Scene& scene, const frame::Settings& settings, const io::ManifestStage& stage, int light) {
     const glm::ivec2 size(stage.width, stage.height);
-    auto fits = [&] {
+    auto fits = [&](bool whole) {
         const frame::FrameGraph graph(scene, settings, Geometry{});
         return std::any_of(graph.nodes().begin(), graph.nodes().end(), [&](const frame::PlannedNode& node) {
-            return node.plan.name == stage.stage && (light < 0 || node.plan.light == light) && node.size().y == size.y;
+            return node.plan.name == stage.stage && (light < 0 || node.plan.light == light) && node.size().y == size.y &&
+                   (!whole || node.size().x == size.x);
         });
     };
     if (parity::find_binding(stage.stage, stage.place).domain == "texel") {
         if (light >= 0) scene.lights[std::size_t(light)].rsm_size = size.x;
         return;
     }
+    if (fits(true)) return;
     scene.frame_size = size;
-    if (!fits()) scene.frame_size = 2 * size;
+    if (!fits(false)) scene.frame_size = 2 * size;
 }
 
 }  // namespace
