@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "core/error.h"
 #include "core/nearest_known.h"
@@ -30,8 +31,12 @@ std::vector<Explanation> explain(const Scene& scene, const Settings& settings, c
     const FrameGraph graph(scene, settings, frame);
     std::vector<const PlannedNode*> chosen;
     std::string left_out;
+    std::vector<std::string> explained;  // what could have been asked for, each once
     bool of_host = false;
     for (const PlannedStage& s : plan_after_run(plan, frame).stages) {
+        const PlannedNode& offered = graph.node(s);
+        if (s.needed && offered.explain && offered.by_name && std::find(explained.begin(), explained.end(), s.name) == explained.end())
+            explained.push_back(s.name);
         if (!stage.empty() && s.name != stage) continue;
         const PlannedNode& node = graph.node(s);
         of_host = of_host || !node.explain;
@@ -48,9 +53,10 @@ std::vector<Explanation> explain(const Scene& scene, const Settings& settings, c
     }
     if (chosen.empty() && of_host && !stage.empty())
         throw InputError(fmt::format("explain: the stage {} is a step of the host, without items; it has no values to list", stage));
+    if (chosen.empty() && left_out.empty())
+        left_out = explained.empty() ? "its method does not use it" : fmt::format("its method runs {}", fmt::join(explained, ", "));
     if (chosen.empty())
-        throw InputError(fmt::format("explain: {} does not run for this scene{}", stage.empty() ? "any stage" : stage,
-                                     left_out.empty() ? ": its method does not use it" : ": " + left_out));
+        throw InputError(fmt::format("explain: {} does not run for this scene: {}", stage.empty() ? "any stage" : stage, left_out));
 
     std::vector<Explanation> explanations;
     for (const PlannedNode* node : chosen) {

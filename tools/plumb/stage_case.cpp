@@ -130,7 +130,8 @@ ReadInput read_input(const io::DumpSpec& spec, const Slot& slot, const Precision
     // Of fewer components than a texel of the dump has.
     const std::string name = read.moved.name;
     std::vector<std::string> said;
-    io::DumpedImage of_slot{std::move(read.moved)};
+    io::DumpedImage of_slot;
+    of_slot.array = std::move(read.moved);
     of_slot.channels = channels;
     read.moved = input_array(slot, std::move(of_slot), out.data.size, place, said);
     read.moved.name = name;
