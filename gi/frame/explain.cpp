@@ -34,11 +34,10 @@ std::vector<Explanation> explain(const Scene& scene, const Settings& settings, c
     std::vector<std::string> explained;  // what could have been asked for, each once
     bool of_host = false;
     for (const PlannedStage& s : plan_after_run(plan, frame).stages) {
-        const PlannedNode& offered = graph.node(s);
-        if (s.needed && offered.explain && offered.by_name && std::find(explained.begin(), explained.end(), s.name) == explained.end())
+        const PlannedNode& node = graph.node(s);
+        if (s.needed && node.explain && node.by_name && std::find(explained.begin(), explained.end(), s.name) == explained.end())
             explained.push_back(s.name);
         if (!stage.empty() && s.name != stage) continue;
-        const PlannedNode& node = graph.node(s);
         of_host = of_host || !node.explain;
         if (!node.explain || !(stage.empty() ? node.of_pixels : node.by_name)) continue;
         if (light >= 0 && s.light >= 0 && s.light != light) continue;

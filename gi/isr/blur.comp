@@ -2,6 +2,7 @@
 // Twin of blur_kernel.h: the blur of the coarse result along rows or columns (ISR 4.2, Listing 3).
 #extension GL_GOOGLE_include_directive : require
 #include "core/tap.glsl"
+#include "raster/normal.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
@@ -38,15 +39,9 @@ BlurTexel at(ivec2 pixel, int d) {
     vec4 lit = texelFetch(lit_image, fetched, 0);
     vec4 surface = texelFetch(surface_image, fetched, 0);
     vec3 n = surface.xyz;
-    precise float n2 = n.x * n.x + n.y * n.y + n.z * n.z;
-    bool covered = inside && n2 > 0.0;
+    bool covered = inside && dot3(n, n) > 0.0;
     vec3 normal = inside ? n : vec3(0.0);
     return BlurTexel(lit.xyz, lit.w, covered ? 1.0 : 0.0, normal, surface.w);
-}
-
-float dot_of(vec3 a, vec3 b) {
-    precise float sum = a.x * b.x + a.y * b.y + a.z * b.z;
-    return sum;
 }
 
 // n . r of the pixels along a row or a column: `own` of the pixel itself, `each` more for every pixel further.
@@ -57,7 +52,7 @@ struct Facing {
 
 Facing facing_of(ivec2 pixel, vec3 n) {
     precise vec3 ray = u.right.xyz * float(pixel.x) + u.down.xyz * float(pixel.y) + u.origin.xyz;
-    return Facing(dot_of(n, ray), dot_of(n, u.vertical != 0 ? u.down.xyz : u.right.xyz));
+    return Facing(dot3(n, ray), dot3(n, u.vertical != 0 ? u.down.xyz : u.right.xyz));
 }
 
 // max(0, 1 - q^2) max(0, n . n_i), i being d pixels away.
@@ -66,7 +61,7 @@ float edge_weight(BlurTexel c, Facing f, BlurTexel t, int d) {
     TAP(away, away);
     precise float q = away / max(edge_distance * c.depth, 1e-37);
     precise float of_plane = max(0.0, 1.0 - q * q);             TAP(of_plane, of_plane);
-    precise float of_normal = max(0.0, dot_of(c.normal, t.normal));
+    precise float of_normal = max(0.0, dot3(c.normal, t.normal));
     TAP(of_normal, of_normal);
     precise float weight = of_plane * of_normal;
     return weight;
