@@ -9,7 +9,9 @@ target_compile_definitions(plumb_flags INTERFACE GLM_FORCE_INLINE GLM_FORCE_XYZW
 
 add_library(plumb_warnings INTERFACE)
 target_compile_options(plumb_warnings INTERFACE -Wall -Wextra -Wno-unknown-pragmas -Wno-ignored-attributes
-  -Wno-psabi)
+  -Wno-psabi
+  # A mask of the scalar kernels is a bool; `&` of masks has no branch.
+  $<$<CXX_COMPILER_ID:Clang>:-Wno-bitwise-instead-of-logical>)
 
 # -O2 also where CMake's default would be -O3: one optimisation level, in every configuration that optimises.
 set(CMAKE_CXX_FLAGS_RELEASE "-O2 -DNDEBUG")

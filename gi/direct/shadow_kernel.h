@@ -139,7 +139,8 @@ PLUMB_INLINE Step<F> step_along(const vec3<F>& x, const At& at) {
         return {along, dot3(bend, bend) < F(0.25f) * dot3(along, along)};
     };
     const Step<F> first = goes_on(1), other = goes_on(-1);
-    return {select3<F>(first.known, first.along, other.along), first.known | other.known};
+    const mask_t<F> known = first.known | other.known;
+    return {select3<F>(first.known, first.along, other.along), known};
 }
 
 // The normal of the surface that x lies on, turned to the light, from the pixels around: a normal map does not bend it. Where
