@@ -155,6 +155,10 @@ std::string reason(std::string message) {
     return message.empty() ? "unknown reason" : printable(message, 300);
 }
 
+bool is_picture(const std::string& extension) {
+    return std::any_of(formats().begin(), formats().end(), [&](const Format& f) { return f.extension == extension; });
+}
+
 Raw read_raw(const std::string& path, std::int64_t pixels) {
     const std::string extension = extension_of(path);
     format_of(path, extension);

@@ -22,6 +22,8 @@ struct Raw {
     bool normalise = true;  // unsigned integers stand for 0..1
 };
 
+bool is_picture(const std::string& extension);  // one that is read
+
 // Throws InputError for what is not one whole, flat picture within the limits and of at most `pixels`.
 Raw read_raw(const std::string& path, std::int64_t pixels = max_pixels);
 // The same of a file in memory: `extension` chooses the reader, `name` is for messages.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,17 +20,18 @@ struct ObjModel {
     bool has_texture_coordinates = false;  // of at least one corner
 };
 
-// Throws InputError that names file, line and cause, for anything that is not a whole and finite model.
-ObjModel read_obj(const std::string& path);
+// Throws InputError that names file, line and cause, for anything that is not a whole and finite model. What is lacking (a
+// library, a picture, a material) or not known is replaced by a default and said in the notes; `strict` refuses it.
+ObjModel read_obj(const std::string& path, bool strict = false);
 
-// The same from text: `path` names it in messages; `read_library` gives the text of an MTL file by the path of that
-// file, as found beside the OBJ.
-using ReadLibrary = std::function<std::string(const std::string& path)>;
-ObjModel parse_obj(const std::string& path, const std::string& text, const ReadLibrary& read_library);
-
-// The materials of an MTL file and, into `textures`, their pictures, read from beside it; into `notes` what had to be
-// changed.
-std::vector<Material> parse_mtl(const std::string& path, const std::string& text, std::vector<Texture>& textures,
-                                std::vector<std::string>& notes);
+// A material library as an OBJ names it. `findings` null: as the name stands, and no similar file.
+class Findings;
+struct Library {
+    std::string file, text;
+};
+using ReadLibrary =
+    std::function<std::optional<Library>(const std::string& name, std::int64_t line, Findings* findings)>;
+// The same from text: `path` names it in messages.
+ObjModel parse_obj(const std::string& path, const std::string& text, const ReadLibrary& read_library, bool strict = false);
 
 }  // namespace plumb::io

@@ -49,8 +49,9 @@ void complete(Scene& scene, SecondCoordinates* second) {
 
 class SceneReader {
   public:
-    SceneReader(const std::string& path, const std::vector<std::string>& method_tables, SecondCoordinates* second)
-        : path_(path), method_tables_(method_tables), second_(second) {}
+    SceneReader(const std::string& path, const std::vector<std::string>& method_tables, SecondCoordinates* second,
+                const LoadOptions& options)
+        : path_(path), method_tables_(method_tables), second_(second), options_(options) {}
 
     Scene read(const std::string& text) {
         const toml::table root = parse_toml(path_, text);
@@ -139,7 +140,7 @@ class SceneReader {
         }
         const std::string file = beside(path_, mesh.word("file", ""));
         try {
-            return load_model(file, options);
+            return load_model(file, options, options_.strict);
         } catch (const InputError& e) {
             // The place in the mesh's file comes first; who named it, last.
             throw InputError(fmt::format("{} ({} names it)", e.what(), mesh.place("file")));
@@ -349,6 +350,7 @@ class SceneReader {
     const std::string& path_;
     const std::vector<std::string>& method_tables_;
     SecondCoordinates* const second_;  // null: nobody asks for them
+    const LoadOptions& options_;
     Scene scene_;
     std::vector<bool> has_coordinates_;  // of each mesh
     std::vector<NamedMesh> named_;
@@ -360,10 +362,10 @@ class SceneReader {
     std::vector<Light> model_lights_;  // of all meshes
 };
 
-Scene load_bare(const std::string& path, SecondCoordinates* second) {
+Scene load_bare(const std::string& path, SecondCoordinates* second, bool strict) {
     GltfOptions options;
     options.second_coordinates = second != nullptr;
-    SceneModel model = load_model(path, options);
+    SceneModel model = load_model(path, options, strict);
     if (second) append_second(model, *second);
     Scene scene = std::move(model.scene);
     scene.name = path;
@@ -376,23 +378,25 @@ Scene load_bare(const std::string& path, SecondCoordinates* second) {
     return scene;
 }
 
-Scene load(const std::string& path, const std::vector<std::string>& method_tables, SecondCoordinates* second) {
+Scene load(const std::string& path, const std::vector<std::string>& method_tables, SecondCoordinates* second,
+           const LoadOptions& options) {
     const std::string extension = extension_of(path);
-    if (extension == "obj" || extension == "gltf" || extension == "glb") return load_bare(path, second);
+    if (extension == "obj" || extension == "gltf" || extension == "glb") return load_bare(path, second, options.strict);
     if (extension != "toml")
         throw InputError(shown(path), "", "not a scene by its name; expected .toml, .obj, .gltf or .glb");
-    return SceneReader(path, method_tables, second).read(read_text(path, max_scene_bytes));
+    return SceneReader(path, method_tables, second, options).read(read_text(path, max_scene_bytes));
 }
 
 }  // namespace
 
-Scene load_scene(const std::string& path, const std::vector<std::string>& method_tables) {
-    return load(path, method_tables, nullptr);
+Scene load_scene(const std::string& path, const std::vector<std::string>& method_tables, const LoadOptions& options) {
+    return load(path, method_tables, nullptr, options);
 }
 
-Scene load_scene(const std::string& path, const std::vector<std::string>& method_tables, SecondCoordinates& second) {
+Scene load_scene(const std::string& path, const std::vector<std::string>& method_tables, SecondCoordinates& second,
+                 const LoadOptions& options) {
     second.clear();
-    return load(path, method_tables, &second);
+    return load(path, method_tables, &second, options);
 }
 
 }  // namespace plumb::io

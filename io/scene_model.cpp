@@ -45,9 +45,9 @@ bool shows_normal_map(const Scene& scene, const Mesh& mesh) {
 
 }  // namespace
 
-SceneModel load_model(const std::string& path, const GltfOptions& options) {
+SceneModel load_model(const std::string& path, const GltfOptions& options, bool strict) {
     const std::string extension = extension_of(path);
-    if (extension == "obj") return from_obj(read_obj(path));
+    if (extension == "obj") return from_obj(read_obj(path, strict));
     if (extension == "gltf" || extension == "glb") return from_gltf(read_gltf(path, options));
     throw InputError(shown(path), "", "not a mesh by its name; expected .obj, .gltf or .glb");
 }
@@ -61,7 +61,9 @@ std::vector<std::string> model_names() {
 SceneModel generate_model(const std::string& name, const GenerateOptions& options, const std::string& place) {
     if (name == "cornell") {
         if (options.triangles != 0) throw InputError(place + ": the scene \"cornell\" has no adjustable count");
-        return from_obj(parse_obj("cornell.obj", cornell_obj(), [](const std::string&) { return cornell_mtl(); }));
+        return from_obj(parse_obj("cornell.obj", cornell_obj(), [](const std::string& name, auto&&...) {
+            return Library{name, cornell_mtl()};
+        }));
     }
     SceneModel model;
     model.scene = generate_scene(name, options, place);

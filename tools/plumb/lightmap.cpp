@@ -164,7 +164,7 @@ LightmapScene load_lightmap_scene(const LightmapOptions& given) {
     LightmapScene s;
     require_baked(given.scene.sets, {"probes", "reference"}, "plumb lightmap");
     const reference::Mode mode = part_of(given.part);
-    s.scene = io::load_scene(given.scene.file, frame::method_tables(), s.second);
+    s.scene = io::load_scene(given.scene.file, frame::method_tables(), s.second, {given.scene.strict});
     SceneOptions options = given.scene;
     options.sets = settings_words(given);
     s.settings = settings_of(s.scene, options);

@@ -35,6 +35,7 @@ struct SceneOptions {
     std::string size;  // "WxH" in place of the scene's own; empty: its own
     std::vector<std::string> sets;
     bool no_pruning = false;
+    bool strict = false;  // refuse what io::LoadOptions says
 
     // Of what is path traced; words in place of [reference]: samples, until_error, rays. Empty: as it stands there.
     bool truth = false, no_cache = false;

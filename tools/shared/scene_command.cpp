@@ -30,6 +30,7 @@ void add_scene_options(CLI::App& command, SceneOptions& options) {
     command.add_option("--set", options.sets, "table.key=value in place of the scene file's, or light.N.on=false: the N-th light, or one of that name; may be repeated")
         ->allow_extra_args(false)
         ->type_name("T.K=V");
+    command.add_flag("--strict", options.strict, "refuse a scene whose files lack something: a picture, a library of materials, a material");
     command.add_flag("--no-pruning", options.no_pruning, "run every stage, needed or not: the picture is the same");
 }
 
@@ -64,7 +65,7 @@ Scene load(const SceneOptions& options) {
     // A wrong size is told before a large scene is read.
     const std::optional<glm::ivec2> size =
         options.size.empty() ? std::nullopt : std::optional(parse_size("--size", options.size));
-    Scene scene = io::load_scene(options.file, frame::method_tables());
+    Scene scene = io::load_scene(options.file, frame::method_tables(), {options.strict});
     if (size) scene.frame_size = *size;
     switch_lights(options.sets, scene);
     return scene;
