@@ -86,6 +86,22 @@ PLUMB_INLINE vec3<F> triangle_radiance(const raster::SurfaceArgs& in, index_t<F>
     return exitance * F(float(1 / 3.14159265358979323846));
 }
 
+// The part of a lamp's intensity that falls along `direction`, unit, towards the lamp, from the squared distance d2, 1/m2:
+// smoothstep between its cones, and 1/d2 or, of a lamp that ends at its radius, 1 - (d/r)^2 (there it has no unit).
+template <class F>
+PLUMB_INLINE F lamp_falloff(const LightArgs& in, const Record<F>& row, index_t<F> light, const vec3<F>& direction, F d2, F inverse2) {
+    using N = number<F>;
+    using I = index_t<F>;
+    const F zero(0.0f), one(1.0f);
+    const F t = clamp((-dot3(direction, xyz<F>(row.b)) - row.a.w) * row.b.w, zero, one);
+    F attenuation = inverse2;
+    if (in.any_radius) {
+        const F inverse_radius2 = N::fetch(in.rows, light * I(16) + I(12));
+        attenuation = select(inverse_radius2 > zero, max(zero, one - d2 * inverse_radius2), inverse2);
+    }
+    return t * t * (F(3.0f) - F(2.0f) * t) * attenuation;
+}
+
 // A point of the chosen light as x sees it.
 template <class F>
 PLUMB_INLINE LightSample<F> sample_light(const LightArgs& in, const raster::SurfaceArgs& surfaces,
@@ -106,13 +122,7 @@ PLUMB_INLINE LightSample<F> sample_light(const LightArgs& in, const raster::Surf
     vec3<F> d = raster::minus3(y, x);
     const F d2 = dot3(d, d), inverse2 = one / max(d2, F(1e-37f));
     s.direction = d * sqrt(inverse2);
-    const F t = clamp((-dot3(s.direction, axis) - row.a.w) * row.b.w, zero, one);
-    F attenuation = inverse2;
-    if (in.any_radius) {
-        const F inverse_radius2 = N::fetch(in.rows, chosen.light * I(16) + I(12));
-        attenuation = select(inverse_radius2 > zero, max(zero, one - d2 * inverse_radius2), inverse2);
-    }
-    const F falloff = t * t * (F(3.0f) - F(2.0f) * t) * attenuation;
+    const F falloff = lamp_falloff<F>(in, row, chosen.light, s.direction, d2, inverse2);
     s.radiance = xyz<F>(row.c) * (select(lamp, falloff, one) / chosen.probability);
     s.pdf = zero;
 

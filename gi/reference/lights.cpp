@@ -142,6 +142,7 @@ LightTable light_table(const Scene& scene, const Geometry& geometry, const raste
     Builder b;
     for (const Light& light : scene.lights)
         if (light.on) b.add_lamp(light, radius);
+    b.table.lamps = int(b.power.size());
     std::vector<glm::dvec3> exitance;
     bool any = false;
     for (std::size_t m = 0; m < scene.materials.size(); ++m) {

@@ -13,7 +13,7 @@ struct LightTable {
     Buffer<float> rows;            // [light][16]: light_kernel.h
     Buffer<float> cdf;             // [lights + 1]: from 0 to 1
     Buffer<float> triangle_pdf;    // [triangle]: probability of the triangle over its area, 1/m2; 0: does not emit
-    int count = 0;
+    int count = 0, lamps = 0;      // lamps: of these rows the first
     bool any_triangle = false, any_radius = false;
     float environment_probability = 0;
 };

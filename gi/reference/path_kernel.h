@@ -9,7 +9,7 @@
 #pragma once
 
 #include "gi/reference/bsdf_kernel.h"
-#include "gi/reference/light_kernel.h"
+#include "gi/reference/mirror_kernel.h"
 #include "gi/reference/sampler_kernel.h"
 #include "gi/trace_rays.h"
 
@@ -23,6 +23,7 @@ struct CameraArgs {
 struct PathArgs {
     raster::SurfaceArgs surfaces;
     LightArgs lights;
+    MirrorArgs mirrors;
     EnvironmentArgs environment;
     const float* reflection;     // [material][8]: specular, exponent; mirror, padding
     std::int32_t glossy;         // 1: some material has a specular or a mirror part
@@ -96,6 +97,8 @@ PLUMB_INLINE vec3<F> where(const mask_t<F>& m, const vec3<F>& v) {
 // Dimensions of the sampler: a pair for the place in the pixel, then three a surface.
 enum Dimension : int { dimension_pixel = 0, dimension_light = 1, dimension_direction = 2, dimension_choice = 3 };
 inline constexpr int dimensions_a_vertex = 3;
+// Pairs of the images are far from all of a path's others.
+inline constexpr int dimension_image = 1 << 28, dimension_images = dimension_image + (1 << 27);
 
 // A sample's first ray; of a given point, the point stands for it, and the ray is not traced.
 template <class F>
@@ -207,6 +210,13 @@ PLUMB_INLINE vec3<F> light_met(const PathArgs& in, const PathState<F>& s, const 
     return where<F>(shown, raster::times3<F>(s.throughput, radiance * weight));
 }
 
+// What the surface sends to w_o of the light that comes along w_i.
+template <class F>
+PLUMB_INLINE Scattering<F> scattered(const PathArgs& in, const PathVertex<F>& v, const vec3<F>& w_o, const vec3<F>& w_i) {
+    if (in.glossy) return scatter<F>(v.bsdf, v.n, w_o, w_i);
+    return {evaluate_diffuse<F>(v.bsdf.diffuse, v.n, w_i), pdf_diffuse<F>(v.n, w_i)};
+}
+
 // Light from a point on one of the lights.
 template <class F>
 PLUMB_INLINE vec3<F> light_chosen(const PathArgs& in, const PathState<F>& s, const PathVertex<F>& v, const vec2<F>& u,
@@ -215,9 +225,7 @@ PLUMB_INLINE vec3<F> light_chosen(const PathArgs& in, const PathState<F>& s, con
     const ChosenLight<F> chosen = choose_light<F>(in.lights, u.x, fresh);
     const LightSample<F> light = sample_light<F>(in.lights, in.surfaces, in.environment, chosen, u.y, v.x);
     const vec3<F> w_o{-s.direction.x, -s.direction.y, -s.direction.z};
-    const Scattering<F> out = in.glossy ? scatter<F>(v.bsdf, v.n, w_o, light.direction)
-                                        : Scattering<F>{evaluate_diffuse<F>(v.bsdf.diffuse, v.n, light.direction),
-                                                        pdf_diffuse<F>(v.n, light.direction)};
+    const Scattering<F> out = scattered<F>(in, v, w_o, light.direction);
     const F weight = select(light.pdf > zero, power_heuristic(light.pdf, out.pdf), one);
     const vec3<F> radiance = raster::times3<F>(raster::times3<F>(s.throughput, out.value), light.radiance * weight);
     const mask_t<F> asks = at_surface & (dot3(v.face, light.direction) > zero) &
@@ -227,6 +235,50 @@ PLUMB_INLINE vec3<F> light_chosen(const PathArgs& in, const PathState<F>& s, con
     const vec3<F> towards = select3<F>(light.infinite, light.direction, raster::minus3(light.target, origin));
     const F t_far = select(light.infinite, F(__builtin_inff()), one);
     return where<F>(tracer.visible(origin, towards, zero, t_far, asks), radiance);
+}
+
+// Light from the image of one of the lamps in one of the flat mirrors, or in several one after another.
+template <class F>
+PLUMB_INLINE vec3<F> image_chosen(const PathArgs& in, const PathState<F>& s, const PathVertex<F>& v, index_t<F> dimension,
+                                  const mask_t<F>& at_surface, RayTracer<F>& tracer) {
+    using N = number<F>;
+    using I = index_t<F>;
+    const F zero(0.0f), one(1.0f), endless(__builtin_inff());
+    const LampImage<F> image = choose_image<F>(in.lights, in.mirrors, s.sampler.random(dimension + I(dimension_image)),
+                                               s.sampler.random(dimension + I(dimension_images)));
+    // Towards x all segments are one, as long as they are together.
+    const vec3<F> seen = image.point[longest_of(in.mirrors)];
+    const vec3<F> d = select3<F>(image.infinite, vec3<F>{-seen.x, -seen.y, -seen.z}, raster::minus3(seen, v.x));
+    const F d2 = dot3(d, d);
+    const vec3<F> direction = d * (one / sqrt(max(d2, F(1e-37f))));
+    const vec3<F> w_o{-s.direction.x, -s.direction.y, -s.direction.z};
+    vec3<F> carried = raster::times3<F>(s.throughput, scattered<F>(in, v, w_o, direction).value) * image.weight;
+    mask_t<F> asks = at_surface & counted<F>(in, s.depth + image.length) & (dot3(v.face, direction) > zero) &
+                     (raster::largest3(carried) > zero);
+
+    vec3<F> origin = v.x + v.face * v.offset;
+    for (int j = longest_of(in.mirrors) - 1; j >= 0; --j) {
+        const mask_t<F> traced = asks & (image.length > I(j));
+        if (!any(traced)) continue;
+        const vec3<F> to = image.point[j + 1];
+        const vec3<F> way = select3<F>(image.infinite, vec3<F>{-to.x, -to.y, -to.z}, raster::minus3(to, origin));
+        const RayHit<F> hit = tracer.nearest(origin, way, traced);
+        const mask_t<F> on_plane = hit.found & (N::fetch(in.mirrors.plane, hit.triangle) == image.plane[j]);
+        const mask_t<F> before = hit.t < select(image.infinite, endless, one);
+        const PathVertex<F> mirror = vertex_of<F>(in, hit, way);
+        carried = select3<F>(traced, raster::times3<F>(carried, mirror.bsdf.mirror), carried);
+        origin = select3<F>(traced, vec3<F>(mirror.x + mirror.face * mirror.offset), origin);
+        asks = asks & ((on_plane & before) | !traced);
+    }
+    if (!any(asks)) return {zero, zero, zero};
+
+    const vec3<F> lamp = image.point[0];
+    const vec3<F> way = select3<F>(image.infinite, vec3<F>{-lamp.x, -lamp.y, -lamp.z}, raster::minus3(lamp, origin));
+    const vec3<F> from = way * (one / sqrt(max(dot3(way, way), F(1e-37f))));
+    const Record<F> row = N::fetch_record(in.lights.rows, image.lamp);
+    const F falloff = lamp_falloff<F>(in.lights, row, image.lamp, from, d2, one / max(d2, F(1e-37f)));
+    const vec3<F> radiance = raster::times3<F>(carried, xyz<F>(row.c) * select(image.infinite, one, falloff));
+    return where<F>(tracer.visible(origin, way, zero, select(image.infinite, endless, one), asks), radiance);
 }
 
 // 1 where a cosine-weighted direction is open, 0 where something is near.
@@ -340,10 +392,12 @@ PLUMB_INLINE std::uint64_t trace_paths(const PathArgs& in, const RayQuery& query
             s.radiance = vec3<F>{seen, seen, seen};
         } else {
             vec3<F> found = light_met<F>(in, s, hit, v, traced);
-            mask_t<F> asks = at_surface & counted<F>(in, s.depth);
-            if (in.mirrored == 2) asks = asks & !given;
+            const mask_t<F> lit = in.mirrored == 2 ? mask_t<F>(at_surface & !given) : at_surface;
+            const mask_t<F> asks = lit & counted<F>(in, s.depth);
             if (in.lights.count > 0 && any(asks))
                 found = found + light_chosen<F>(in, s, v, u_light, choice.x, asks, tracer);
+            if (in.mirrors.count > 0 && any(lit))
+                found = found + image_chosen<F>(in, s, v, dimension, lit, tracer);
             // Once a surface, whether the lane asked or its neighbour: to add 0 is to add what was carried.
             add_compensated<F>(found, s.radiance, s.found_carry);
             goes_on = at_surface & scatter_path<F>(in, v, u_direction, choice, s);

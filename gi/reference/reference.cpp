@@ -88,6 +88,8 @@ PathArgs args_of(const PathParams& params, const PathScene& scene, int width, st
     a.lights = light_args(scene.lights);
     const EnvironmentTable& e = scene.environment;
     a.environment = {e.width, e.height, e.radiance.data(), e.row_cdf.data(), e.column_cdf.data(), e.pdf.data()};
+    a.mirrors = {scene.lights.lamps > 0 ? scene.mirrors.count : 0, scene.lights.lamps, scene.mirrors.planes.data(),
+                 scene.mirrors.plane.data()};
     a.reflection = scene.reflection.data();
     a.glossy = scene.any_glossy;
     a.emitters = scene.lights.any_triangle;
@@ -280,6 +282,7 @@ std::unique_ptr<PathScene> prepare(const Scene& scene, Rays rays) {
     }
     s->geometry = std::move(geometry);
     s->surfaces = raster::prepare(scene, s->geometry);
+    s->mirrors = mirror_table(scene, s->geometry);
     s->environment = environment_table(scene.environment);
     const bool moved = s->anchor != glm::vec3(0);
     s->lights = light_table(moved ? with_lights_at(scene, s->anchor) : scene, s->geometry, s->surfaces, s->environment);

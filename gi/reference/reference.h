@@ -15,6 +15,7 @@
 #include "core/stage.h"
 #include "gi/reference/environment.h"
 #include "gi/reference/lights.h"
+#include "gi/reference/mirrors.h"
 #include "raster/surfaces.h"
 
 namespace plumb::reference {
@@ -49,6 +50,7 @@ struct PathScene {
     Buffer<float> reflection;       // [material][8]: specular, exponent; mirror, padding
     bool any_glossy = false;        // whether any material has a specular or a mirror part
     LightTable lights;              // lamps, emitting triangles and the environment, and how to choose among them
+    MirrorTable mirrors;
     EnvironmentTable environment;
     std::unique_ptr<RayQuery> rays;
 
