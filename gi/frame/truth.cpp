@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "gi/frame/mirrors.h"
+#include "gi/reference/mirrors.h"
 #include "gi/reference/lobes.h"
 
 namespace plumb::frame {
@@ -94,6 +95,7 @@ Scene lamps_only(Scene scene) {
 Tracer::Tracer(const Scene& scene, const Settings& settings, const Geometry& geometry, reference::Store* store,
                PathScenes* paths)
     : scene_(scene), settings_(settings), geometry_(geometry), store_(store), without_(beyond_lamps(scene)),
+      unseen_(reference::lamp_light_unseen(scene, geometry)),
       whole_{&scene, (paths ? *paths : mine_).whole}, own_{&scene, (paths ? *paths : mine_).own} {
     if (!settings.truth || without_.empty()) return;
     lamps_ = lamps_only(scene);
@@ -114,9 +116,12 @@ Traced Tracer::begin(const std::string& layer) const {
         traced.params.ao_distance = settings_.ao.radius;
     } else if (of_mirrors(layer)) {
         traced.params.mode = reference::Mode::all;
+        traced.without = unseen_;
     } else if (own_transport(layer)) {
         traced.params.mode = layer == "truth.direct" ? reference::Mode::direct : reference::Mode::one_bounce;
         traced.without = without_;
+    } else if (traced.params.mode != reference::Mode::direct && traced.params.mode != reference::Mode::ambient_occlusion) {
+        traced.without = unseen_;
     }
     return traced;
 }

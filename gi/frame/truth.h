@@ -61,6 +61,7 @@ class Tracer {
     reference::Store* store_;
     Scene lamps_;                       // lamps_only(scene); empty where the scene has nothing else
     std::vector<std::string> without_;  // what else it has
+    std::vector<std::string> unseen_;   // what paths through all of it do not find
     PathScenes mine_;                   // where nobody gave any
     View whole_, own_;
 };

@@ -11,6 +11,9 @@ namespace plumb::reference {
 
 namespace {
 
+// Counts the changes of what is traced, of the same scene by the same parameters.
+constexpr int tracer_version = 2;
+
 // What the processor calls itself (CPUID leaves 0x80000002 to 4): Embree chooses its code by it.
 std::string processor() {
     unsigned words[12] = {};
@@ -34,14 +37,14 @@ void add_scene(const Scene& scene, const Geometry& geometry, ContentHasher& h) {
         h.add_image(t.texels);
     }
     for (const Light& l : scene.lights)
-        h.add(l.type, l.position, l.direction, l.cone_inner_deg, l.cone_outer_deg, l.intensity, l.on);
+        h.add(l.type, l.position, l.direction, l.cone_inner_deg, l.cone_outer_deg, l.intensity, l.on, l.radius);
     h.add(scene.environment.radiance);
     h.add_image(scene.environment.map);
 }
 
 ContentHasher begin(const PathParams& given, const Scene& scene, const Geometry& geometry, std::uint32_t seed, Isa isa) {
     ContentHasher h;
-    h.add(seed);
+    h.add(tracer_version, seed);
     PathParams params = given;
     for (const Field& f : fields(params)) h.add(f.name + " = " + value_text(f));
     if (given.rays == Rays::native) {

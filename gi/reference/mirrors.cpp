@@ -1,9 +1,13 @@
 #include "gi/reference/mirrors.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
+
+#include "gi/reference/mirror_kernel.h"
 
 namespace plumb::reference {
 namespace {
@@ -51,6 +55,16 @@ MirrorTable mirror_table(const Scene& scene, const Geometry& geometry) {
     }
     table.count = int(known.size());
     return table;
+}
+
+std::vector<std::string> lamp_light_unseen(const Scene& scene, const Geometry& geometry) {
+    std::vector<std::string> unseen;
+    const auto shines = [](const Light& l) { return l.on && l.intensity != glm::vec3(0); };
+    if (std::none_of(scene.lights.begin(), scene.lights.end(), shines)) return unseen;
+    const MirrorTable table = mirror_table(scene, geometry);
+    if (table.curved) unseen.push_back("light of lamps by way of mirrors that are curved or have a normal map");
+    if (table.count > 1) unseen.push_back(fmt::format("light of lamps by way of more than {} mirrors", longest_mirror_chain));
+    return unseen;
 }
 
 }  // namespace plumb::reference

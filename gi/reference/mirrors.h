@@ -1,6 +1,9 @@
 // Flat mirrors, in which a path sees the images of lamps.
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "core/image.h"
 #include "core/scene.h"
 
@@ -16,5 +19,8 @@ struct MirrorTable {
 // Triangles whose material mirrors and whose shading normals are those of their plane, gathered by plane. Those whose planes
 // differ by rounding alone may get several: an image is found in each all the same.
 MirrorTable mirror_table(const Scene& scene, const Geometry& geometry);
+
+// What light of the scene's lamps paths do not find, in words; empty where they find all.
+std::vector<std::string> lamp_light_unseen(const Scene& scene, const Geometry& geometry);
 
 }  // namespace plumb::reference

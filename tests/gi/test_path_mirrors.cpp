@@ -237,6 +237,15 @@ TEST_CASE("path mirrors: what is curved has no image, and says so", "[reference]
     for (Vertex& v : curved.meshes.back().vertices) v.normal = glm::normalize(v.normal + glm::vec3(0, 1e-3f * v.position.y, 0));
     CHECK(prepare(curved, Rays::native)->mirrors.curved);
     CHECK(prepare(curved, Rays::native)->mirrors.count == 0);
+    CHECK(lamp_light_unseen(scene, flatten(scene)).empty());
+    REQUIRE(lamp_light_unseen(curved, flatten(curved)).size() == 1);
+    CHECK(lamp_light_unseen(curved, flatten(curved))[0] == "light of lamps by way of mirrors that are curved or have a normal map");
+    curved.lights[0].on = false;
+    CHECK(lamp_light_unseen(curved, flatten(curved)).empty());
+    Scene several = scene;
+    add_rectangle(several, mirror_of(0.75), {1, -5, -5}, {1, 5, 5});
+    REQUIRE(lamp_light_unseen(several, flatten(several)).size() == 1);
+    CHECK(lamp_light_unseen(several, flatten(several))[0] == "light of lamps by way of more than 4 mirrors");
     scene.materials.back().normal_texture = 0;
     scene.textures.resize(1);
     scene.textures[0].texels = Image<std::uint32_t>(1, 1, 0xffff8080u);
