@@ -129,27 +129,35 @@ class ObjScanner {
     }
 
     // Positive indices count from 1; negative ones back from the last so far. Whether the list is long enough is seen
-    // at the end: faces may stand before their vertices.
-    std::int32_t index(std::string_view text, std::size_t so_far, const char* what) const {
+    // at the end: faces may stand before their vertices. Without `must` one that is out of range is none.
+    std::int32_t index(std::string_view text, std::size_t so_far, const char* what, bool must) {
         const auto i = parse_integer(text);
         if (!i) fail(line_, fmt::format("f: \"{}\" is not an index", printable(text)));
         if (*i == 0) fail(line_, fmt::format("f: {} 0; indices count from 1", what));
-        if (*i < -std::int64_t(so_far) || *i > std::int64_t(std::numeric_limits<std::int32_t>::max()))
+        if (*i < -std::int64_t(so_far) || *i > std::int64_t(std::numeric_limits<std::int32_t>::max())) {
+            if (!must) return lacks(line_, what, *i, so_far), -1;
             fail(line_, fmt::format("f: {} {} is out of range; there are {} so far", what, *i, so_far));
+        }
         return std::int32_t(*i > 0 ? *i - 1 : std::int64_t(so_far) + *i);
     }
 
-    Corner corner(std::string_view word) const {
+    // Coordinates and normals that the file has not: the corner goes without.
+    void lacks(std::int64_t line, const char* what, std::int64_t index, std::size_t there) {
+        findings_.add(what, path_, line, fmt::format("f: {} {} is out of range; the file has {}", what, index, there),
+                      "the corner goes without");
+    }
+
+    Corner corner(std::string_view word) {
         Corner c;
         const std::size_t slash = word.find('/');
-        c.position = index(word.substr(0, slash), out_.positions.size(), "vertex");
+        c.position = index(word.substr(0, slash), out_.positions.size(), "vertex", true);
         if (slash == word.npos) return c;
         const std::string_view rest = word.substr(slash + 1);
         const std::size_t second = rest.find('/');
         const std::string_view texture = rest.substr(0, second);
-        if (!texture.empty()) c.texture = index(texture, out_.texture_coordinates.size(), "texture coordinate");
+        if (!texture.empty()) c.texture = index(texture, out_.texture_coordinates.size(), "texture coordinate", false);
         const std::string_view normal = second == rest.npos ? "" : rest.substr(second + 1);
-        if (!normal.empty()) c.normal = index(normal, out_.normals.size(), "normal");
+        if (!normal.empty()) c.normal = index(normal, out_.normals.size(), "normal", false);
         return c;
     }
 
@@ -174,18 +182,24 @@ class ObjScanner {
         return at->second;
     }
 
-    void check_indices() const {
-        auto check = [&](std::int32_t i, std::size_t size, std::int64_t line, const char* what) {
-            if (i >= 0 && std::size_t(i) >= size)
-                fail(line, fmt::format("f: {} {} is out of range; the file has {}", what, std::int64_t(i) + 1, size));
-        };
+    void check_indices() {
+        const auto beyond = [](std::int32_t i, std::size_t size) { return i >= 0 && std::size_t(i) >= size; };
         for (std::size_t f = 0; f < out_.faces.size(); ++f) {
             const std::size_t end = f + 1 < out_.faces.size() ? out_.faces[f + 1].first : out_.corners.size();
+            const std::int64_t line = out_.faces[f].line;
             for (std::size_t i = out_.faces[f].first; i < end; ++i) {
-                const Corner& c = out_.corners[i];
-                check(c.position, out_.positions.size(), out_.faces[f].line, "vertex");
-                check(c.texture, out_.texture_coordinates.size(), out_.faces[f].line, "texture coordinate");
-                check(c.normal, out_.normals.size(), out_.faces[f].line, "normal");
+                Corner& c = out_.corners[i];
+                if (beyond(c.position, out_.positions.size()))
+                    fail(line, fmt::format("f: vertex {} is out of range; the file has {}", std::int64_t(c.position) + 1,
+                                           out_.positions.size()));
+                if (beyond(c.texture, out_.texture_coordinates.size())) {
+                    lacks(line, "texture coordinate", std::int64_t(c.texture) + 1, out_.texture_coordinates.size());
+                    c.texture = -1;
+                }
+                if (beyond(c.normal, out_.normals.size())) {
+                    lacks(line, "normal", std::int64_t(c.normal) + 1, out_.normals.size());
+                    c.normal = -1;
+                }
             }
         }
     }

@@ -8,7 +8,7 @@
 namespace plumb::io {
 
 // More corners than this must form a convex polygon: clipping ears takes up to the third power of them.
-inline constexpr std::size_t max_concave_corners = 512;
+inline constexpr std::size_t max_concave_corners = 1024;
 
 // Splits the polygon into corners.size() - 2 triangles of corner numbers, in the polygon's own direction. Convex ones
 // become a fan around corner 0; others lose one ear after another (Meisters 1975, "Polygons have ears"), seen along

@@ -120,7 +120,7 @@ TEST_CASE("obj: polygons keep their area and their direction", "[io]") {
         }
 }
 
-TEST_CASE("obj: a convex face of 100,000 corners is read, a concave one of 513 is refused", "[io][robustness]") {
+TEST_CASE("obj: a convex face of 100,000 corners is read, a concave one of 1025 is refused", "[io][robustness]") {
     // A square whose sides carry the corners is convex in any precision.
     std::vector<glm::dvec2> points;
     for (int side = 0; side < 4; ++side)
@@ -136,9 +136,9 @@ TEST_CASE("obj: a convex face of 100,000 corners is read, a concave one of 513 i
     CHECK(area_z(mesh) == 2.0 * 25000 * 25000);
 
     std::vector<glm::dvec2> star;
-    for (int i = 0; i < 512; ++i) star.emplace_back(i, i % 2);
+    for (int i = 0; i < 1024; ++i) star.emplace_back(i, i % 2);
     star.emplace_back(256, 1000);
-    require_message(error_of([&] { parse(polygon(star)); }), {"m.obj: line 514", "concave face of 513 corners", "512"});
+    require_message(error_of([&] { parse(polygon(star)); }), {"m.obj: line 1026", "concave face of 1025 corners", "1024"});
 }
 
 TEST_CASE("obj: materials, by name", "[io]") {
@@ -247,8 +247,6 @@ TEST_CASE("obj: malformed files are named with line and cause", "[io][robustness
         {triangle + "f 0 1 2\n", {"line 4: f: vertex 0; indices count from 1"}},
         {triangle + "f 1 2 99999999999999999999\n", {"line 4: f: vertex", "out of range"}},
         {triangle + "f 1 2 4294967297\n", {"line 4: f: vertex 4294967297 is out of range"}},
-        {triangle + "f 1/1 2/1 3/1\n", {"line 4: f: texture coordinate 1 is out of range; the file has 0"}},
-        {triangle + "f 1//1 2//1 3//1\n", {"line 4: f: normal 1 is out of range; the file has 0"}},
         {triangle + "f 1/ 2/ 3/x\n", {"line 4: f: \"x\" is not an index"}},
         {triangle + "f 1/1/1/1 2 3\n", {"line 4: f: \"1/1\" is not an index"}},
         {triangle + "f 1.5 2 3\n", {"line 4: f: \"1.5\" is not an index"}},

@@ -68,6 +68,11 @@ TEST_CASE("obj: what is lacking is replaced and said, once a kind, and refused b
         {triangle + "f 1 2\nf\n" + face, a,
          {"m.obj: line 5: f has 2 corners; a face has at least 3: it is passed over (and 1 more of the kind)"}, "f has 2 corners"},
         {triangle + "f 1// 2/1/ 3/\n", a, {}, ""},
+        {triangle + "f 1/1/1 2/1/2 3/1/1\n", a,
+         {"m.obj: line 5: f: normal 1 is out of range; the file has 0: the corner goes without (and 2 more of the kind)"}, "normal 1"},
+        {triangle + "f 1/-2 2/2 3/1\n", a,
+         {"m.obj: line 5: f: texture coordinate -2 is out of range; the file has 1: the corner goes without (and 1 more of the kind)"},
+         "texture coordinate -2"},
         // Not read, and no fault of the file.
         {triangle + "p 1\nl 1 2\nl 2 3\n" + face, a, {"m.obj: points and lines are not drawn (1 and 2 statements)"}, ""},
         {"v 0 0 0 1 0 0\n" + triangle + "f 1 2 3\n", a, {"m.obj: the colours of 1 vertices are not read"}, ""},
