@@ -84,7 +84,9 @@ void perceive_differences(const Picture& a, const Picture& b, double peak, const
     const auto raw_a = linear_rgb(a, as_is), raw_b = linear_rgb(b, as_is);
     if (!raw_a || !raw_b) return;
     report.ssim = ssim(luminance(*raw_a), luminance(*raw_b), peak, options.threads);
-    if (options.encoding == Encoding::hdr) {
+    if (report.equal) {
+        report.flip = 0;
+    } else if (options.encoding == Encoding::hdr) {
         report.flip = flip_hdr(*raw_b, *raw_a, options.pixels_per_degree, options.threads).mean;
     } else {
         const auto light_a = linear_rgb(a, options.encoding), light_b = linear_rgb(b, options.encoding);

@@ -13,6 +13,15 @@
 namespace plumb::io {
 namespace {
 
+// Whether one of its triangles has, before it is moved.
+bool has_area(const Mesh& mesh) {
+    return std::any_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const glm::uvec3& t) {
+        const glm::dvec3 a(mesh.vertices[t.x].position), u = glm::dvec3(mesh.vertices[t.y].position) - a,
+                         v = glm::dvec3(mesh.vertices[t.z].position) - a;
+        return u.y * v.z != u.z * v.y || u.z * v.x != u.x * v.z || u.x * v.y != u.y * v.x;
+    });
+}
+
 class ModelReader {
   public:
     ModelReader(GltfDocument& document, const GltfOptions& options) : document_(document), options_(options) {}
@@ -25,7 +34,11 @@ class ModelReader {
         for (const GltfNode& node : order)
             if (const auto mesh = nodes[node.index]["mesh"].index(cache_.size(), "meshes")) ++cache_[*mesh].uses;
         for (const GltfNode& node : order) add_node(nodes[node.index], node.to_world);
-        if (triangles_ == 0) throw InputError(shown(document_.path), "", "holds no triangle");
+        if (triangles_ == 0) throw InputError(shown(document_.path), "", "holds no triangle: " + why_none(order));
+        if (!any_area_)
+            document_.note(fmt::format("nothing is seen: the corners of each of the {} triangles lie in a line", triangles_));
+        const std::string skipped = document_.skipped.text();
+        if (!skipped.empty()) document_.note("not drawn: " + skipped);
         model_.notes = std::move(document_.notes);
         return std::move(model_);
     }
@@ -35,6 +48,21 @@ class ModelReader {
         std::optional<GltfMesh> read;  // once a node has asked for it
         std::size_t uses = 0;          // by nodes that are still to come
     };
+
+    // Why the nodes of the default scene bring none.
+    std::string why_none(const std::vector<GltfNode>& order) {
+        const JsonValue nodes = document_.list("nodes");
+        const std::size_t meshes = cache_.size(), scenes = document_.list("scenes").size();
+        const auto refers = [&](std::size_t node) { return nodes[node]["mesh"].index(meshes, "meshes").has_value(); };
+        if (meshes == 0) return "the file has no mesh";
+        if (std::any_of(order.begin(), order.end(), [&](const GltfNode& n) { return refers(n.index); }))
+            return document_.skipped.text() + ", and nothing else in the meshes of the scene that is read";
+        std::size_t elsewhere = 0;
+        for (std::size_t n = 0; n < nodes.size(); ++n) elsewhere += refers(n);
+        if (elsewhere == 0) return fmt::format("no node refers to a mesh, of which the file has {}", meshes);
+        return fmt::format("no node of the scene that is read (of {}) refers to a mesh; {} elsewhere {}", scenes, elsewhere,
+                           elsewhere == 1 ? "does" : "do");
+    }
 
     void add_node(const JsonValue& node, const glm::dmat4& to_world) {
         const auto mesh = node["mesh"].index(cache_.size(), "meshes");
@@ -65,6 +93,7 @@ class ModelReader {
         if (triangles_ > max_gltf_total || vertices_ > max_gltf_total)
             node.fail(fmt::format("more than {} triangles or vertices in all", max_gltf_total));
         if (cached.read->mesh.triangles.empty()) return;
+        any_area_ = any_area_ || has_area(cached.read->mesh);
         // The last node takes the mesh, the others a copy of it.
         const bool has_texture_coordinates = cached.read->has_texture_coordinates;
         if (options_.second_coordinates) model_.second_coordinates.push_back(cached.read->second_coordinates);
@@ -93,9 +122,19 @@ class ModelReader {
     std::vector<TextureCoordinates> coordinates_;
     std::vector<Cached> cache_;  // of each mesh
     std::size_t triangles_ = 0, vertices_ = 0;
+    bool any_area_ = false;
 };
 
 }  // namespace
+
+std::string GltfSkipped::text() const {
+    std::string text;
+    const auto add = [&](std::size_t count, const char* what) {
+        if (count > 0) text += fmt::format("{}{} primitive{} {}", text.empty() ? "" : ", ", count, count == 1 ? "" : "s", what);
+    };
+    add(points, "of points"), add(lines, "of lines"), add(without_position, "without POSITION");
+    return text;
+}
 
 GltfModel read_gltf(const std::string& path, const GltfOptions& options) {
     GltfDocument document;

@@ -24,6 +24,13 @@ struct ByteSpan {
     std::size_t size = 0;
 };
 
+// Primitives that are not drawn, of the meshes that were read.
+struct GltfSkipped {
+    std::size_t points = 0, lines = 0, without_position = 0;
+    // "2 primitives of points, 1 without POSITION"; "" where none is.
+    std::string text() const;
+};
+
 struct GltfDocument {
     std::string path;
     std::vector<unsigned char> file;
@@ -31,6 +38,7 @@ struct GltfDocument {
     std::vector<std::vector<unsigned char>> loaded;  // buffers that are not part of the file
     std::vector<ByteSpan> buffers;                   // each of its declared length
     std::vector<std::string> notes;
+    GltfSkipped skipped;
 
     JsonValue root() const { return JsonValue(path, json); }
     JsonValue list(const char* name) const { return root()[name]; }

@@ -49,7 +49,15 @@ class MeshReader {
   private:
     void read_primitive(const JsonValue& json) {
         const int mode = int(json["mode"].integer(0, 6, triangles));
-        if (mode < triangles) return document_.note("points and lines are not drawn");
+        if (mode < triangles) {
+            ++(mode == 0 ? document_.skipped.points : document_.skipped.lines);
+            return;
+        }
+        // glTF 2.0, 3.7.2.1: positions may come from an extension; nothing is drawn without.
+        if (!json["attributes"].required()["POSITION"]) {
+            ++document_.skipped.without_position;
+            return;
+        }
         if (json["targets"]) document_.note("morph targets are not read");
         const std::optional<std::size_t> material =
             json["material"].index(document_.list("materials").size(), "materials");

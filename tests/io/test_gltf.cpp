@@ -73,7 +73,7 @@ TEST_CASE("gltf: strips and fans turn as glTF 2.0 3.7.2.1 says", "[io]") {
     s.json["meshes"][0]["primitives"].push_back({{"attributes", {{"POSITION", 0}}}, {"mode", 1}});
     const GltfModel m = load(s);
     CHECK(m.meshes[0].triangles.size() == 2);
-    CHECK(m.notes == std::vector<std::string>{"points and lines are not drawn"});
+    CHECK(m.notes == std::vector<std::string>{"not drawn: 1 primitive of lines"});
 }
 
 TEST_CASE("gltf: a stride, integers and sparse values reach the vertices", "[io]") {
@@ -213,7 +213,43 @@ TEST_CASE("gltf: nodes are moved by their parents; each becomes a mesh", "[io]")
     // The default scene alone is read.
     s.json["scenes"] = Json::parse(R"([{"nodes": [0]}, {"nodes": []}])");
     s.json["scene"] = 1;
-    require_message(error_of([&] { load(s); }), {"holds no triangle"});
+    require_message(error_of([&] { load(s); }),
+                    {"holds no triangle: no node of the scene that is read (of 2) refers to a mesh; 2 elsewhere do"});
+}
+
+TEST_CASE("gltf: what is skipped is counted, and a file without a triangle says why", "[io][robustness]") {
+    GltfSample s = square();
+    Json& primitives = s.json["meshes"][0]["primitives"];
+    const Json whole = primitives[0];
+    Json bare = whole;
+    bare["attributes"].erase("POSITION");
+    for (const int mode : {0, 0, 1, 2, 3}) primitives.push_back({{"attributes", {{"POSITION", 0}}}, {"mode", mode}});
+    primitives.push_back(bare);
+    s.json["nodes"].push_back({{"mesh", 0}});  // a mesh counts once, however often it stands
+    s.json["scenes"][0]["nodes"] = {0, 1};
+    const GltfModel m = load(s);
+    CHECK(m.meshes.size() == 2);
+    CHECK(m.meshes[0].triangles.size() == 2);
+    const std::string skipped = "2 primitives of points, 3 primitives of lines, 1 primitive without POSITION";
+    CHECK(m.notes == std::vector<std::string>{"not drawn: " + skipped});
+
+    primitives.erase(0);
+    require_message(error_of([&] { load(s); }), {"a.gltf: holds no triangle: " + skipped + ", and nothing else in the meshes"});
+    primitives = Json::array({bare});
+    require_message(error_of([&] { load(s); }), {"holds no triangle: 1 primitive without POSITION"});
+    s.json["nodes"] = Json::parse(R"([{"name": "empty"}, {"name": "empty, too"}])");
+    require_message(error_of([&] { load(s); }), {"holds no triangle: no node refers to a mesh, of which the file has 1"});
+    s.json.erase("meshes");
+    require_message(error_of([&] { load(s); }), {"holds no triangle: the file has no mesh"});
+
+    // Corners in a line, or in one point: nothing would be seen.
+    GltfSample flat = square();
+    const std::vector<float> line = {0, 0, 0, 0.1f, 0.2f, 0.3f, 0.2f, 0.4f, 0.6f, 0.4f, 0.8f, 1.2f};
+    flat.json["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = flat.add<float>(line, 5126, "VEC3", 3);
+    CHECK(load(flat).notes == std::vector<std::string>{"nothing is seen: the corners of each of the 2 triangles lie in a line"});
+    flat.json["meshes"][0]["primitives"].push_back(whole);
+    CHECK(load(flat).notes.empty());
+    CHECK(load(flat).meshes[0].triangles.size() == 4);
 }
 
 TEST_CASE("gltf: materials: exitance is pi times emission, masks have a cutoff, a metal is diffuse", "[io]") {

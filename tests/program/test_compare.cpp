@@ -230,13 +230,20 @@ TEST_CASE("compare: a rendered file by layers", "[program]") {
     CHECK(run({"compare", a, b, "--layer", "indirect", "--max-ulp", "0"}).exit == 1);
     CHECK(run({"compare", a, b, "--layer", "color", "--max-ulp", "0"}).exit == 1);
     CHECK(run({"compare", a, b, "--layer", "colour"}).exit == 2);
-    // FLIP and SSIM of the whole file are those of its color.
+    // The figures of the whole file are those of its color; every layer has its own.
     const Json whole = Json::parse(run({"compare", a, b, "--json"}).out),
                color = Json::parse(run({"compare", a, b, "--json", "--layer", "color"}).out);
     CHECK(whole["flip"].get<double>() > 0);
-    CHECK(whole["flip"] == color["flip"]);
-    CHECK(whole["ssim"] == color["ssim"]);
-    CHECK(whole["mean_error"].get<double>() < color["mean_error"].get<double>());
+    CHECK(color["mean_error"].get<double>() > 0);
+    for (const std::string& key : keys(color)) CHECK(whole[key] == color[key]);
+    CHECK(whole["layers"].size() == 12);
+    for (const Json& layer : whole["layers"]) {
+        const std::string name = layer["layer"];
+        INFO(name);
+        const Json alone = Json::parse(run({"compare", a, b, "--json", "--layer", name}).out);
+        for (const std::string& key : keys(alone))
+            if (layer[key] != alone[key]) CHECK(layer[key].is_null());  // SSIM and FLIP of a lone channel
+    }
     // The difference has the same layers.
     REQUIRE(run({"compare", a, b, "-o", folder + "/d.exr"}).exit == 0);
     CHECK(io::read_picture(folder + "/d.exr").channels == io::read_picture(a).channels);
@@ -245,4 +252,147 @@ TEST_CASE("compare: a rendered file by layers", "[program]") {
     const Result png = run({"compare", folder + "/a/small.png", folder + "/b/small.png"});
     CHECK(png.exit == 0);
     CHECK(run({"compare", a, folder + "/b/small.png"}).exit == 2);
+}
+
+namespace {
+
+struct PlantedLayer {
+    std::string name;
+    Words components;
+    float value;  // of every pixel, of A and B; color is smooth()
+};
+
+// Files of layers whose differences are known: `plant` changes A.
+struct Layered {
+    std::string folder, a, b;
+    std::vector<PlantedLayer> layers;
+    std::vector<std::vector<float>> data;
+
+    Layered(const std::string& name, std::vector<PlantedLayer> wanted)
+        : folder(fresh_folder(name)), a(folder + "/a.exr"), b(folder + "/b.exr"), layers(std::move(wanted)) {
+        for (const PlantedLayer& l : layers)
+            data.push_back(l.name == "color" ? smooth().data
+                                             : std::vector<float>(width * height * l.components.size(), l.value));
+        write_to(b);
+    }
+    void write_to(const std::string& path) const {
+        std::vector<io::Layer> all;
+        for (std::size_t i = 0; i < layers.size(); ++i)
+            all.push_back({layers[i].name, layers[i].components, data[i].data(), int(layers[i].components.size())});
+        io::write_exr(path, width, height, all);
+    }
+    Result compare(Words more = {}) const {
+        write_to(a);
+        more.insert(more.begin(), {"compare", a, b});
+        return run(more);
+    }
+    Json json() const { return Json::parse(compare({"--json"}).out); }
+};
+
+const std::vector<PlantedLayer> usual = {
+    {"color", {"R", "G", "B"}, 0}, {"depth", {"Y"}, 100}, {"id", {"Y"}, 7}, {"position", {"X", "Y", "Z"}, -3}};
+
+Json layer_of(const Json& json, const std::string& name) {
+    for (const Json& layer : json.at("layers"))
+        if (layer.at("layer") == name) return layer;
+    return nullptr;
+}
+
+}  // namespace
+
+TEST_CASE("compare: of several layers the figures are those of color, and no layer's difference is hidden",
+          "[program][contract]") {
+    Layered f("compare_headline", usual);
+    CHECK(f.json()["equal"] == true);
+    CHECK_THAT(f.compare().out, Contains("equal, to the bit"));
+    f.data[1][5] = 104;   // 4 m of one pixel
+    f.data[2][70] = 8;    // another triangle
+    const Json json = f.json();
+    for (const char* zero : {"mean_error", "rmse", "rel_mse", "flip", "max_ulp", "differing"}) CHECK(json[zero] == 0);
+    CHECK(json["psnr"].is_null());
+    CHECK(json["equal"] == false);
+    CHECK(json["layer"] == "color");
+    CHECK(layer_of(json, "color")["equal"] == true);
+    CHECK(layer_of(json, "position")["equal"] == true);
+    CHECK(layer_of(json, "depth")["mean_error"].get<double>() == Approx(4.0 / (width * height)));
+    CHECK(layer_of(json, "depth")["flip"].is_null());
+    CHECK(layer_of(json, "depth")["max_ulp"] == std::bit_cast<std::uint32_t>(104.0f) - std::bit_cast<std::uint32_t>(100.0f));
+    CHECK(layer_of(json, "id")["differing"].get<double>() == Approx(1.0 / (width * height)));
+    CHECK(keys(layer_of(json, "id")) == Words{"layer", "mean_error", "rmse", "rel_mse", "psnr", "ssim", "flip", "pearson",
+                                              "max_ulp", "differing", "pixels", "nonfinite", "equal"});
+    const Result plain = f.compare();
+    CHECK(plain.exit == 0);
+    CHECK_THAT(plain.out, Contains("they differ; no bound was given; beside color differ: depth, id"));
+    CHECK_THAT(plain.out, Contains("of the layer color"));
+
+    // Metres do not count against a bound on radiance; floats, pixels and exactness count everywhere.
+    const Result bounded = f.compare({"--max-error", "1e-6"});
+    CHECK(bounded.exit == 0);
+    CHECK_THAT(bounded.out, Contains("agree: within the bounds; beside color differ: depth, id"));
+    for (const Words& bound : {Words{"--max-error", "0"}, Words{"--max-ulp", "0"}, Words{"--max-differing", "0"}}) {
+        const Result r = f.compare(bound);
+        CHECK(r.exit == 1);
+        CHECK_THAT(r.out, Contains("disagree: layer depth: "));
+    }
+    CHECK(f.compare({"--max-ulp", "0", "--json"}).exit == 1);
+    CHECK(f.compare({"--max-ulp", "0", "--layer", "color"}).exit == 0);
+    CHECK(f.compare({"--max-error", "1e-6", "--layer", "depth"}).exit == 1);
+
+    // The headline's own reason comes first.
+    f.data[0][0] += 0.5f;
+    CHECK_THAT(f.compare({"--max-error", "1e-6"}).out, Contains("disagree: mean error"));
+    CHECK(f.json()["mean_error"].get<double>() == Approx(0.5 / (3 * width * height)).epsilon(1e-5));
+}
+
+TEST_CASE("compare: a NaN in any layer disagrees, whatever the bounds", "[program]") {
+    Layered f("compare_layer_nan", usual);
+    f.data[3][4] = std::numeric_limits<float>::quiet_NaN();
+    const Result r = f.compare({"--max-error", "1e30", "--max-ulp", "4294967295", "--max-differing", "1"});
+    CHECK(r.exit == 1);
+    CHECK_THAT(r.out, Contains("disagree: 1 pixel holds NaN or Inf; first: A(1, 0).position.Y"));
+    const Json json = f.json();
+    CHECK(json["nonfinite"] == 1);
+    CHECK(json["equal"] == false);
+    CHECK(json["mean_error"] == 0);
+    CHECK(layer_of(json, "position")["mean_error"].is_null());
+    CHECK(layer_of(json, "depth")["nonfinite"] == 0);
+    f.write_to(f.b);  // on both sides
+    CHECK(f.compare().exit == 1);
+}
+
+TEST_CASE("compare: a layer that one file lacks, and one of another name, disagree", "[program]") {
+    Layered whole("compare_layer_lacks", usual);
+    for (const auto& layers : {std::vector<PlantedLayer>(usual.begin(), usual.end() - 1),
+                               std::vector<PlantedLayer>{usual[0], usual[1], {"ids", {"Y"}, 7}, usual[3]}}) {
+        const Layered other("compare_layer_other", layers);
+        for (const auto& [a, b] : {std::pair(whole.b, other.b), std::pair(other.b, whole.b)}) {
+            const Result r = run({"compare", a, b, "--max-error", "1e30"});
+            CHECK(r.exit == 1);
+            CHECK_THAT(r.out, Contains("disagree: channels differ"));
+            const Json json = Json::parse(run({"compare", a, b, "--json"}).out);
+            CHECK(json["mean_error"].is_null());
+            CHECK(json["equal"] == false);
+        }
+        CHECK(run({"compare", whole.b, other.b, "--layer", "color", "--max-ulp", "0"}).exit == 0);
+    }
+}
+
+TEST_CASE("compare: without color the first layer of R, G and B is the headline, and it is said", "[program]") {
+    Layered f("compare_no_color", {{"depth", {"Y"}, 9}, {"direct", {"R", "G", "B"}, 0.5f}, {"indirect", {"R", "G", "B"}, 0.25f}});
+    f.data[0][3] = 10;
+    f.data[2][0] = 0.5f;
+    const Result r = f.compare();
+    CHECK_THAT(r.out, Contains("of the layer direct"));
+    CHECK(f.json()["layer"] == "direct");
+    CHECK(f.json()["mean_error"] == 0);
+    CHECK(layer_of(f.json(), "indirect")["mean_error"].get<double>() == Approx(0.25 / (3 * width * height)));
+    CHECK(layer_of(f.json(), "indirect")["flip"].get<double>() > 0);
+    CHECK(f.compare({"-o", f.folder + "/d.png"}).exit == 0);
+
+    // None of R, G and B: the first of the file.
+    Layered grey("compare_no_rgb", {{"depth", {"Y"}, 9}, {"id", {"Y"}, 1}});
+    grey.data[1][0] = 2;
+    CHECK(grey.json()["layer"] == "depth");
+    CHECK(grey.compare({"--max-differing", "0"}).exit == 1);
+    CHECK(grey.compare().exit == 0);
 }

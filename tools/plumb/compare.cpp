@@ -15,6 +15,7 @@
 #include "io/file.h"
 #include "io/image_file.h"
 #include "tools/plumb/cli.h"
+#include "tools/plumb/compare_layers.h"
 #include "tools/shared/outputs.h"
 #include "tools/shared/reports.h"
 #include "tools/shared/table.h"
@@ -39,12 +40,6 @@ bool encoded(const std::string& path) {
     return false;
 }
 
-// The layer of a picture that FLIP and SSIM look at: color, or the channels without a layer.
-std::string seen_layer(const compare::Picture& picture) {
-    const std::vector<std::string> names = io::layer_names(picture);
-    return std::find(names.begin(), names.end(), "color") != names.end() ? "color" : "";
-}
-
 bool has_layer(const compare::Picture& picture, const std::string& layer) {
     const std::vector<std::string> names = io::layer_names(picture);
     return std::find(names.begin(), names.end(), layer) != names.end();
@@ -56,45 +51,50 @@ compare::Picture select(const compare::Picture& picture, const std::string& laye
     return io::select_layer(picture, unnamed ? "" : layer, path);
 }
 
-// All channels as one picture; FLIP and SSIM of the layer that is a picture.
-compare::Report compare_all(const compare::Picture& a, const compare::Picture& b, compare::Options options) {
-    if (io::layer_names(a).size() <= 1) return compare::compare(a, b, options);
-    options.perceptual = false;
-    compare::Report report = compare::compare(a, b, options);
-    const std::string layer = seen_layer(a);
-    if (!report.mean_error || !has_layer(a, layer)) return report;
-    options.perceptual = true;
-    options.max_error = options.max_differing = std::nullopt;
-    options.max_ulp = std::nullopt;
-    const compare::Report seen =
-        compare::compare(io::select_layer(a, layer, "A"), io::select_layer(b, layer, "B"), options);
-    report.ssim = seen.ssim;
-    report.flip = seen.flip;
-    return report;
-}
-
-// One row a layer, where there are several.
-std::string layers_text(const compare::Picture& a, const compare::Picture& b, compare::Options options) {
-    const std::vector<std::string> names = io::layer_names(a);
-    if (names.size() < 2 || !compare::mismatch(a, b).empty()) return "";
-    options.perceptual = false;
+// Of which layer the figures are, and one row a layer, where there are several.
+std::string layers_text(const LayeredReport& all) {
+    if (all.layers.empty()) return "";
     std::vector<std::vector<std::string>> rows;
     auto text = [](std::optional<double> v) { return v ? fmt::format("{:.4g}", *v) : std::string("undefined"); };
-    for (const std::string& name : names) {
-        const compare::Report r =
-            compare::compare(io::select_layer(a, name, "A"), io::select_layer(b, name, "B"), options);
-        rows.push_back({name.empty() ? "color" : name, text(r.mean_error), text(r.rmse),
+    for (const auto& [name, r] : all.layers)
+        rows.push_back({shown_layer(name, all.layers), text(r.mean_error), text(r.rmse),
                         r.max_ulp == compare::saturated_ulp ? "undefined" : fmt::format("{}", r.max_ulp),
                         fmt::format("{:.4g} %", 100 * r.differing),
                         r.worst ? fmt::format("{},{} {}", r.worst->x, r.worst->y, r.worst->channel) : ""});
+    return fmt::format("These are of the layer {}. Each layer by itself:\n\n", shown_layer(all.headline, all.layers)) +
+           format_table({{"layer"},
+                         {"mean error", Align::right},
+                         {"RMSE", Align::right},
+                         {"max ULP", Align::right},
+                         {"differing", Align::right},
+                         {"worst"}},
+                        rows);
+}
+
+// The contract's keys are the headline's; what each layer has beside it.
+Json layered_json(const LayeredReport& all) {
+    Json json = compare_json(all.report);
+    if (all.layers.empty()) return json;
+    json["layer"] = shown_layer(all.headline, all.layers);
+    json["layers"] = Json::array();
+    for (const LayerReport& l : all.layers) {
+        Json one = {{"layer", shown_layer(l.layer, all.layers)}};
+        one.update(compare_json(l.report));
+        json["layers"].push_back(std::move(one));
     }
-    return "\n" + format_table({{"layer"},
-                                {"mean error", Align::right},
-                                {"RMSE", Align::right},
-                                {"max ULP", Align::right},
-                                {"differing", Align::right},
-                                {"worst"}},
-                               rows);
+    return json;
+}
+
+std::string verdict_text(const LayeredReport& all, bool bounded) {
+    const compare::Report& report = all.report;
+    if (!report.agree) return "disagree: " + report.reason;
+    if (report.equal) return "equal, to the bit";
+    std::string others;
+    for (const LayerReport& l : all.layers)
+        if (l.layer != all.headline && !l.report.equal)
+            others += (others.empty() ? "" : ", ") + shown_layer(l.layer, all.layers);
+    if (!others.empty()) others = fmt::format("; beside {} differ: {}", shown_layer(all.headline, all.layers), others);
+    return (bounded ? "agree: within the bounds" : "they differ; no bound was given") + others;
 }
 
 // All layers, the one without a name first.
@@ -114,7 +114,7 @@ void write_layers(const std::string& file, const compare::Picture& picture) {
 // R, G and B, clamped to 0..1.
 std::vector<std::uint8_t> bytes_of(const compare::Picture& picture, const std::string& path) {
     const bool layered = io::layer_names(picture).size() > 1;
-    const auto rgb = compare::linear_rgb(layered ? io::select_layer(picture, seen_layer(picture), path) : picture,
+    const auto rgb = compare::linear_rgb(layered ? io::select_layer(picture, headline_of(picture), path) : picture,
                                          compare::Encoding::hdr);
     if (!rgb) throw InputError(path, "", "a PNG shows R, G and B, which the pictures do not have; use .exr");
     std::vector<std::uint8_t> bytes;
@@ -143,7 +143,7 @@ void write_signed_error(const compare::Picture& a, const compare::Picture& b, co
                         const std::string& path) {
     auto luminance = [&](const compare::Picture& picture) {
         const bool layered = io::layer_names(picture).size() > 1;
-        const auto rgb = compare::linear_rgb(layered ? io::select_layer(picture, seen_layer(picture), path) : picture,
+        const auto rgb = compare::linear_rgb(layered ? io::select_layer(picture, headline_of(picture), path) : picture,
                                              options.encoding);
         if (!rgb) throw InputError(path, "", "a signed error shows R, G and B, which the pictures do not have");
         compare::Plane plane(rgb->width, rgb->height);
@@ -191,23 +191,21 @@ int run_compare(const CompareOptions& given) {
     }
 
     // Compare; what cannot be compared has no difference picture.
-    const compare::Report report = compare_all(a, b, options);
+    const LayeredReport all = compare_layers(a, b, options, given.common.json);
+    const compare::Report& report = all.report;
     const bool comparable = compare::mismatch(a, b).empty();
     if (!given.signed_error.empty() && comparable) write_signed_error(a, b, options, given.signed_error);
     if (!given.difference.empty() && comparable) write_difference(a, b, given.negative, given.difference);
     if (given.common.json) {
-        std::fputs(json_text(compare_json(report)).c_str(), stdout);
+        std::fputs(json_text(layered_json(all)).c_str(), stdout);
         return report.agree ? success : disagreement;
     }
     const bool bounded = given.max_error || given.max_ulp || given.max_differing;
     std::string text = fmt::format("A  {}\nB  {}\n\n", given.a, given.b);
-    if (comparable) text += compare_text(report) + layers_text(a, b, options) + "\n";
+    if (comparable) text += compare_text(report) + (all.layers.empty() ? "" : "\n") + layers_text(all) + "\n";
     if (!given.difference.empty() && comparable) text += "wrote " + given.difference + "\n";
     if (!given.signed_error.empty() && comparable) text += "wrote " + given.signed_error + "\n";
-    text += !report.agree  ? "disagree: " + report.reason
-            : report.equal ? "equal, to the bit"
-            : bounded      ? "agree: within the bounds"
-                           : "they differ; no bound was given";
+    text += verdict_text(all, bounded);
     std::fputs((text + "\n").c_str(), stdout);
     return report.agree ? success : disagreement;
 }
@@ -235,8 +233,10 @@ void add_compare(CLI::App& program, Action& action) {
     add_common(*command, given->common);
     command->footer(
         "A NaN, an infinity, other sizes or other channels are a disagreement, exit code 1. Where files have several\n"
-        "layers, all channels count as one picture, and SSIM and FLIP are those of the layer color. In JSON null is\n"
-        "what is undefined, and the PSNR of equal pictures.");
+        "layers, the figures are those of color, or of the first one with R, G and B, and each layer has a row of its\n"
+        "own. --max-ulp, --max-differing and a --max-error of 0 hold of each layer, another --max-error of color. In\n"
+        "JSON: layer, whose figures they are, and layers; equal and nonfinite are of all. null is what is undefined,\n"
+        "the PSNR of equal pictures, and SSIM and FLIP of layers without R, G and B.");
     command->callback([given, &action] { action = [=] { return run_compare(*given); }; });
 }
 
