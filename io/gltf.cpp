@@ -31,8 +31,14 @@ class ModelReader {
         cache_.resize(document_.list("meshes").size());
         const JsonValue nodes = document_.list("nodes");
         const std::vector<GltfNode> order = read_gltf_nodes(document_);
-        for (const GltfNode& node : order)
-            if (const auto mesh = nodes[node.index]["mesh"].index(cache_.size(), "meshes")) ++cache_[*mesh].uses;
+        to_world_.resize(nodes.size());
+        for (const GltfNode& node : order) {
+            to_world_[node.index] = node.to_world;
+            const auto mesh = nodes[node.index]["mesh"].index(cache_.size(), "meshes");
+            if (!mesh) continue;
+            ++cache_[*mesh].uses;
+            cache_[*mesh].skinned = cache_[*mesh].skinned || nodes[node.index]["skin"];
+        }
         for (const GltfNode& node : order) add_node(nodes[node.index], node.to_world);
         if (triangles_ == 0) throw InputError(shown(document_.path), "", "holds no triangle: " + why_none(order));
         if (!any_area_)
@@ -47,6 +53,7 @@ class ModelReader {
     struct Cached {
         std::optional<GltfMesh> read;  // once a node has asked for it
         std::size_t uses = 0;          // by nodes that are still to come
+        bool skinned = false;          // by one of them
     };
 
     // Why the nodes of the default scene bring none.
@@ -88,7 +95,8 @@ class ModelReader {
 
     void add_mesh(const JsonValue& node, std::size_t index, const glm::dmat4& to_world) {
         Cached& cached = cache_[index];
-        if (!cached.read) cached.read = read_gltf_mesh(document_, index, model_, coordinates_, options_.second_coordinates);
+        if (!cached.read)
+            cached.read = read_gltf_mesh(document_, index, model_, coordinates_, {options_.second_coordinates, cached.skinned});
         triangles_ += cached.read->mesh.triangles.size(), vertices_ += cached.read->mesh.vertices.size();
         if (triangles_ > max_gltf_total || vertices_ > max_gltf_total)
             node.fail(fmt::format("more than {} triangles or vertices in all", max_gltf_total));
@@ -99,7 +107,11 @@ class ModelReader {
         if (options_.second_coordinates) model_.second_coordinates.push_back(cached.read->second_coordinates);
         Mesh mesh = --cached.uses == 0 ? std::move(cached.read->mesh) : cached.read->mesh;
         mesh.name = node["name"].text(mesh.name);
-        mesh.transform = to_world;
+        // Of a skinned mesh the joints say where it is, and its node does not.
+        if (node["skin"])
+            apply_gltf_skin(document_, node["skin"], to_world_, cached.read->skin, mesh);
+        else
+            mesh.transform = to_world;
         mesh.dynamic = node.own()["dynamic"].flag(false);
         mesh.share = node.own()["share"].number(0, 1, 1);
         model_.meshes.push_back(std::move(mesh));
@@ -121,6 +133,7 @@ class ModelReader {
     GltfModel model_;
     std::vector<TextureCoordinates> coordinates_;
     std::vector<Cached> cache_;  // of each mesh
+    std::vector<std::optional<glm::dmat4>> to_world_;  // of each node of the scene
     std::size_t triangles_ = 0, vertices_ = 0;
     bool any_area_ = false;
 };
@@ -139,6 +152,7 @@ std::string GltfSkipped::text() const {
 GltfModel read_gltf(const std::string& path, const GltfOptions& options) {
     GltfDocument document;
     document.path = path;
+    document.strict = options.strict;
     open_gltf(document);
     return ModelReader(document, options).read();
 }

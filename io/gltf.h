@@ -11,6 +11,7 @@ namespace plumb::io {
 struct GltfOptions {
     bool photometric_as_is = false;  // keep candela and lux as W/sr and W/m2; otherwise divide them by 683 lm/W
     bool second_coordinates = false;  // also read TEXCOORD_1
+    bool strict = false;  // refuse a file that requires an extension which is not read, also one that changes looks alone
 };
 
 // The default scene of one file, in metres. A node that has a mesh is a Mesh of its own, with the node's transform.

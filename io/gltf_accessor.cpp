@@ -1,6 +1,7 @@
 // glTF's accessors: arrays of numbers in buffers, strided, normalised, sparse. glTF 2.0, 3.6.2.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -25,13 +26,18 @@ std::uint32_t load_integer(const unsigned char* p, int component) {
     return component == u8 ? *p : component == u16 ? load<std::uint16_t>(p) : load<std::uint32_t>(p);
 }
 
-// glTF 2.0, 3.11: f = c / (2^n - 1) for unsigned integers of n bits. No attribute that is read may be of signed ones.
-float load_float(const unsigned char* p, int component) {
+// glTF 2.0, 3.11: f = c / (2^n - 1) for unsigned integers of n bits, max(c / (2^(n - 1) - 1), -1) for signed ones.
+float load_float(const unsigned char* p, int component, bool normalised) {
+    const auto part = [&](float c, float whole) { return normalised ? std::max(c / whole, -1.0f) : c; };
     switch (component) {
+        case i8:
+            return part(float(load<std::int8_t>(p)), 127.0f);
         case u8:
-            return float(*p) / 255.0f;
+            return part(float(*p), 255.0f);
+        case i16:
+            return part(float(load<std::int16_t>(p)), 32767.0f);
         case u16:
-            return float(load<std::uint16_t>(p)) / 65535.0f;
+            return part(float(load<std::uint16_t>(p)), 65535.0f);
         default:
             return load<float>(p);
     }
@@ -69,8 +75,10 @@ Accessor open_accessor(const GltfDocument& document, const JsonValue& index) {
     const std::string type = a.json["type"].text();
     if (type == "SCALAR" || type == "VEC2" || type == "VEC3" || type == "VEC4")
         a.components = type == "SCALAR" ? 1 : type[3] - '0';
+    else if (type == "MAT4")
+        a.components = 16;
     else
-        a.json["type"].fail("expected SCALAR, VEC2, VEC3 or VEC4");
+        a.json["type"].fail("expected SCALAR, VEC2, VEC3, VEC4 or MAT4");
     a.count = std::size_t(a.json["count"].integer(1, max_gltf_elements));
     a.stride = a.element_bytes();
 
@@ -126,21 +134,23 @@ std::size_t accessor_count(const GltfDocument& document, const JsonValue& index)
 std::vector<float> read_floats(const GltfDocument& document, const JsonValue& index, const FloatsWanted& wanted) {
     const Accessor a = open_accessor(document, index);
     if (a.components != wanted.components)
-        a.json["type"].fail(fmt::format("expected VEC{} at {}", wanted.components, index.pointer()));
+        a.json["type"].fail(wanted.components == 16 ? "expected MAT4 at " + index.pointer()
+                                                    : fmt::format("expected VEC{} at {}", wanted.components, index.pointer()));
+    const bool normalised = a.json["normalized"].flag(false);
     if (a.component != f32) {
         bool allowed = false;
         for (int integer : wanted.integers) allowed = allowed || integer == a.component;
         if (!allowed)
             a.json["componentType"].fail(wanted.integers.empty()
                                              ? fmt::format("expected 5126 (float) at {}", index.pointer())
-                                             : fmt::format("expected 5121, 5123 or 5126 at {}", index.pointer()));
-        if (!a.json["normalized"].flag(false)) a.json.fail("integers that are not normalized");
+                                             : fmt::format("expected {} or 5126 at {}", fmt::join(wanted.integers, ", "), index.pointer()));
+        if (!normalised && !wanted.plain) a.json.fail("integers that are not normalized");
     }
 
     const std::size_t n = std::size_t(a.components), bytes = size_of(a.component);
     std::vector<float> values(a.count * n);
     const auto put = [&](std::size_t element, const unsigned char* from) {
-        for (std::size_t c = 0; c < n; ++c) values[element * n + c] = load_float(from + c * bytes, a.component);
+        for (std::size_t c = 0; c < n; ++c) values[element * n + c] = load_float(from + c * bytes, a.component, normalised);
     };
     if (a.data)
         for (std::size_t i = 0; i < a.count; ++i) put(i, a.data + i * a.stride);
@@ -151,19 +161,23 @@ std::vector<float> read_floats(const GltfDocument& document, const JsonValue& in
 }
 
 std::vector<std::uint32_t> read_integers(const GltfDocument& document, const JsonValue& index, std::size_t limit,
-                                         const char* things) {
+                                         const char* things, int components) {
     const Accessor a = open_accessor(document, index);
-    if (a.components != 1) a.json["type"].fail("expected SCALAR at " + index.pointer());
+    if (a.components != components)
+        a.json["type"].fail(fmt::format("expected {} at {}", components == 1 ? "SCALAR" : fmt::format("VEC{}", components), index.pointer()));
     if (a.component != u8 && a.component != u16 && a.component != u32)
         a.json["componentType"].fail("expected one of 5121, 5123, 5125 at " + index.pointer());
-    std::vector<std::uint32_t> values(a.count);
-    const auto put = [&](std::size_t i, const unsigned char* from) { values[i] = load_integer(from, a.component); };
+    const std::size_t n = std::size_t(components), bytes = size_of(a.component);
+    std::vector<std::uint32_t> values(a.count * n);
+    const auto put = [&](std::size_t element, const unsigned char* from) {
+        for (std::size_t c = 0; c < n; ++c) values[element * n + c] = load_integer(from + c * bytes, a.component);
+    };
     if (a.data)
         for (std::size_t i = 0; i < a.count; ++i) put(i, a.data + i * a.stride);
     replace_sparse(document, a, put);
     for (std::size_t i = 0; i < values.size(); ++i)
         if (values[i] >= limit)
-            index.fail(fmt::format("element {} is {}: out of range; there are {} {}", i, values[i], limit, things));
+            index.fail(fmt::format("element {} is {}: out of range; there are {} {}", i / n, values[i], limit, things));
     return values;
 }
 

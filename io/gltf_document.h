@@ -1,6 +1,7 @@
 // A glTF file taken apart: its JSON, its buffers, its accessors. Private to io/.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <optional>
@@ -38,6 +39,8 @@ struct GltfDocument {
     std::vector<std::vector<unsigned char>> loaded;  // buffers that are not part of the file
     std::vector<ByteSpan> buffers;                   // each of its declared length
     std::vector<std::string> notes;
+    bool strict = false;     // what is required and not read is refused, whatever it is
+    bool quantized = false;  // KHR_mesh_quantization: attributes may be integers
     GltfSkipped skipped;
 
     JsonValue root() const { return JsonValue(path, json); }
@@ -56,16 +59,18 @@ std::optional<std::vector<unsigned char>> decode_data_uri(const JsonValue& uri, 
 // The path of the file that a relative URI names, beside the document.
 std::string file_of_uri(const GltfDocument& document, const JsonValue& uri, std::string_view text);
 
-// All numbers of an accessor, element after element, `components` of them in each: 1 to 4. Floats, or integers that
-// are normalised (`integers` lists the component types that may be). `index` is where the accessor is named.
+// All numbers of an accessor, element after element, `components` of them in each: 1 to 4, or 16 of a matrix. Floats, or
+// integers (`integers` lists the component types that may be) that are normalised, or not, where `plain` says so. `index` is
+// where the accessor is named.
 struct FloatsWanted {
     int components = 3;
     std::vector<int> integers{};
+    bool plain = false;
 };
 std::vector<float> read_floats(const GltfDocument& document, const JsonValue& index, const FloatsWanted& wanted);
-// Unsigned integers, each below `limit`.
+// Unsigned integers, each below `limit`, `components` of them in each element.
 std::vector<std::uint32_t> read_integers(const GltfDocument& document, const JsonValue& index, std::size_t limit,
-                                         const char* things);
+                                         const char* things, int components = 1);
 std::size_t accessor_count(const GltfDocument& document, const JsonValue& index);
 
 // How a material takes its texture coordinates.
@@ -81,14 +86,29 @@ struct TextureCoordinates {
 // Fills the model's materials and textures; one TextureCoordinates for each material.
 std::vector<TextureCoordinates> read_gltf_materials(GltfDocument& document, GltfModel& model);
 
+// What moves a vertex of a skinned mesh.
+struct SkinWeights {
+    std::array<std::uint32_t, 4> joint{};
+    std::array<float, 4> weight{};  // all 0: nothing moves it
+};
+
 // One mesh without its transform, as often as nodes ask for it.
 struct GltfMesh {
     Mesh mesh;
     bool has_texture_coordinates = false;
     std::vector<glm::vec2> second_coordinates;  // GltfModel
+    std::vector<SkinWeights> skin;              // of each vertex; empty: not asked for
+};
+struct MeshWanted {
+    bool second_coordinates = false, skin = false;
 };
 GltfMesh read_gltf_mesh(GltfDocument& document, std::size_t index, GltfModel& model,
-                        const std::vector<TextureCoordinates>& coordinates, bool second_coordinates);
+                        const std::vector<TextureCoordinates>& coordinates, const MeshWanted& wanted);
+
+// Moves the vertices of a mesh to the world as skin `index` says while its joints stand where `to_world` has them, by node
+// (glTF 2.0, 3.7.3.3); none: that node is in no scene.
+void apply_gltf_skin(const GltfDocument& document, const JsonValue& index, const std::vector<std::optional<glm::dmat4>>& to_world,
+                     const std::vector<SkinWeights>& weights, Mesh& mesh);
 
 // The nodes of the default scene, parents first, each with its transform to world space.
 struct GltfNode {

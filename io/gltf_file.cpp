@@ -89,17 +89,34 @@ void check_asset(GltfDocument& document) {
     if (version.compare(0, 2, "2.") != 0) asset["version"].fail("expected glTF 2.0");
     if (asset["minVersion"] && asset["minVersion"].text() != "2.0") asset["minVersion"].fail("expected glTF 2.0");
 
-    const std::vector<std::string> read = {"KHR_lights_punctual", "KHR_materials_emissive_strength",
+    const std::vector<std::string> read = {"KHR_lights_punctual", "KHR_materials_emissive_strength", "KHR_mesh_quantization",
                                            "KHR_texture_transform"};
-    const auto is_read = [&](const std::string& name) { return std::find(read.begin(), read.end(), name) != read.end(); };
+    // What these change is how a surface looks, or when: all else is as the file says without them.
+    const std::vector<std::string> harmless = {
+        "KHR_animation_pointer",       "KHR_materials_anisotropy",  "KHR_materials_clearcoat",
+        "KHR_materials_diffuse_transmission", "KHR_materials_dispersion", "KHR_materials_ior",
+        "KHR_materials_iridescence",   "KHR_materials_pbrSpecularGlossiness", "KHR_materials_sheen",
+        "KHR_materials_specular",      "KHR_materials_transmission", "KHR_materials_unlit",
+        "KHR_materials_variants",      "KHR_materials_volume",       "KHR_xmp_json_ld",
+    };
+    const auto among = [](const std::vector<std::string>& list, const std::string& name) {
+        return std::find(list.begin(), list.end(), name) != list.end();
+    };
     const JsonValue required = document.list("extensionsRequired"), used = document.list("extensionsUsed");
-    for (std::size_t i = 0; i < required.size(); ++i)
-        if (!is_read(required[i].text())) required[i].fail("the file requires an extension that is not read");
-    for (std::size_t i = 0; i < used.size(); ++i)
-        if (!is_read(used[i].text()))
-            document.note(fmt::format("extension {} is not read", printable(used[i].text())));
-    for (const char* unread : {"animations", "skins"})
-        if (document.list(unread).size() > 0) document.note(fmt::format("{} are not read: all stands still", unread));
+    for (std::size_t i = 0; i < required.size(); ++i) {
+        const std::string name = required[i].text();
+        if (among(read, name)) continue;
+        if (document.strict || !among(harmless, name)) required[i].fail("the file requires an extension that is not read");
+        document.note(fmt::format("the file requires extension {}, which is not read: it is drawn without", printable(name)));
+    }
+    for (std::size_t i = 0; i < used.size(); ++i) {
+        const std::string name = used[i].text();
+        bool is_required = false;
+        for (std::size_t k = 0; k < required.size(); ++k) is_required = is_required || required[k].text() == name;
+        document.quantized = document.quantized || name == "KHR_mesh_quantization";
+        if (!among(read, name) && !is_required) document.note(fmt::format("extension {} is not read", printable(name)));
+    }
+    if (document.list("animations").size() > 0) document.note("animations are not read: all stands still");
 }
 
 void load_buffers(GltfDocument& document, const std::optional<ByteSpan>& binary) {

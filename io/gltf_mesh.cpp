@@ -32,8 +32,8 @@ std::array<std::size_t, 3> corners_of(int mode, std::size_t t) {
 // Puts the primitives of one mesh together. Primitives that name the same attributes share their vertices.
 class MeshReader {
   public:
-    MeshReader(GltfDocument& document, const std::vector<TextureCoordinates>& coordinates, GltfModel& model, bool second)
-        : document_(document), coordinates_(coordinates), model_(model), all_have_second_(second) {}
+    MeshReader(GltfDocument& document, const std::vector<TextureCoordinates>& coordinates, GltfModel& model, const MeshWanted& wanted)
+        : document_(document), coordinates_(coordinates), model_(model), skinned_(wanted.skin), all_have_second_(wanted.second_coordinates) {}
 
     GltfMesh read(const JsonValue& json, const std::string& name) {
         out_.mesh.name = json["name"].text(name);
@@ -81,6 +81,7 @@ class MeshReader {
         const std::vector<Vertex> block =
             has_normals ? std::vector<Vertex>{} : read_vertices(attributes, coordinates, vertices);
         const std::vector<glm::vec2> second = has_normals ? std::vector<glm::vec2>{} : read_second(attributes, vertices);
+        const std::vector<SkinWeights> skin = has_normals ? std::vector<SkinWeights>{} : read_skin(attributes, vertices);
         const std::int32_t number = material ? std::int32_t(*material) : default_material();
         for (std::size_t t = 0; t < count; ++t) {
             glm::uvec3 triangle;
@@ -89,7 +90,7 @@ class MeshReader {
                 const std::size_t corner = at[std::size_t(k)];
                 triangle[k] = corners.empty() ? std::uint32_t(corner) : corners[corner];
             }
-            add_triangle(has_normals ? triangle + first : flat_triangle(block, second, triangle), number);
+            add_triangle(has_normals ? triangle + first : flat_triangle(block, second, skin, triangle), number);
         }
         if (!has_normals) all_have_tangents_ = false;
         const JsonValue order = json.own()["order"];
@@ -102,7 +103,8 @@ class MeshReader {
     }
 
     // Three vertices of the triangle's own, with its normal.
-    glm::uvec3 flat_triangle(const std::vector<Vertex>& block, const std::vector<glm::vec2>& second, const glm::uvec3& triangle) {
+    glm::uvec3 flat_triangle(const std::vector<Vertex>& block, const std::vector<glm::vec2>& second,
+                             const std::vector<SkinWeights>& skin, const glm::uvec3& triangle) {
         const std::uint32_t first = std::uint32_t(out_.mesh.vertices.size());
         const glm::vec3 normal =
             flat_normal(block[triangle.x].position, block[triangle.y].position, block[triangle.z].position);
@@ -110,8 +112,18 @@ class MeshReader {
             out_.mesh.vertices.push_back(block[triangle[k]]);
             out_.mesh.vertices.back().normal = normal;
             if (all_have_second_) out_.second_coordinates.push_back(second[triangle[k]]);
+            if (skinned_) out_.skin.push_back(skin[triangle[k]]);
         }
         return {first, first + 1, first + 2};
+    }
+
+    // Numbers of positions and the like are floats; KHR_mesh_quantization allows integers.
+    FloatsWanted numbers(int components, bool of_lengths) const {
+        if (!document_.quantized) return {components};
+        return of_lengths ? FloatsWanted{components, {5120, 5121, 5122, 5123}, true} : FloatsWanted{components, {5120, 5122}};
+    }
+    FloatsWanted coordinates_wanted() const {
+        return document_.quantized ? FloatsWanted{2, {5120, 5121, 5122, 5123}, true} : FloatsWanted{2, {5121, 5123}};
     }
 
     std::vector<float> attribute(const JsonValue& json, std::size_t vertices, const FloatsWanted& wanted) {
@@ -124,18 +136,18 @@ class MeshReader {
 
     std::vector<Vertex> read_vertices(const JsonValue& attributes, const TextureCoordinates& c, std::size_t n) {
         std::vector<Vertex> block(n);
-        const std::vector<float> position = attribute(attributes["POSITION"], n, {3});
+        const std::vector<float> position = attribute(attributes["POSITION"], n, numbers(3, true));
         for (std::size_t i = 0; i < n; ++i)
             block[i].position = {position[3 * i], position[3 * i + 1], position[3 * i + 2]};
         if (attributes["NORMAL"]) {
-            const std::vector<float> normal = attribute(attributes["NORMAL"], n, {3});
+            const std::vector<float> normal = attribute(attributes["NORMAL"], n, numbers(3, false));
             for (std::size_t i = 0; i < n; ++i)
                 block[i].normal = made_unit({normal[3 * i], normal[3 * i + 1], normal[3 * i + 2]});
         }
         const JsonValue uv = attributes[fmt::format("TEXCOORD_{}", c.set).c_str()];
         if (!uv) return block;
         out_.has_texture_coordinates = true;
-        const std::vector<float> values = attribute(uv, n, {2, {5121, 5123}});
+        const std::vector<float> values = attribute(uv, n, coordinates_wanted());
         const bool moved = !(c == TextureCoordinates{c.set, {0, 0}, {1, 1}, 0});
         const double sine = host::sin(c.rotation), cosine = host::cos(c.rotation);
         for (std::size_t i = 0; i < n; ++i) {
@@ -154,18 +166,34 @@ class MeshReader {
         const JsonValue uv = attributes[second_set];
         all_have_second_ = all_have_second_ && bool(uv);
         if (!all_have_second_) return {};
-        const std::vector<float> values = attribute(uv, n, {2, {5121, 5123}});
+        const std::vector<float> values = attribute(uv, n, coordinates_wanted());
         std::vector<glm::vec2> second(n);
         for (std::size_t i = 0; i < n; ++i) second[i] = {values[2 * i], values[2 * i + 1]};
         return second;
+    }
+
+    // Joints and weights; a primitive without them stays where it is.
+    std::vector<SkinWeights> read_skin(const JsonValue& attributes, std::size_t n) {
+        std::vector<SkinWeights> skin(skinned_ ? n : 0);
+        const JsonValue joints = attributes["JOINTS_0"], weights = attributes["WEIGHTS_0"];
+        if (!skinned_ || !joints || !weights) return skin;
+        if (attributes["JOINTS_1"]) document_.note("of a vertex's joints the first four move it");
+        const std::vector<std::uint32_t> joint = read_integers(document_, joints, max_gltf_elements, "joints", 4);
+        if (joint.size() != 4 * n) joints.fail(fmt::format("has {} elements; POSITION has {}", joint.size() / 4, n));
+        const std::vector<float> weight = attribute(weights, n, {4, {5121, 5123}});
+        for (std::size_t i = 0; i < 4 * n; ++i) {
+            if (weight[i] < 0) weights.fail(fmt::format("element {} is negative", i / 4));
+            skin[i / 4].joint[i % 4] = joint[i], skin[i / 4].weight[i % 4] = weight[i];
+        }
+        return skin;
     }
 
     // Appends vertices that have normals, once, and returns the first.
     std::uint32_t shared_block(const JsonValue& attributes, const TextureCoordinates& c, std::size_t n) {
         Block wanted{{}, c, std::uint32_t(out_.mesh.vertices.size())};
         const std::string uv = fmt::format("TEXCOORD_{}", c.set);
-        const char* const names[] = {"POSITION", "NORMAL", uv.c_str(), "TANGENT", second_set};
-        for (std::size_t i = 0; i < (all_have_second_ ? 5 : 4); ++i) {
+        const char* const names[] = {"POSITION", "NORMAL", uv.c_str(), "TANGENT", "JOINTS_0", "WEIGHTS_0", second_set};
+        for (std::size_t i = 0; i < (all_have_second_ ? 7 : 6); ++i) {
             const std::size_t accessors = document_.list("accessors").size();
             wanted.accessors[i] = std::int64_t(attributes[names[i]].index(accessors, "accessors").value_or(accessors));
         }
@@ -177,13 +205,15 @@ class MeshReader {
         read_tangents(attributes["TANGENT"], n);
         const std::vector<glm::vec2> second = read_second(attributes, n);
         out_.second_coordinates.insert(out_.second_coordinates.end(), second.begin(), second.end());
+        const std::vector<SkinWeights> skin = read_skin(attributes, n);
+        out_.skin.insert(out_.skin.end(), skin.begin(), skin.end());
         return wanted.first;
     }
 
     void read_tangents(const JsonValue& json, std::size_t n) {
         if (!json) all_have_tangents_ = false;
         if (!all_have_tangents_) return;
-        const std::vector<float> values = attribute(json, n, {4});
+        const std::vector<float> values = attribute(json, n, numbers(4, false));
         for (std::size_t i = 0; i < n; ++i) {
             const float side = values[4 * i + 3];
             const glm::vec3 tangent = made_unit({values[4 * i], values[4 * i + 1], values[4 * i + 2]});
@@ -238,7 +268,7 @@ class MeshReader {
     }
 
     struct Block {
-        std::array<std::int64_t, 5> accessors;
+        std::array<std::int64_t, 7> accessors;
         TextureCoordinates coordinates;
         std::uint32_t first;
     };
@@ -249,6 +279,7 @@ class MeshReader {
     GltfMesh out_;
     std::vector<Block> blocks_;
     std::vector<std::uint32_t> order_;
+    const bool skinned_;
     bool all_have_tangents_ = true;
     bool all_have_second_;
 };
@@ -256,8 +287,8 @@ class MeshReader {
 }  // namespace
 
 GltfMesh read_gltf_mesh(GltfDocument& document, std::size_t index, GltfModel& model,
-                        const std::vector<TextureCoordinates>& coordinates, bool second_coordinates) {
-    return MeshReader(document, coordinates, model, second_coordinates)
+                        const std::vector<TextureCoordinates>& coordinates, const MeshWanted& wanted) {
+    return MeshReader(document, coordinates, model, wanted)
         .read(document.list("meshes")[index], fmt::format("mesh{}", index));
 }
 

@@ -140,7 +140,7 @@ class SceneReader {
         }
         const std::string file = beside(path_, mesh.word("file", ""));
         try {
-            return load_model(file, options, options_.strict);
+            return load_model(file, options);
         } catch (const InputError& e) {
             // The place in the mesh's file comes first; who named it, last.
             throw InputError(fmt::format("{} ({} names it)", e.what(), mesh.place("file")));
@@ -149,7 +149,7 @@ class SceneReader {
 
     void read_meshes(TomlReader& top) {
         GltfOptions options;
-        options.second_coordinates = second_ != nullptr;
+        options.second_coordinates = second_ != nullptr, options.strict = options_.strict;
         options.photometric_as_is = top.choice("photometric", 0, {"watt", "as_is"}) == 1;
         for (const toml::table* table : top.tables("mesh")) {
             TomlReader mesh(*table, path_, "[[mesh]]");
@@ -364,8 +364,8 @@ class SceneReader {
 
 Scene load_bare(const std::string& path, SecondCoordinates* second, bool strict) {
     GltfOptions options;
-    options.second_coordinates = second != nullptr;
-    SceneModel model = load_model(path, options, strict);
+    options.second_coordinates = second != nullptr, options.strict = strict;
+    SceneModel model = load_model(path, options);
     if (second) append_second(model, *second);
     Scene scene = std::move(model.scene);
     scene.name = path;

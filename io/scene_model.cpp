@@ -45,9 +45,9 @@ bool shows_normal_map(const Scene& scene, const Mesh& mesh) {
 
 }  // namespace
 
-SceneModel load_model(const std::string& path, const GltfOptions& options, bool strict) {
+SceneModel load_model(const std::string& path, const GltfOptions& options) {
     const std::string extension = extension_of(path);
-    if (extension == "obj") return from_obj(read_obj(path, strict));
+    if (extension == "obj") return from_obj(read_obj(path, options.strict));
     if (extension == "gltf" || extension == "glb") return from_gltf(read_gltf(path, options));
     throw InputError(shown(path), "", "not a mesh by its name; expected .obj, .gltf or .glb");
 }

@@ -19,8 +19,8 @@ struct SceneModel {
     bool is_whole = false;  // a generated scene: its settings, frame, method and the like are meant too
 };
 
-// .obj, .gltf or .glb, by the name's extension. `strict`: what is lacking is refused.
-SceneModel load_model(const std::string& path, const GltfOptions& options, bool strict);
+// .obj, .gltf or .glb, by the name's extension. options.strict is of all of them.
+SceneModel load_model(const std::string& path, const GltfOptions& options);
 
 // "cornell", or a scene of io/scenes. Throws InputError at `place` for options that the scene does not take.
 SceneModel generate_model(const std::string& name, const GenerateOptions& options, const std::string& place);
