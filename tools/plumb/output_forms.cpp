@@ -221,7 +221,7 @@ const StageBinding& formed_binding(const io::ManifestStage& stage, const StageBi
     for (const auto& [name, spec] : stage.outputs) {
         if (spec.scale.empty() && spec.factors.empty() && spec.clamp.empty()) continue;
         const std::string place = fmt::format("{}: output.{}", stage.place, name);
-        const auto slot = std::find_if(binding.outputs.begin(), binding.outputs.end(), [&](const Slot& s) { return s.name == name; });
+        const auto slot = std::find_if(binding.outputs.begin(), binding.outputs.end(), [&, &named = name](const Slot& s) { return s.name == named; });
         if (slot == binding.outputs.end()) continue;  // it is said where outputs are read
         if (binding.raster || slot->dtype != DType::f32 || slot->kind != SlotKind::storage_image)
             throw InputError(place + ": scale, factor and clamp are of images of floats that a stage computes");
