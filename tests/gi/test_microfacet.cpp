@@ -48,6 +48,23 @@ TEST_CASE("microfacets: what single reflection loses in a white furnace", "[refe
     CHECK(least < 0.4);
 }
 
+TEST_CASE("microfacets: glTF's dielectric sends out more than it gets", "[reference][microfacet][analytic]") {
+    // Smooth: F of what is mirrored, and of diffuse light 1 - F of the half vector, of which there is more.
+    for (const double cosine : {1.0, 0.5, 0.1}) {
+        CAPTURE(cosine);
+        auto fresnel = [](double c) { return 0.04 + 0.96 * host::pow(1 - c, 5); };
+        const Vector o = at_cosine(cosine, 0);
+        double below = 0;
+        const int side = 200;
+        for (int i = 0; i < side * side; ++i) {
+            const Vector w = at_cosine(std::sqrt((i % side + 0.5) / side), 2 * host::pi * (i / side + 0.5) / side);
+            below += (1 - fresnel(glm::length(o + w) / 2)) / (side * side);
+        }
+        CHECK(albedo({Vector(1), 0, 0.02, false}, cosine).x == Approx(fresnel(cosine) + below).margin(2e-3));
+    }
+    CHECK(albedo({Vector(1), 0, 0.02, false}, 0.1).x > 1.5);
+}
+
 TEST_CASE("microfacets: a white metal neither loses nor gains in a white furnace", "[reference][microfacet][furnace]") {
     double worst = 0;
     for (const double roughness : roughnesses)

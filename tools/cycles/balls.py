@@ -74,7 +74,7 @@ def write_plumb(folder, which, size, seed):
     if which == "room":
         text += f"[[material]]\nname = \"emitter\"\nemission = {exitance}\n"
     else:
-        text += f"[[light]]\ntype = \"point\"\nposition = {list(lamp_position)}\nintensity = {lamp_intensity}\n"
+        text += f"[[light]]\ntype = \"point\"\nposition = {list(lamp_position)}\nintensity = {[lamp_intensity] * 3}\n"
     path = folder / f"balls_{which}_{seed}.toml"
     path.write_text(text)
     return path
