@@ -133,7 +133,8 @@ namespace {
 
 // Metalness or roughness make a material one of microfacets, a lobe or a mirror one of those; one material has not both.
 void read_microfacets(TomlReader& reader, Material& m) {
-    const bool facets = reader.has("metalness") || reader.has("roughness"), lobes = reader.has("specular") || reader.has("mirror");
+    const bool facets = reader.has("metalness") || reader.has("roughness");
+    const bool lobes = reader.has("specular") || reader.has("mirror");
     m.metalness = float(reader.number("metalness", m.metalness, 0, 1));
     m.roughness = float(reader.number("roughness", m.roughness, 0, 1));
     m.microfacet = reader.flag("microfacet", facets || (m.microfacet && !lobes));

@@ -76,7 +76,8 @@ class OverDirections {
         : cosine_o_(cosine), sine_o_(root((1 - cosine) * (1 + cosine))), alpha2_(alpha * alpha),
           root_o_(root(alpha2_ + (1 - alpha2_) * cosine * cosine)), rule_(rule), cosines_(cosines) {
         // tan(theta_o/2); and of half the way from there to the horizon, and of half of that.
-        const double below = sine_o_ / (1 + cosine_o_), rest = cosine_o_ / (1 + sine_o_), half = rest / (1 + root(1 + rest * rest));
+        const double below = sine_o_ / (1 + cosine_o_), rest = cosine_o_ / (1 + sine_o_);
+        const double half = rest / (1 + root(1 + rest * rest));
         add_panel(below, std::min(2 * alpha, std::max(cosine_o_, 0.1 * alpha)), [this](double u) { about_o(-u); });
         add_panel(half, 2 * alpha, [this](double u) { about_o(u); });
         add_panel(half, alpha, [this](double u) { about_horizon(u); });

@@ -141,7 +141,8 @@ PLUMB_INLINE Facets<F> facets_met(const PathArgs& in, const RayHit<F>& hit, cons
     const I texture = N::truncate_to_index(m.z);
     if (any(texture > I(0))) {
         const raster::Corners<F> c = raster::fetch_corners<F>(in.surfaces, hit.triangle);
-        const vec2<F> uv = raster::interpolate_uv<F>({c.a.p.w, c.a.n.w}, {c.b.p.w, c.b.n.w}, {c.c.p.w, c.c.n.w}, hit.barycentrics);
+        const vec2<F> uv = raster::interpolate_uv<F>({c.a.p.w, c.a.n.w}, {c.b.p.w, c.b.n.w}, {c.c.p.w, c.c.n.w},
+                                                     hit.barycentrics);
         NoTap quiet;
         const vec3<F> texel = raster::sample<F>(in.surfaces.textures, texture, uv, F(0.0f), true, quiet);
         roughness = roughness * texel.y, metalness = metalness * texel.z;
@@ -257,7 +258,7 @@ PLUMB_INLINE BsdfSample<F> sample_at(const PathArgs& in, const PathVertex<F>& v,
             const BsdfSample<F> of = sample_facets<F>(in.microfacets, v.facets, u_lobe, u.x, u.y);
             const mask_t<F>& m = v.facets.present;
             out = {select3<F>(m, of.direction, out.direction), select3<F>(m, of.weight, out.weight),
-                   select(m, of.pdf, out.pdf), out.mirror & !m};
+                   select(m, of.pdf, out.pdf), mask_t<F>(out.mirror & !m)};
         }
     }
     return out;

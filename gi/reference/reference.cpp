@@ -270,7 +270,8 @@ Scene with_lights_at(Scene scene, const glm::vec3& anchor) {
 float surface_row(const Material& m, const raster::Surfaces& surfaces) {
     const int texture = m.surface_texture;
     if (texture < -1 || texture >= int(surfaces.texture_rows.size()))
-        throw InputError(fmt::format("material \"{}\": surface_texture = {}: the scene has {}", m.name, texture, surfaces.texture_rows.size()));
+        throw InputError(fmt::format("material \"{}\": surface_texture = {}: the scene has {}", m.name, texture,
+                                     surfaces.texture_rows.size()));
     return m.microfacet && texture >= 0 ? float(surfaces.texture_rows[std::size_t(texture)]) : 0.0f;
 }
 
@@ -304,7 +305,8 @@ std::unique_ptr<PathScene> prepare(const Scene& scene, Rays rays) {
     s->surfaces = raster::prepare(scene, s->geometry);
     for (const Material& m : scene.materials) {
         s->any_microfacets = s->any_microfacets || m.microfacet;
-        s->microfacets.insert(s->microfacets.end(), {m.metalness, m.roughness, surface_row(m, s->surfaces), m.microfacet ? 1.0f : 0.0f});
+        s->microfacets.insert(s->microfacets.end(), {m.metalness, m.roughness, surface_row(m, s->surfaces),  //
+                                                     m.microfacet ? 1.0f : 0.0f});
     }
     s->environment = environment_table(scene.environment);
     const bool moved = s->anchor != glm::vec3(0);
