@@ -39,6 +39,12 @@ struct Material {
     glm::vec3 specular{0};        // of Phong's lobe, (n + 2)/(2 pi) cos^n about the mirrored direction (Lafortune 1994)
     float exponent = 50;          // n of that lobe, 0..1e6
     glm::vec3 mirror{0};          // reflectance of a perfect mirror
+    // In place of diffuse part, lobe and mirror the path tracer has glTF's rough metal or coated dielectric, of which
+    // reflectance is the base colour; methods for diffuse light show that as if it were diffuse.
+    bool microfacet = false;
+    float metalness = 0;          // 0..1; multiplied by the blue of surface_texture
+    float roughness = 1;          // 0..1, perceptual: its square is alpha; multiplied by the green of surface_texture
+    int surface_texture = -1;     // never sRGB
 };
 
 enum class Filter : int { bilinear, nearest };

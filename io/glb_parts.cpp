@@ -4,6 +4,7 @@
 
 #include "core/error.h"
 #include "io/file.h"
+#include "io/gltf_document.h"
 
 namespace plumb::io {
 namespace {
@@ -20,7 +21,7 @@ std::string word(std::size_t n) {
 }  // namespace
 
 GlbParts::GlbParts(const std::string& path) : path_(path) {
-    json_["asset"] = {{"version", "2.0"}, {"generator", "plumb"}};
+    json_["asset"] = {{"version", "2.0"}, {"generator", own_generator}};
     json_["scene"] = 0;
     json_["scenes"] = Json::array({{{"nodes", Json::array()}}});
     for (const char* list : lists) json_[list] = Json::array();

@@ -101,6 +101,11 @@ class GlbWriter : GlbParts {
         base.push_back(double(m.alpha));
         Json& pbr = out["pbrMetallicRoughness"] = {{"baseColorFactor", base}, {"metallicFactor", 0.0}};
         if (m.texture >= 0) pbr["baseColorTexture"] = {{"index", m.texture}};
+        if (m.microfacet) {
+            pbr["metallicFactor"] = double(m.metalness), pbr["roughnessFactor"] = double(m.roughness);
+            if (m.surface_texture >= 0) pbr["metallicRoughnessTexture"] = {{"index", m.surface_texture}};
+            out["extras"]["plumb"]["microfacet"] = true;
+        }
 
         // Exitance over pi is a radiance. Read back as factor * (pi * strength) in double, it rounds to the same floats.
         const double largest = double(std::max({m.emission.x, m.emission.y, m.emission.z})) / host::pi;

@@ -17,6 +17,7 @@ namespace plumb::io {
 
 inline constexpr std::size_t max_gltf_elements = std::size_t(1) << 28;  // of an accessor
 inline constexpr std::size_t max_gltf_total = std::size_t(1) << 28;     // triangles, and vertices, of all meshes
+inline constexpr const char* own_generator = "plumb";  // asset/generator of what io/ writes
 inline constexpr double unbounded_number = 1.7976931348623157e308;
 
 // Part of a file: bytes that somebody else owns.

@@ -46,21 +46,27 @@ class MaterialReader {
             if (slots[m].colour) material.texture = index[*slots[m].colour];
             if (slots[m].emission) material.emission_texture = index[*slots[m].emission];
             if (slots[m].normal) material.normal_texture = index[*slots[m].normal];
+            if (slots[m].surface) material.surface_texture = index[*slots[m].surface];
         }
         return coordinates;
     }
 
   private:
     struct Slots {
-        std::optional<Use> colour, emission, normal;
+        std::optional<Use> colour, emission, normal, surface;
         TextureCoordinates coordinates;
         bool has_coordinates = false;
     };
 
-    // A textureInfo: which texture, and that all of a material take the same coordinates.
+    // A textureInfo: which texture, and how its material's faces show it. The first that is read says so for all.
     std::optional<Use> read_slot(const JsonValue& info, bool srgb, Slots& slots) {
         if (!info) return {};
-        const Use use{*info["index"].required().index(document_.list("textures").size(), "textures"), srgb};
+        const JsonValue textures = document_.list("textures");
+        const Use use{*info["index"].required().index(textures.size(), "textures"), srgb};
+        if (!textures[use.texture]["source"]) {
+            document_.note("a texture whose picture an extension has, or nothing has, is left out");
+            return {};
+        }
         TextureCoordinates c;
         const JsonValue transform = info["extensions"]["KHR_texture_transform"];
         const JsonValue set = transform["texCoord"] ? transform["texCoord"] : info["texCoord"];
@@ -69,8 +75,10 @@ class MaterialReader {
         const std::vector<double> scale = transform["scale"].numbers({1, 1}, -1e6, 1e6);
         c.offset = {offset[0], offset[1]}, c.scale = {scale[0], scale[1]};
         c.rotation = transform["rotation"].number(-1e6, 1e6, 0);
-        if (slots.has_coordinates && !(c == slots.coordinates))
-            info.fail("takes other texture coordinates than the material's textures before it; they share one set");
+        if (slots.has_coordinates && !(c == slots.coordinates)) {
+            document_.note("a texture that takes other texture coordinates than its material's first is left out: they share one set");
+            return {};
+        }
         slots.coordinates = c, slots.has_coordinates = true;
         uses_.insert(use);
         return use;
@@ -84,8 +92,6 @@ class MaterialReader {
         material.reflectance = glm::vec3(float(base[0]), float(base[1]), float(base[2]));
         material.alpha = float(base[3]);
         slots.colour = read_slot(pbr["baseColorTexture"], true, slots);
-        if (pbr && pbr["metallicFactor"].number(0, 1, 1) > 0)
-            document_.note("what is metallic reflects diffusely: its base colour is its reflectance");
 
         // Emission is a radiance in glTF; a diffuse emitter's exitance is pi times it.
         const std::vector<double> emissive = json["emissiveFactor"].numbers({0, 0, 0}, 0, 1);
@@ -101,12 +107,30 @@ class MaterialReader {
         const std::string mode = json["alphaMode"].text("OPAQUE");
         if (mode == "MASK")
             material.alpha_cutoff = float(json["alphaCutoff"].number(0, 1e30, 0.5));
-        else if (mode == "BLEND")
-            document_.note("what is blended (alphaMode BLEND) is drawn opaque");
+        else if (mode == "BLEND") {
+            // Nothing is half there: the nearer of the two is taken.
+            material.alpha_cutoff = 0.5f;
+            document_.note("what is blended (alphaMode BLEND) is cut out where its alpha is below 0.5, and else opaque");
+        }
         else if (mode != "OPAQUE")
             json["alphaMode"].fail("expected OPAQUE, MASK or BLEND");
         read_own(json.own(), material);
+        read_microfacets(json, material, slots);
         return material;
+    }
+
+    // Materials that write_glb() keeps have none unless they say so, nor have those of another model; glTF's others all do.
+    void read_microfacets(const JsonValue& json, Material& material, Slots& slots) {
+        const JsonValue pbr = json["pbrMetallicRoughness"], extensions = json["extensions"];
+        const bool has_lobes = material.specular != glm::vec3(0) || material.mirror != glm::vec3(0);
+        const bool other_model = extensions["KHR_materials_unlit"] || (extensions["KHR_materials_pbrSpecularGlossiness"] && !pbr);
+        material.microfacet = json.own()["microfacet"].flag(!has_lobes && !other_model && !own_file_);
+        const double metalness = pbr["metallicFactor"].number(0, 1, 1), roughness = pbr["roughnessFactor"].number(0, 1, 1);
+        const JsonValue texture = pbr["metallicRoughnessTexture"];
+        if (!material.microfacet) return;
+        if (has_lobes) json.own()["microfacet"].fail("stands beside specular or mirror; expected one or the other");
+        material.metalness = float(metalness), material.roughness = float(roughness);
+        slots.surface = read_slot(texture, false, slots);
     }
 
     // extras/plumb: what write_glb() keeps there.
@@ -187,6 +211,7 @@ class MaterialReader {
 
     GltfDocument& document_;
     GltfModel& model_;
+    const bool own_file_ = document_.list("asset")["generator"].text("") == own_generator;
     std::set<Use> uses_;
     std::map<std::size_t, Texture> images_;
 };

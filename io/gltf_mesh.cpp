@@ -241,6 +241,7 @@ class MeshReader {
             model_.materials.push_back({});
             model_.materials.back().name = "default";
             model_.materials.back().reflectance = glm::vec3(1);
+            model_.materials.back().microfacet = true, model_.materials.back().metalness = 1;
         }
         return std::int32_t(coordinates_.size());
     }

@@ -26,12 +26,12 @@ struct Waiting {
 
 // What the lines of one material say.
 struct Described {
-    Waiting kd, ke, ks, ns, illum, d, tr;
+    Waiting kd, ke, ks, ns, illum, d, tr, pr, pm;
     MtlMap map_kd, map_ke, map_d, bump, norm;  // line 0: was not there
 };
 
 // Statements that would change the picture and have no part here. All others that the format has are silent.
-constexpr std::string_view unread[] = {"map_Ks", "map_Ns", "refl", "disp", "decal", "Tf", "Pr", "Pm", "Ps", "Pc", "Pcr",
+constexpr std::string_view unread[] = {"map_Ks", "map_Ns", "refl", "disp", "decal", "Tf", "Ps", "Pc", "Pcr",
                                        "aniso", "anisor", "map_Pr", "map_Pm", "map_Ps", "map_refl"};
 constexpr std::string_view silent[] = {"Ka", "Ni", "sharpness", "map_Ka", "map_aat", "Km", "bump_multiplier"};
 
@@ -66,7 +66,7 @@ class MtlReader {
         if (key == "newmtl") return begin_material(rest);
         const std::pair<std::string_view, Waiting*> values[] = {
             {"Kd", &now_.kd}, {"Ke", &now_.ke}, {"Ks", &now_.ks},       {"Ns", &now_.ns},
-            {"d", &now_.d},   {"Tr", &now_.tr}, {"illum", &now_.illum},
+            {"d", &now_.d},   {"Tr", &now_.tr}, {"illum", &now_.illum}, {"Pr", &now_.pr}, {"Pm", &now_.pm},
         };
         const std::pair<std::string_view, MtlMap*> maps[] = {
             {"map_Kd", &now_.map_kd}, {"map_Ke", &now_.map_ke}, {"map_d", &now_.map_d}, {"map_opacity", &now_.map_d},
@@ -163,10 +163,26 @@ class MtlReader {
         taken_for_normals_ += m.material.normal_texture >= 0 && now_.norm.line == 0;
     }
 
-    // Ks is used where illum asks for it: files carry numbers there that nothing was meant to show.
+    // Roughness and metalness are those of glTF, 1 and 0 where only the other is given. Else Ks is used where illum asks for
+    // it: files carry numbers there that nothing was meant to show.
     void read_gloss(Material& material) {
+        if (now_.pr.line != 0 || now_.pm.line != 0) {
+            material.microfacet = true;
+            material.roughness = now_.pr.line != 0 ? share("Pr", now_.pr) : 1;
+            material.metalness = now_.pm.line != 0 ? share("Pm", now_.pm) : 0;
+            return;
+        }
         const int model = now_.illum.line == 0 ? 0 : read_illum();
         if (model >= 2 && now_.ks.line != 0) reflect(material, model == 3);
+    }
+
+    float share(std::string_view key, const Waiting& given) const {
+        std::string_view rest = given.text;
+        const std::string_view word = next_word(rest);
+        const auto value = parse_float(word);
+        if (!value || !(*value >= 0 && *value <= 1))
+            fail(given.line, fmt::format("{} = {}: expected 0 to 1", key, printable(word)));
+        return *value;
     }
 
     int read_illum() const {

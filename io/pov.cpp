@@ -81,7 +81,7 @@ Replaced replace(Scene& scene) {
         take(m.emission_texture, m.emission);
         r.normal_maps += m.normal_texture >= 0, m.normal_texture = -1;
         r.masks += m.alpha_cutoff > 0, m.alpha_cutoff = 0, m.alpha = 1;
-        r.glossy += m.specular != glm::vec3(0) || m.mirror != glm::vec3(0);
+        r.glossy += m.microfacet || m.specular != glm::vec3(0) || m.mirror != glm::vec3(0);
         m.specular = m.mirror = glm::vec3(0);
     }
     scene.textures.clear();

@@ -97,7 +97,8 @@ void append_model(Scene& scene, SceneModel& model) {
         scene.meshes.push_back(std::move(mesh));
     }
     for (Material& material : model.scene.materials) {
-        for (int* texture : {&material.texture, &material.emission_texture, &material.normal_texture})
+        for (int* texture : {&material.texture, &material.emission_texture, &material.normal_texture,
+                             &material.surface_texture})
             if (*texture >= 0) *texture += first_texture;
         scene.materials.push_back(std::move(material));
     }

@@ -129,6 +129,22 @@ Light read_light(TomlReader& reader, const std::vector<Light>& others) {
     return light;
 }
 
+namespace {
+
+// Metalness or roughness make a material one of microfacets, a lobe or a mirror one of those; one material has not both.
+void read_microfacets(TomlReader& reader, Material& m) {
+    const bool facets = reader.has("metalness") || reader.has("roughness");
+    const bool lobes = reader.has("specular") || reader.has("mirror");
+    m.metalness = float(reader.number("metalness", m.metalness, 0, 1));
+    m.roughness = float(reader.number("roughness", m.roughness, 0, 1));
+    m.microfacet = reader.flag("microfacet", facets || (m.microfacet && !lobes));
+    if (!m.microfacet || (m.specular == glm::vec3(0) && m.mirror == glm::vec3(0))) return;
+    reader.fail(reader.has("metalness") ? "metalness" : reader.has("roughness") ? "roughness" : "microfacet",
+                "stands beside specular or mirror, which the material has; expected one or the other, or those 0");
+}
+
+}  // namespace
+
 void read_surface(TomlReader& reader, Material& m) {
     const auto share = [&](const char* key, glm::vec3& value) {
         value = glm::vec3(reader.colour(key, glm::dvec3(value), 0, 1));
@@ -138,6 +154,7 @@ void read_surface(TomlReader& reader, Material& m) {
     m.emission = glm::vec3(reader.colour("emission", glm::dvec3(m.emission), 0, 3e38));
     m.alpha_cutoff = float(reader.number("alpha_cutoff", m.alpha_cutoff, 0, 1));
     m.normal_scale = float(reader.number("normal_scale", m.normal_scale, -1e30, 1e30));
+    read_microfacets(reader, m);
     const std::string excess = excess_of(m);
     const char* const given = reader.has("mirror") ? "mirror" : reader.has("specular") ? "specular" : "reflectance";
     if (!excess.empty()) reader.fail(given, excess);

@@ -36,10 +36,10 @@ void add_materials(const Scene& scene, ContentHasher& surfaces, ContentHasher& e
     surfaces.add(scene.materials.size());
     for (const Material& material : scene.materials) {
         const auto& [name, reflectance, emission, texture, emission_texture, normal_texture, normal_scale, alpha,
-                     alpha_cutoff, specular, exponent, mirror] = material;
+                     alpha_cutoff, specular, exponent, mirror, microfacet, metalness, roughness, surface_texture] = material;
         surfaces.add(reflectance, texture, normal_texture, normal_scale, alpha, alpha_cutoff);
         emissions.add(emission, emission_texture);
-        glossy.add(specular, exponent, mirror);
+        glossy.add(specular, exponent, mirror, microfacet, metalness, roughness, surface_texture);
     }
 }
 

@@ -1,6 +1,11 @@
 #include "gi/frame/mirrors.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
+
+#include "gi/frame/relief_use.h"
 
 namespace plumb::frame {
 
@@ -38,6 +43,31 @@ Image4 lobes_of(const Scene& scene, const Geometry& geometry, const Image<glm::i
     return of_materials(scene, geometry, id, [](const Material& m) {
         return m.specular != glm::vec3(0) ? glm::vec4(m.specular, m.exponent) : glm::vec4(0);
     });
+}
+
+std::string lobes_left_out(const Scene& scene, const Settings& settings) {
+    if (settings.method == Method::reference) return "";
+    std::vector<char> used(scene.materials.size());
+    for (const Mesh& mesh : scene.meshes)
+        for (const std::int32_t m : mesh.material)
+            if (m >= 0 && m < int(used.size())) used[std::size_t(m)] = 1;
+    int all = 0, facets = 0, metals = 0, lobes = 0, mirrors = 0;
+    for (std::size_t i = 0; i < used.size(); ++i) {
+        if (!used[i]) continue;
+        const Material& m = scene.materials[i];
+        ++all, facets += m.microfacet, metals += m.microfacet && m.metalness > 0;
+        lobes += m.specular != glm::vec3(0), mirrors += m.mirror != glm::vec3(0);
+    }
+    if (reflects(settings)) mirrors = 0;
+    if (reflects(settings) && settings.reflect.lobe == screen::Lobe::phong) lobes = 0;
+    if (settings.method == Method::zbuffer || relief_use(scene, settings).highlights) lobes = 0;
+    std::vector<std::string> parts;
+    if (facets > 0) parts.push_back(fmt::format("microfacets of {}{}", facets, metals > 0 ? fmt::format(" (metal of {}, shown as diffuse)", metals) : ""));
+    if (lobes > 0) parts.push_back(fmt::format("Phong's lobe of {}", lobes));
+    if (mirrors > 0) parts.push_back(fmt::format("the mirror of {}", mirrors));
+    if (parts.empty()) return "";
+    return fmt::format("method {} leaves out, of {} material{}: {}; --method reference shows them", method_name(settings.method), all,
+                       all == 1 ? "" : "s", fmt::join(parts, ", "));
 }
 
 }  // namespace plumb::frame

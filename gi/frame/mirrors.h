@@ -3,6 +3,7 @@
 
 #include "core/image.h"
 #include "core/scene.h"
+#include "gi/frame/settings.h"
 
 namespace plumb::frame {
 
@@ -14,5 +15,9 @@ Image4 mirrors_of(const Scene& scene, const Geometry& geometry, const Image<glm:
 // The same of lobes: xyz reflectance, w exponent; 0 where the material has none.
 bool any_lobe(const Scene& scene);
 Image4 lobes_of(const Scene& scene, const Geometry& geometry, const Image<glm::ivec2>& id);
+
+// What of the materials that meshes use the picture does not show, in one sentence: microfacets, lobes, mirrors. Empty:
+// nothing.
+std::string lobes_left_out(const Scene& scene, const Settings& settings);
 
 }  // namespace plumb::frame

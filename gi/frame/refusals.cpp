@@ -162,9 +162,12 @@ bool traces_all_bounces(const Settings& settings) {
     return (settings.method == Method::reference || settings.truth) && all && settings.reference.max_bounces == 0;
 }
 
-// What a surface sends back for certain: a texture may darken the diffuse part, and Phong's lobe loses what lies below
-// the surface.
-double certain_reflectance(const Material& m, int channel) {
+// What a surface sends back for certain: a texture may darken the diffuse part, Phong's lobe loses what lies below
+// the surface, and microfacets what meets several of them, where that is not counted: but then smooth dielectrics send out
+// more, 0.0857 and 0.9565 of their base colour in the mean (gi/reference/README.md, "Errata").
+double certain_reflectance(const Material& m, int channel, const Settings& settings) {
+    if (m.microfacet && settings.reference.microfacets == reference::Microfacets::single)
+        return (1 - double(m.metalness)) * (0.0857 + 0.9565 * double(m.reflectance[channel]));
     return (m.texture < 0 ? double(m.reflectance[channel]) : 0) + m.mirror[channel];
 }
 
@@ -250,7 +253,7 @@ void check_paths(const Asked& a) {
         const Material* darkest = nullptr;
         for (const std::int32_t m : a.used) {
             const Material& material = a.scene.materials[std::size_t(m)];
-            const double rho = material.alpha_cutoff > 0 ? 0 : certain_reflectance(material, c);
+            const double rho = material.alpha_cutoff > 0 ? 0 : certain_reflectance(material, c, a.settings);
             if (rho < least) least = rho, darkest = &material;
         }
         if (!(least > converges) || !enclosed(a.geometry, a.scene.camera.position)) continue;

@@ -78,6 +78,8 @@ std::vector<std::string> beyond_lamps(const Scene& scene) {
     if (any_material(scene, &Material::emission)) names.push_back("emission");
     if (any_material(scene, &Material::specular)) names.push_back("specular");
     if (any_material(scene, &Material::mirror)) names.push_back("mirror");
+    if (std::any_of(scene.materials.begin(), scene.materials.end(), [](const Material& m) { return m.microfacet; }))
+        names.push_back("microfacets");
     if (scene.environment.radiance != glm::vec3(0)) names.push_back("environment");
     return names;
 }
@@ -87,7 +89,7 @@ std::vector<std::string> beyond_lamps(const Scene& scene) {
 bool own_transport(const std::string& layer) { return layer == "truth.direct" || layer == "truth.indirect" || layer == "truth.ao"; }
 
 Scene lamps_only(Scene scene) {
-    for (Material& m : scene.materials) m.emission = m.specular = m.mirror = glm::vec3(0);
+    for (Material& m : scene.materials) m.emission = m.specular = m.mirror = glm::vec3(0), m.microfacet = false;
     scene.environment = {};
     return scene;
 }

@@ -30,7 +30,7 @@ void add_scene(const Scene& scene, const Geometry& geometry, ContentHasher& h) {
     h.add(scene.materials.size(), scene.textures.size(), scene.lights.size());
     for (const Material& m : scene.materials) {
         h.add(m.reflectance, m.emission, m.texture, m.emission_texture, m.normal_texture, m.normal_scale, m.alpha,
-              m.alpha_cutoff, m.specular, m.exponent, m.mirror);
+              m.alpha_cutoff, m.specular, m.exponent, m.mirror, m.microfacet, m.metalness, m.roughness, m.surface_texture);
     }
     for (const Texture& t : scene.textures) {
         h.add(t.srgb, t.filter, t.wrap_u, t.wrap_v, t.mips);

@@ -9,6 +9,7 @@
 #pragma once
 
 #include "gi/reference/bsdf_kernel.h"
+#include "gi/reference/microfacet_kernel.h"
 #include "gi/reference/mirror_kernel.h"
 #include "gi/reference/sampler_kernel.h"
 #include "gi/trace_rays.h"
@@ -27,6 +28,8 @@ struct PathArgs {
     EnvironmentArgs environment;
     const float* reflection;     // [material][8]: specular, exponent; mirror, padding
     std::int32_t glossy;         // 1: some material has a specular or a mirror part
+    MicrofacetArgs microfacets;
+    std::int32_t faceted;        // 1: some material has microfacets
     std::int32_t emitters;       // 1: some triangle emits
     CameraArgs camera;
     const float* position;       // [height][width] rgba32f: points instead of a camera's pixels; null: a camera
@@ -56,6 +59,7 @@ struct PathVertex {
     F offset;           // m, off the surface
     vec3<F> emission;   // radiance, W/(m2 sr)
     Bsdf<F> bsdf;
+    Facets<F> facets;   // where they are present, in place of it
 };
 
 // Survival of Russian roulette is at most 1 - 2^-20, so that no path lasts for ever. A path that carries rho of what it did
@@ -129,8 +133,29 @@ PLUMB_INLINE void start_sample(const PathArgs& in, const mask_t<F>& starting, Pa
     s.direction = select3<F>(starting, normalize3<F>(d), s.direction);
 }
 
-// The surface that a ray met.
+// The microfacets of the surface that a ray met.
 template <class F>
+PLUMB_INLINE Facets<F> facets_met(const PathArgs& in, const RayHit<F>& hit, const vec3<F>& base, const vec3<F>& n,
+                                  const vec3<F>& direction) {
+    using N = number<F>;
+    using I = index_t<F>;
+    const vec4<F> m = N::fetch4(in.microfacets.materials, N::fetch(in.surfaces.material, hit.triangle));
+    F metalness = m.x, roughness = m.y;
+    const I texture = N::truncate_to_index(m.z);
+    if (any(texture > I(0))) {
+        const raster::Corners<F> c = raster::fetch_corners<F>(in.surfaces, hit.triangle);
+        const vec2<F> uv = raster::interpolate_uv<F>({c.a.p.w, c.a.n.w}, {c.b.p.w, c.b.n.w}, {c.c.p.w, c.c.n.w},
+                                                     hit.barycentrics);
+        NoTap quiet;
+        const vec3<F> texel = raster::sample<F>(in.surfaces.textures, texture, uv, F(0.0f), true, quiet);
+        roughness = roughness * texel.y, metalness = metalness * texel.z;
+    }
+    const vec3<F> w_o{-direction.x, -direction.y, -direction.z};
+    return facets_of<F>(in.microfacets, m.w > F(0.0f), base, metalness, roughness, n, w_o);
+}
+
+// The surface that a ray met.
+template <class F, bool faceted>
 PLUMB_INLINE PathVertex<F> vertex_of(const PathArgs& in, const RayHit<F>& hit, const vec3<F>& direction) {
     using N = number<F>;
     using I = index_t<F>;
@@ -150,12 +175,13 @@ PLUMB_INLINE PathVertex<F> vertex_of(const PathArgs& in, const RayHit<F>& hit, c
         const vec4<F> specular = N::fetch4(in.reflection, row), mirror = N::fetch4(in.reflection, row + I(1));
         v.bsdf.specular = xyz<F>(specular), v.bsdf.exponent = specular.w, v.bsdf.mirror = xyz<F>(mirror);
     }
+    if constexpr (faceted) v.facets = facets_met<F>(in, hit, s.albedo, v.n, direction);
     return v;
 }
 
 // A given point: white, so that what leaves it is its irradiance over pi, and seen from above; or a perfect mirror or a
 // lobe, seen by the eye.
-template <class F>
+template <class F, bool faceted>
 PLUMB_INLINE void take_given_points(const PathArgs& in, const mask_t<F>& first, PathState<F>& s,
                                     PathVertex<F>& v) {
     using N = number<F>;
@@ -181,6 +207,7 @@ PLUMB_INLINE void take_given_points(const PathArgs& in, const mask_t<F>& first, 
     v.bsdf.specular = select3<F>(first, in.mirrored == 2 ? white : black, v.bsdf.specular);
     if (in.mirrored == 2) v.bsdf.exponent = select(first, normal.w, v.bsdf.exponent);
     v.bsdf.mirror = select3<F>(first, in.mirrored == 1 ? white : black, v.bsdf.mirror);
+    if constexpr (faceted) v.facets.present = v.facets.present & !first;
 }
 
 // What a ray that the surface before sent out finds to shine: the surface that it met, or the environment.
@@ -210,22 +237,45 @@ PLUMB_INLINE vec3<F> light_met(const PathArgs& in, const PathState<F>& s, const 
     return where<F>(shown, raster::times3<F>(s.throughput, radiance * weight));
 }
 
-// What the surface sends to w_o of the light that comes along w_i.
-template <class F>
-PLUMB_INLINE Scattering<F> scattered(const PathArgs& in, const PathVertex<F>& v, const vec3<F>& w_o, const vec3<F>& w_i) {
-    if (in.glossy) return scatter<F>(v.bsdf, v.n, w_o, w_i);
-    return {evaluate_diffuse<F>(v.bsdf.diffuse, v.n, w_i), pdf_diffuse<F>(v.n, w_i)};
+// What the surface makes of light from w_i.
+template <class F, bool faceted>
+PLUMB_INLINE Scattering<F> scatter_at(const PathArgs& in, const PathVertex<F>& v, const vec3<F>& w_o, const vec3<F>& w_i) {
+    Scattering<F> out = in.glossy ? scatter<F>(v.bsdf, v.n, w_o, w_i)
+                                  : Scattering<F>{evaluate_diffuse<F>(v.bsdf.diffuse, v.n, w_i), pdf_diffuse<F>(v.n, w_i)};
+    if constexpr (faceted) {
+        if (any(v.facets.present)) {
+            const Scattering<F> of = scatter_facets<F>(in.microfacets, v.facets, w_i);
+            out = {select3<F>(v.facets.present, of.value, out.value), select(v.facets.present, of.pdf, out.pdf)};
+        }
+    }
+    return out;
+}
+
+// And where it sends a path.
+template <class F, bool faceted>
+PLUMB_INLINE BsdfSample<F> sample_at(const PathArgs& in, const PathVertex<F>& v, const vec3<F>& w_o, const vec2<F>& u, F u_lobe) {
+    BsdfSample<F> out = in.glossy ? sample<F>(v.bsdf, v.n, w_o, u_lobe, u.x, u.y)
+                                  : sample_diffuse<F>(v.bsdf.diffuse, v.n, u.x, u.y);
+    if constexpr (faceted) {
+        if (any(v.facets.present)) {
+            const BsdfSample<F> of = sample_facets<F>(in.microfacets, v.facets, u_lobe, u.x, u.y);
+            const mask_t<F>& m = v.facets.present;
+            out = {select3<F>(m, of.direction, out.direction), select3<F>(m, of.weight, out.weight),
+                   select(m, of.pdf, out.pdf), mask_t<F>(out.mirror & !m)};
+        }
+    }
+    return out;
 }
 
 // Light from a point on one of the lights.
-template <class F>
+template <class F, bool faceted>
 PLUMB_INLINE vec3<F> light_chosen(const PathArgs& in, const PathState<F>& s, const PathVertex<F>& v, const vec2<F>& u,
                                   F fresh, const mask_t<F>& at_surface, RayTracer<F>& tracer) {
     const F zero(0.0f), one(1.0f);
     const ChosenLight<F> chosen = choose_light<F>(in.lights, u.x, fresh);
     const LightSample<F> light = sample_light<F>(in.lights, in.surfaces, in.environment, chosen, u.y, v.x);
     const vec3<F> w_o{-s.direction.x, -s.direction.y, -s.direction.z};
-    const Scattering<F> out = scattered<F>(in, v, w_o, light.direction);
+    const Scattering<F> out = scatter_at<F, faceted>(in, v, w_o, light.direction);
     const F weight = select(light.pdf > zero, power_heuristic(light.pdf, out.pdf), one);
     const vec3<F> radiance = raster::times3<F>(raster::times3<F>(s.throughput, out.value), light.radiance * weight);
     const mask_t<F> asks = at_surface & (dot3(v.face, light.direction) > zero) &
@@ -238,7 +288,7 @@ PLUMB_INLINE vec3<F> light_chosen(const PathArgs& in, const PathState<F>& s, con
 }
 
 // Light from the image of one of the lamps in one of the flat mirrors, or in several one after another.
-template <class F>
+template <class F, bool faceted>
 PLUMB_INLINE vec3<F> image_chosen(const PathArgs& in, const PathState<F>& s, const PathVertex<F>& v, index_t<F> dimension,
                                   const mask_t<F>& at_surface, RayTracer<F>& tracer) {
     using N = number<F>;
@@ -252,7 +302,7 @@ PLUMB_INLINE vec3<F> image_chosen(const PathArgs& in, const PathState<F>& s, con
     const F d2 = dot3(d, d);
     const vec3<F> direction = d * (one / sqrt(max(d2, F(1e-37f))));
     const vec3<F> w_o{-s.direction.x, -s.direction.y, -s.direction.z};
-    vec3<F> carried = raster::times3<F>(s.throughput, scattered<F>(in, v, w_o, direction).value) * image.weight;
+    vec3<F> carried = raster::times3<F>(s.throughput, scatter_at<F, faceted>(in, v, w_o, direction).value) * image.weight;
     mask_t<F> asks = at_surface & counted<F>(in, s.depth + image.length) & (dot3(v.face, direction) > zero) &
                      (raster::largest3(carried) > zero);
 
@@ -265,7 +315,7 @@ PLUMB_INLINE vec3<F> image_chosen(const PathArgs& in, const PathState<F>& s, con
         const RayHit<F> hit = tracer.nearest(origin, way, traced);
         const mask_t<F> on_plane = hit.found & (N::fetch(in.mirrors.plane, hit.triangle) == image.plane[j]);
         const mask_t<F> before = hit.t < select(image.infinite, endless, one);
-        const PathVertex<F> mirror = vertex_of<F>(in, hit, way);
+        const PathVertex<F> mirror = vertex_of<F, false>(in, hit, way);
         carried = select3<F>(traced, raster::times3<F>(carried, mirror.bsdf.mirror), carried);
         origin = select3<F>(traced, vec3<F>(mirror.x + mirror.face * mirror.offset), origin);
         asks = asks & ((on_plane & before) | !traced);
@@ -293,14 +343,13 @@ PLUMB_INLINE F openness(const PathArgs& in, const PathVertex<F>& v, const vec2<F
 
 // Sends the path on from its surface. Returns where it goes on: it ends where nothing that it finds could count, and by
 // Russian roulette where it carries little; what survives stands for what did not.
-template <class F>
+template <class F, bool faceted>
 PLUMB_INLINE mask_t<F> scatter_path(const PathArgs& in, const PathVertex<F>& v, const vec2<F>& u, const vec3<F>& choice,
                                     PathState<F>& s) {
     using I = index_t<F>;
     const F zero(0.0f), one(1.0f);
     const vec3<F> w_o{-s.direction.x, -s.direction.y, -s.direction.z};
-    const BsdfSample<F> next = in.glossy ? sample<F>(v.bsdf, v.n, w_o, choice.y, u.x, u.y)
-                                         : sample_diffuse<F>(v.bsdf.diffuse, v.n, u.x, u.y);
+    const BsdfSample<F> next = sample_at<F, faceted>(in, v, w_o, u, choice.y);
     s.throughput = raster::times3<F>(s.throughput, next.weight);
     s.pdf = select(next.mirror, zero, next.pdf);
     s.origin = v.x + v.face * v.offset;
@@ -353,8 +402,9 @@ PLUMB_INLINE mask_t<F> next_sample(const PathArgs& in, const mask_t<F>& ended, s
     return active;
 }
 
-// All samples of this round for the rows [in.first_row, last_row). Returns the number of rays.
-template <class F>
+// All samples of this round for the rows [in.first_row, last_row). Returns the number of rays. Scenes without microfacets
+// have a kernel that knows none.
+template <class F, bool faceted = false>
 PLUMB_INLINE std::uint64_t trace_paths(const PathArgs& in, const RayQuery& query, std::int32_t last_row) {
     const std::int32_t first = in.first_row * in.width, last = last_row * in.width;
     using N = number<F>;
@@ -371,10 +421,10 @@ PLUMB_INLINE std::uint64_t trace_paths(const PathArgs& in, const RayQuery& query
         const mask_t<F> given = in.position ? mask_t<F>(active & (s.depth == I(0))) : mask_t<F>(active & !active);
         const mask_t<F> traced = active & !given;
         const RayHit<F> hit = tracer.nearest(s.origin, s.direction, traced);
-        PathVertex<F> v = vertex_of<F>(in, hit, s.direction);
+        PathVertex<F> v = vertex_of<F, faceted>(in, hit, s.direction);
         mask_t<F> at_surface = hit.found;
         if (in.position) {
-            take_given_points<F>(in, given, s, v);
+            take_given_points<F, faceted>(in, given, s, v);
             at_surface = at_surface | (given & !(dot3(v.n, v.n) == zero));
         }
 
@@ -395,12 +445,12 @@ PLUMB_INLINE std::uint64_t trace_paths(const PathArgs& in, const RayQuery& query
             const mask_t<F> lit = in.mirrored == 2 ? mask_t<F>(at_surface & !given) : at_surface;
             const mask_t<F> asks = lit & counted<F>(in, s.depth);
             if (in.lights.count > 0 && any(asks))
-                found = found + light_chosen<F>(in, s, v, u_light, choice.x, asks, tracer);
+                found = found + light_chosen<F, faceted>(in, s, v, u_light, choice.x, asks, tracer);
             if (in.mirrors.count > 0 && any(lit))
-                found = found + image_chosen<F>(in, s, v, dimension, lit, tracer);
+                found = found + image_chosen<F, faceted>(in, s, v, dimension, lit, tracer);
             // Once a surface, whether the lane asked or its neighbour: to add 0 is to add what was carried.
             add_compensated<F>(found, s.radiance, s.found_carry);
-            goes_on = at_surface & scatter_path<F>(in, v, u_direction, choice, s);
+            goes_on = at_surface & scatter_path<F, faceted>(in, v, u_direction, choice, s);
             // Only this way finds what the ray of a given lobe meets.
             if (in.mirrored == 2) s.pdf = select(given, zero, s.pdf);
         }

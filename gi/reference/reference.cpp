@@ -11,6 +11,7 @@
 #include "core/host_math.h"
 #include "core/parallel.h"
 #include "gi/reference/lobes.h"
+#include "gi/reference/microfacet_tables.h"
 #include "gi/reference/path_args.h"
 #include "gi/reference/path_rows.h"
 #include "gi/reference/ray_query.h"
@@ -92,6 +93,12 @@ PathArgs args_of(const PathParams& params, const PathScene& scene, int width, st
                  scene.mirrors.plane.data()};
     a.reflection = scene.reflection.data();
     a.glossy = scene.any_glossy;
+    a.faceted = scene.any_microfacets;
+    if (scene.any_microfacets) {
+        const MicrofacetTables& tables = microfacet_tables();
+        a.microfacets = {scene.microfacets.data(), tables.cells.data(), tables.rows.data(),
+                         params.microfacets == Microfacets::multiple};
+    }
     a.emitters = scene.lights.any_triangle;
     a.width = width;
     a.seed = seed;
@@ -201,6 +208,9 @@ std::vector<Field> fields(PathParams& p) {
          "camera rays start at the pixel's centre, as samples of the rasterizer, or anywhere in it", 0, 1,
          {"centre", "box"}, false},
         {"ao_distance", &p.ao_distance, "m", "what is farther does not occlude; 0: no limit", 0, unbounded, {}, false},
+        {"microfacets", as_int(p.microfacets), "",
+         "light that meets several facets of a rough surface counts; or is lost, as glTF's appendix B has it", 0, 1,
+         {"multiple", "single"}, false},
     };
 }
 
@@ -224,6 +234,10 @@ void check(const Scene& scene) {
                 refuse("material", m.name, "reflectance, specular, mirror and emission: expected finite numbers >= 0");
         if (!(m.exponent >= 0 && m.exponent <= 1e6f))
             refuse("material", m.name, fmt::format("exponent = {}: expected 0 to 1e6", m.exponent));
+        for (const auto& [name, value] : {std::pair{"metalness", m.metalness}, {"roughness", m.roughness}})
+            if (!(value >= 0 && value <= 1)) refuse("material", m.name, fmt::format("{} = {}: expected 0 to 1", name, value));
+        if (m.microfacet && (m.specular != glm::vec3(0) || m.mirror != glm::vec3(0)))
+            refuse("material", m.name, "specular or mirror beside microfacets: expected one or the other");
         for (int c = 0; c < 3; ++c) {
             const double sum = double(m.reflectance[c]) + m.specular[c] + m.mirror[c];
             if (!(sum <= 1 + 1e-6))
@@ -252,6 +266,15 @@ glm::vec3 anchor_of(const Geometry& geometry) {
 Scene with_lights_at(Scene scene, const glm::vec3& anchor) {
     for (Light& l : scene.lights) l.position = glm::vec3(glm::dvec3(l.position) - glm::dvec3(anchor));
     return scene;
+}
+
+// The row of the texture of roughness and metalness, as a kernel reads it from a record of floats.
+float surface_row(const Material& m, const raster::Surfaces& surfaces) {
+    const int texture = m.surface_texture;
+    if (texture < -1 || texture >= int(surfaces.texture_rows.size()))
+        throw InputError(fmt::format("material \"{}\": surface_texture = {}: the scene has {}", m.name, texture,
+                                     surfaces.texture_rows.size()));
+    return m.microfacet && texture >= 0 ? float(surfaces.texture_rows[std::size_t(texture)]) : 0.0f;
 }
 
 // Lanes whose ray meets nothing read triangle 0: where there is none, one without area stands in.
@@ -283,6 +306,11 @@ std::unique_ptr<PathScene> prepare(const Scene& scene, Rays rays) {
     s->geometry = std::move(geometry);
     s->surfaces = raster::prepare(scene, s->geometry);
     s->mirrors = mirror_table(scene, s->geometry);
+    for (const Material& m : scene.materials) {
+        s->any_microfacets = s->any_microfacets || m.microfacet;
+        s->microfacets.insert(s->microfacets.end(), {m.metalness, m.roughness, surface_row(m, s->surfaces),  //
+                                                     m.microfacet ? 1.0f : 0.0f});
+    }
     s->environment = environment_table(scene.environment);
     const bool moved = s->anchor != glm::vec3(0);
     s->lights = light_table(moved ? with_lights_at(scene, s->anchor) : scene, s->geometry, s->surfaces, s->environment);

@@ -27,6 +27,8 @@ namespace plumb::reference {
 enum class Mode : int { all, direct, one_bounce, indirect, ambient_occlusion };
 // Where in its pixel a camera ray starts: at the centre, as the rasterizer's sample, or anywhere (box filter).
 enum class Filter : int { centre, box };
+// Light that meets several of a rough surface's facets: multiple: counts; single: is lost, as in glTF's appendix B.
+enum class Microfacets : int { multiple, single };
 
 struct PathParams {
     Mode mode = Mode::all;
@@ -39,6 +41,7 @@ struct PathParams {
     Rays rays = Rays::native;
     Filter filter = Filter::centre;
     float ao_distance = 0;      // m: what is farther does not occlude; 0: no limit
+    Microfacets microfacets = Microfacets::multiple;
 };
 std::vector<Field> fields(PathParams& params);
 
@@ -49,6 +52,8 @@ struct PathScene {
     raster::Surfaces surfaces;
     Buffer<float> reflection;       // [material][8]: specular, exponent; mirror, padding
     bool any_glossy = false;        // whether any material has a specular or a mirror part
+    Buffer<float> microfacets;      // MicrofacetArgs::materials
+    bool any_microfacets = false;
     LightTable lights;              // lamps, emitting triangles and the environment, and how to choose among them
     MirrorTable mirrors;
     EnvironmentTable environment;
@@ -61,7 +66,7 @@ struct PathScene {
 
 // A scene that lies farther from the origin than eight times its size is moved there, which rounds nothing: rays then keep
 // off its surfaces by a share of its own size (README.md, "Where a ray starts"). Throws InputError that names the material
-// where reflectance + specular + mirror is above 1 in some channel.
+// where reflectance + specular + mirror is above 1 in some channel, or metalness or roughness not within 0..1.
 std::unique_ptr<PathScene> prepare(const Scene& scene, Rays rays);
 
 // What a run found, one value a pixel or point.

@@ -45,6 +45,7 @@ void add_scene(reference::PathScene& s, std::vector<Input>& out) {
                 {0, 1, 2, 4, 5, 6, 11}, out);
     if (s.any_glossy)
         add_columns("reflection", s.reflection.data(), s.reflection.size() / 8, 8, {0, 1, 2, 3, 4, 5, 6}, out);
+    if (s.any_microfacets) add_columns("microfacets", s.microfacets.data(), s.microfacets.size() / 4, 4, {0, 1}, out);
     add_columns("lights", s.lights.rows.data(), std::size_t(s.lights.count), record_stride,
                 {0, 1, 2, 4, 5, 6, 8, 9, 10}, out);
     add_columns("triangle_pdf", s.lights.triangle_pdf.data(), s.lights.triangle_pdf.size(), 1, {0}, out);
@@ -62,7 +63,10 @@ Subject subject_of(const reference::PathScene& scene, std::vector<reference::Pat
                                            double exact[3];
                                            reference::PathArgs one = args[i];
                                            one.sum = sum, one.exact_sum = exact;
-                                           reference::trace_paths<Followed>(one, *scene.rays, 1);
+                                           if (one.faceted)
+                                               reference::trace_paths<Followed, true>(one, *scene.rays, 1);
+                                           else
+                                               reference::trace_paths<Followed>(one, *scene.rays, 1);
                                            for (int c = 0; c < 3; ++c) out.push_back({sum[c], exact[c]});
                                        }});
     return subject;

@@ -30,11 +30,14 @@ Scene rich_scene() {
     Material dim;
     dim.name = "dim", dim.emission = {0.1f, 0.2f, 0.3f};
     dim.specular = {0.1f, 1 / 3.0f, 1e-20f}, dim.exponent = 33.3f, dim.mirror = {0.3f, 0, 1 / 7.0f};
-    const int materials[] = {b.material(stone), b.material(lamp), b.material(dim)};
+    Material metal;
+    metal.name = "metal", metal.microfacet = true, metal.metalness = 0.7f, metal.roughness = 1 / 3.0f;
+    metal.reflectance = {0.9f, 1, 0.1f}, metal.surface_texture = stone.normal_texture;
+    const int materials[] = {b.material(stone), b.material(lamp), b.material(dim), b.material(metal)};
     b.object("pillar");
     // Materials take turns: the triangles of a mesh are not sorted by them.
     for (int i = 0; i < 7; ++i)
-        b.lathe(materials[i % 3], move({0.1 * i, 1 / 3.0, 0}) * turn_y(10.0 * i), {{0.3, 0}, {0.2, 0.7}, {0, 1}}, 5);
+        b.lathe(materials[i % 4], move({0.1 * i, 1 / 3.0, 0}) * turn_y(10.0 * i), {{0.3, 0}, {0.2, 0.7}, {0, 1}}, 5);
     b.object("box");
     b.box(materials[2], Place(1), {-1, -1, -1}, {1, 1.0 / 3, 1});
     Scene s = b.take();
@@ -70,6 +73,8 @@ void check_same_materials(const std::vector<Material>& a, const std::vector<Mate
                a[i].normal_texture == b[i].normal_texture));
         CHECK((a[i].normal_scale == b[i].normal_scale && a[i].alpha == b[i].alpha));
         CHECK(a[i].alpha_cutoff == b[i].alpha_cutoff);
+        CHECK((a[i].microfacet == b[i].microfacet && a[i].metalness == b[i].metalness && a[i].roughness == b[i].roughness));
+        CHECK(a[i].surface_texture == b[i].surface_texture);
         CHECK((a[i].specular == b[i].specular && a[i].exponent == b[i].exponent && a[i].mirror == b[i].mirror));
     }
 }

@@ -252,7 +252,7 @@ TEST_CASE("gltf: what is skipped is counted, and a file without a triangle says 
     CHECK(load(flat).meshes[0].triangles.size() == 4);
 }
 
-TEST_CASE("gltf: materials: exitance is pi times emission, masks have a cutoff, a metal is diffuse", "[io]") {
+TEST_CASE("gltf: materials: exitance is pi times emission, masks have a cutoff", "[io]") {
     GltfSample s = square();
     s.json["materials"][0] = Json::parse(R"({"emissiveFactor": [1, 0.5, 0], "alphaMode": "MASK",
         "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 4}},
@@ -262,16 +262,86 @@ TEST_CASE("gltf: materials: exitance is pi times emission, masks have a cutoff, 
     CHECK(m.materials[0].emission == glm::vec3(float(4 * host::pi), float(2 * host::pi), 0));
     CHECK(m.materials[0].alpha == 0.25f);
     CHECK(m.materials[0].alpha_cutoff == 0.5f);  // glTF's default
-    REQUIRE(m.notes.size() == 1);
-    CHECK_THAT(m.notes[0], Catch::Contains("metallic"));
+    CHECK(m.notes.empty());
     s.json["materials"][0]["alphaMode"] = "BLEND";
-    CHECK(load(s).materials[0].alpha_cutoff == 0);
-    CHECK(load(s).notes.size() == 2);
+    CHECK(load(s).materials[0].alpha_cutoff == 0.5f);
+    CHECK(load(s).notes.size() == 1);
     // No material is glTF's default one, white.
     primitive(s).erase("material");
     const GltfModel none = load(s);
     CHECK(none.materials[std::size_t(none.meshes[0].material[0])].reflectance == glm::vec3(1));
     CHECK(none.materials.back().name == "default");
+    CHECK((none.materials.back().microfacet && none.materials.back().metalness == 1 && none.materials.back().roughness == 1));
+}
+
+TEST_CASE("gltf: textures of a material lie as its first does, or are left out; one without a picture is", "[io]") {
+    GltfSample s = square();
+    give_picture(s, {0xff030201u, 0xffaabbccu});
+    Json& material = s.json["materials"][0];
+    material["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", 0}};
+    material["emissiveTexture"] = {{"index", 0}, {"texCoord", 1}};
+    material["normalTexture"] = {{"index", 0}};
+    const GltfModel model = load(s);
+    CHECK((model.materials[0].texture >= 0 && model.materials[0].normal_texture >= 0));
+    CHECK(model.materials[0].emission_texture == -1);
+    REQUIRE(model.notes.size() == 1);
+    CHECK(model.notes[0].find("takes other texture coordinates") != std::string::npos);
+    s.json["textures"][0].erase("source");
+    material.erase("emissiveTexture");
+    const GltfModel without = load(s);
+    CHECK((without.materials[0].texture == -1 && without.textures.empty()));
+    REQUIRE(without.notes.size() == 1);
+    CHECK(without.notes[0].find("a texture whose picture an extension has") != std::string::npos);
+}
+
+TEST_CASE("gltf: metalness and roughness: factors, 1 by default, and a texture that is linear", "[io][microfacet]") {
+    GltfSample s = square();
+    give_picture(s, {0xff030201u, 0x00aabbccu});
+    Json& material = s.json["materials"][0];
+    material = Json::parse(R"({"pbrMetallicRoughness": {"metallicFactor": 0.25, "roughnessFactor": 0.125,
+        "baseColorTexture": {"index": 0}, "metallicRoughnessTexture": {"index": 0}}})");
+    const GltfModel m = load(s);
+    const Material& read = m.materials[0];
+    CHECK((read.microfacet && read.metalness == 0.25f && read.roughness == 0.125f));
+    REQUIRE((read.surface_texture >= 0 && read.surface_texture != read.texture));
+    CHECK(!m.textures[std::size_t(read.surface_texture)].srgb);
+    CHECK(m.textures[std::size_t(read.texture)].srgb);
+    CHECK(m.notes.empty());
+    // Of other coordinates than the rest it is left out, and said.
+    material["pbrMetallicRoughness"]["metallicRoughnessTexture"]["texCoord"] = 1;
+    const GltfModel other = load(s);
+    CHECK(other.materials[0].surface_texture == -1);
+    REQUIRE(other.notes.size() == 1);
+    CHECK_THAT(other.notes[0], Catch::Contains("takes other texture coordinates"));
+    for (const char* defaults : {"{}", R"({"pbrMetallicRoughness": {}})"}) {
+        material = Json::parse(defaults);
+        const Material d = load(s).materials[0];
+        CHECK((d.microfacet && d.metalness == 1 && d.roughness == 1 && d.surface_texture == -1));
+    }
+    for (const char* wrong : {R"({"pbrMetallicRoughness": {"metallicFactor": 1.5}})", R"({"pbrMetallicRoughness": {"roughnessFactor": -1}})"}) {
+        material = Json::parse(wrong);
+        require_message(error_of([&] { load(s); }), {"pbrMetallicRoughness", "expected"});
+    }
+}
+
+TEST_CASE("gltf: materials of another model have no microfacets", "[io][microfacet]") {
+    GltfSample s = square();
+    Json& material = s.json["materials"][0];
+    auto read = [&] { return load(s).materials[0]; };
+    CHECK(read().microfacet);
+    material["extensions"]["KHR_materials_unlit"] = Json::object();
+    CHECK(!read().microfacet);
+    material.erase("extensions");
+    // What this program keeps: a lobe, a mirror, or nothing of the kind in a file of its own.
+    material["extras"]["plumb"]["mirror"] = {0.25, 0.25, 0.25};
+    CHECK((!read().microfacet && read().mirror == glm::vec3(0.25f)));
+    material["extras"]["plumb"]["microfacet"] = true;
+    require_message(error_of(read), {"microfacet", "expected one or the other"});
+    material.erase("extras");
+    s.json["asset"]["generator"] = "plumb";
+    CHECK(!read().microfacet);
+    material["extras"]["plumb"]["microfacet"] = true;
+    CHECK(read().microfacet);
 }
 
 TEST_CASE("gltf: textures: sampler, colour space by use, no mips", "[io]") {

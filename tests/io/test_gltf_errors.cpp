@@ -292,12 +292,6 @@ const std::vector<Malformed> cases = {
      "/images/0: expected either uri or bufferView"},
     {"picture in no view", [](GltfSample& s) { give_textures(s), s.json["images"][0] = {{"bufferView", 9}}; },
      "/images/0/bufferView = 9: out of range; the file has 4 bufferViews"},
-    {"two sets of coordinates",
-     [](GltfSample& s) {
-         give_textures(s);
-         s.json["materials"][0]["emissiveTexture"] = {{"index", 0}, {"texCoord", 1}};
-     },
-     "/materials/0/emissiveTexture: takes other texture coordinates"},
 
     {"camera without a lens", [](GltfSample& s) { give_camera(s, R"({"type": "perspective"})"); },
      "/cameras/0/perspective: is missing"},

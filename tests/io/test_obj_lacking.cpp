@@ -270,3 +270,19 @@ TEST_CASE("mtl: map_d cuts out, map_Ke shines, bump is normals where it has thei
     CHECK(model.notes[0].find("heights (bump) are not read in 2 of 4 materials") != std::string::npos);
     CHECK(model.notes[1].find("taken for a map of them in 1 of 4 materials") != std::string::npos);
 }
+
+TEST_CASE("mtl: Pr and Pm are glTF's roughness and metalness, in place of Ks", "[io]") {
+    const Folder folder;
+    folder.put("m.mtl", "newmtl rough\nKd 0.5\nPr 0.25\nnewmtl metal\nKd 1 0.5 0.25\nPm 1\nPr 0.125\nKs 1\nillum 2\nnewmtl dull\nPm 0.5\n"
+                        "newmtl plain\nKd 0.5\n");
+    const ObjModel model = read_obj(folder.put("m.obj", "mtllib m.mtl\n" + triangle + face), true);
+    const std::vector<Material>& m = model.materials;
+    CHECK((m[0].microfacet && m[0].roughness == 0.25f && m[0].metalness == 0));
+    CHECK((m[1].microfacet && m[1].roughness == 0.125f && m[1].metalness == 1 && m[1].specular == glm::vec3(0)));
+    CHECK((m[2].microfacet && m[2].roughness == 1 && m[2].metalness == 0.5f));
+    CHECK_FALSE(m[3].microfacet);
+    for (const char* bad : {"Pr 1.5", "Pm -1", "Pr x", "Pm nan", "Pr"}) {
+        folder.put("m.mtl", std::string("newmtl a\n") + bad + "\n");
+        require_message(error_of([&] { read_obj(folder / "m.obj"); }), {"m.mtl: line 2: P", "expected 0 to 1"});
+    }
+}

@@ -208,6 +208,26 @@ TEST_CASE("scene: one number is grey; an MTL's Ks stays until a key changes it",
                       "specular = 0.2\n") == "");
 }
 
+TEST_CASE("scene: metalness and roughness make microfacets, a lobe or a mirror takes them away", "[io][microfacet]") {
+    const Files files;
+    auto red = [&](const std::string& keys) { return files.load("[[mesh]]\nfile = \"m.obj\"\n[[material]]\nname = \"red\"\n" + keys).materials; };
+    auto one = [&](const std::string& keys) {
+        for (const Material& m : red(keys))
+            if (m.name == "red") return m;
+        throw std::runtime_error("no red");
+    };
+    CHECK(!one("reflectance = 0.5\n").microfacet);
+    const Material rough = one("roughness = 0.25\n");
+    CHECK((rough.microfacet && rough.roughness == 0.25f && rough.metalness == 0));
+    const Material metal = one("metalness = 1\n");
+    CHECK((metal.microfacet && metal.roughness == 1 && metal.metalness == 1));
+    CHECK(one("microfacet = true\n").microfacet);
+    CHECK(!one("roughness = 0.5\nmicrofacet = false\n").microfacet);
+    CHECK(!one("mirror = 0.5\nreflectance = 0.5\n").microfacet);
+    for (const std::string wrong : {"roughness = 0.5\nmirror = 0.1\nreflectance = 0.1\n", "metalness = 2\n", "roughness = -1\n"})
+        CHECK(files.error("[[mesh]]\nfile = \"m.obj\"\n[[material]]\nname = \"red\"\n" + wrong) != "");
+}
+
 TEST_CASE("scene: two meshes keep their materials apart", "[io]") {
     const Files files;
     const Scene s = files.load(

@@ -51,6 +51,7 @@ TEST_CASE("traced layers: the lamps' light does not know what else is in the sce
         {"emission", [](Scene& s) { s.materials[1].emission = {3, 2, 1}; }},
         {"specular", [](Scene& s) { s.materials[1].specular = {0.1f, 0.1f, 0.1f}; }},
         {"mirror", [](Scene& s) { s.materials[1].mirror = {0.1f, 0.1f, 0.1f}; }},
+        {"microfacets", [](Scene& s) { s.materials[1].microfacet = true; }},
         {"environment", [](Scene& s) { s.environment.radiance = {1, 2, 3}; }},
     };
     for (const auto& [name, change] : changes) {

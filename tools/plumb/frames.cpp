@@ -62,6 +62,7 @@ Json frames_json(const FramesReport& report) {
                  {"frames", frames},
                  {"needed_stages", all.needed},
                  {"kept_stages", all.kept}};
+    add_left_out(report.scene, report.settings, json);
     add_times(report.times, json);
     json["saved_ms"] = all.saved_ms, json["peak_bytes"] = report.peak_bytes;
     return json;

@@ -20,6 +20,7 @@ int plan(const SceneOptions& given, const Common& common) {
     Scene scene = load(given);
     frame::Settings settings = settings_of(scene, given);
     note_idle(given, settings, scene);
+    note_lobes(settings, scene);
     const auto start = std::chrono::steady_clock::now();
     scene = drawn(std::move(scene), settings, options);
     const double mesh_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

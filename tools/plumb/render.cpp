@@ -255,6 +255,7 @@ int render(const RenderOptions& given) {
     check_mesh(given, settings);
     Job job{given, start, {read_ms}, std::move(scene), std::move(settings), nullptr, Outputs(given.folder)};
     if (!given.budget.empty()) choose(job);
+    note_lobes(job.settings, job.scene);
     job.scene = drawn(std::move(job.scene), job.settings, given.common.run_options());
     add_bake(job.scene, job.settings, {given.common.run_options(), given.scene.no_cache ? "" : cache_folder(), !given.common.json});
     return given.frames > 0 ? render_frames(job) : render_one(job);

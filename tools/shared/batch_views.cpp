@@ -68,7 +68,7 @@ std::uint64_t light_hash(const Scene& scene) {
     h.add_all(g.vertices), h.add_all(g.tangents), h.add_all(g.triangles), h.add_all(g.material);
     for (const Material& m : scene.materials)
         h.add(m.reflectance, m.emission, m.texture, m.emission_texture, m.normal_texture, m.normal_scale, m.alpha,
-              m.alpha_cutoff, m.specular, m.exponent, m.mirror);
+              m.alpha_cutoff, m.specular, m.exponent, m.mirror, m.microfacet, m.metalness, m.roughness, m.surface_texture);
     for (const Texture& t : scene.textures) {
         h.add_image(t.texels);
         h.add(std::int32_t(t.srgb), std::int32_t(t.filter), std::int32_t(t.wrap_u), std::int32_t(t.wrap_v),

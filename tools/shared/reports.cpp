@@ -9,6 +9,7 @@
 
 #include "core/content_hash.h"
 #include "core/parallel.h"
+#include "gi/frame/mirrors.h"
 #include "gi/parity/stages.h"
 #include "gi/uniform_words.h"
 #include "tools/shared/table.h"
@@ -121,6 +122,11 @@ std::string times_text(const RunTimes& times) {
                        milliseconds_text(times.write_ms));
 }
 
+void add_left_out(const Scene& scene, const frame::Settings& settings, Json& json) {
+    const std::string left_out = frame::lobes_left_out(scene, settings);
+    if (!left_out.empty()) json["left_out"] = left_out;
+}
+
 Json run_json(const RunReport& run) {
     Json kernels = Json::object();
     for (const frame::StageRun& s : run.stages)
@@ -134,6 +140,7 @@ Json run_json(const RunReport& run) {
                  {"stages", stage_runs_json(run.stages)}};
     add_times(run.times, json);
     json["peak_bytes"] = run.peak_bytes;
+    add_left_out(run.scene, run.settings, json);
     if (!run.truth.is_null()) json["truth"] = run.truth;
     if (!run.radiosity.is_null()) json["radiosity"] = run.radiosity;
     return json;
@@ -169,11 +176,13 @@ Json plan_json(const Scene& scene, const frame::Settings& settings, const frame:
                           {"parts", parts_json(s.parts)}});
         expected_ms += s.expected_ms, saved_ms += s.saved_ms;
     }
-    return {{"scene", scene.name},
-            {"settings", settings_json(settings)},
-            {"stages", stages},
-            {"expected_ms", expected_ms},
-            {"saved_ms", saved_ms}};
+    Json json = {{"scene", scene.name},
+                 {"settings", settings_json(settings)},
+                 {"stages", stages},
+                 {"expected_ms", expected_ms},
+                 {"saved_ms", saved_ms}};
+    add_left_out(scene, settings, json);
+    return json;
 }
 
 std::string plan_text(const frame::Plan& plan) {

@@ -24,6 +24,8 @@ struct RunTimes {
                            // with the truth. Less than the sum where frames are written while others are rendered
 };
 void add_times(const RunTimes& times, Json& json);
+// The key left_out, a sentence, where the method does not show all of the materials.
+void add_left_out(const Scene& scene, const frame::Settings& settings, Json& json);
 // "in 120 ms: 5.0 reading, 98.0 rendering, 17.0 writing"
 std::string times_text(const RunTimes& times);
 

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "gi/frame/idle_settings.h"
+#include "gi/frame/mirrors.h"
 #include "gi/frame/presets.h"
 #include "io/scene_file.h"
 #include "tools/shared/light_sets.h"
@@ -77,6 +78,11 @@ void note_idle(const SceneOptions& options, const frame::Settings& settings, Sce
         const std::string reason = frame::idle(settings, scene, a.table, a.key);
         if (!reason.empty()) scene.notes.push_back(fmt::format("{}: changes nothing: {}", a.place, reason));
     }
+}
+
+void note_lobes(const frame::Settings& settings, Scene& scene) {
+    const std::string left_out = frame::lobes_left_out(scene, settings);
+    if (!left_out.empty()) scene.notes.push_back(left_out);
 }
 
 void print_notes(const Scene& scene) {

@@ -21,6 +21,8 @@ Scene load(const SceneOptions& options);
 
 // Adds to the scene's notes what --set sets that changes nothing beside the other settings.
 void note_idle(const SceneOptions& options, const frame::Settings& settings, Scene& scene);
+// Notes what of the scene's materials the method does not show.
+void note_lobes(const frame::Settings& settings, Scene& scene);
 
 // Says what was chosen for the user.
 void print_notes(const Scene& scene);
