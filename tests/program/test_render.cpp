@@ -50,7 +50,7 @@ TEST_CASE("render: writes the contract's files, layers and keys", "[program][con
     CHECK(layers == Words{"rsm.sun.depth", "rsm.sun.flux", "rsm.sun.normal", "rsm.sun.position"});
 
     const Json json = Json::parse(read(out + "/run.json"));
-    CHECK(keys(json) == Words{"version", "scene", "settings", "isa", "kernels", "threads", "stages", "read_ms", "render_ms", "write_ms",
+    CHECK(keys(json) == Words{"version", "scene", "notes", "settings", "isa", "kernels", "threads", "stages", "read_ms", "render_ms", "write_ms",
                               "total_ms", "peak_bytes", "lights"});
     for (const char* key : {"read_ms", "render_ms", "write_ms"}) CHECK(json[key].get<double>() > 0);
     CHECK(json["total_ms"].get<double>() >=

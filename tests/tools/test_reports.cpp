@@ -82,7 +82,7 @@ TEST_CASE("reports: run.json has the contract's keys and the kernels that ran", 
     stages[1].label = "rsm (key)", stages[1].needed = false, stages[1].isa = Isa::sse;
     stages[1].reason = "the light is off", stages[1].rule = "light-off", stages[1].saved_ms = 12;
     const Json json = run_json({scene, frame::Settings{}, options, stages, {1, 2.5, 3, 7}, 4096});
-    CHECK(keys(json) == Words{"version", "scene", "settings", "isa", "kernels", "threads", "stages", "read_ms", "render_ms", "write_ms",
+    CHECK(keys(json) == Words{"version", "scene", "notes", "settings", "isa", "kernels", "threads", "stages", "read_ms", "render_ms", "write_ms",
                               "total_ms", "peak_bytes"});
     CHECK(Json{json["read_ms"], json["render_ms"], json["write_ms"], json["total_ms"]} == Json{1.0, 2.5, 3.0, 7.0});
     const std::string text = run_text({scene, frame::Settings{}, options, stages, {1, 2.5, 3, 7}, 4096});

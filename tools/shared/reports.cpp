@@ -133,6 +133,7 @@ Json run_json(const RunReport& run) {
         if (s.needed) kernels[s.label] = isa_name(s.isa);
     Json json = {{"version", run_version},
                  {"scene", run.scene.name},
+                 {"notes", run.scene.notes},
                  {"settings", settings_json(run.settings)},
                  {"isa", isa_name(run.options.isa)},
                  {"kernels", kernels},
