@@ -10,6 +10,7 @@
 
 #include "core/error.h"
 #include "core/number.h"
+#include "io/exr_check.h"
 #include "io/file.h"
 #include "io/png_check.h"
 
@@ -54,8 +55,6 @@ const Format& format_of(const std::string& path, const std::string& extension) {
     throw InputError(shown(path), "", fmt::format("not a picture by its name; expected one of {}", known));
 }
 
-// What decoding may cost is decided from the header. Of the compressions that are read, LZW packs most: under 4096
-// to 1.
 void check_size(const std::string& path, const OIIO::ImageSpec& spec, std::size_t file_bytes, std::int64_t limit) {
     const std::int64_t pixels = std::int64_t(spec.width) * spec.height;
     if (spec.width < 1 || spec.height < 1 || spec.nchannels < 1 || spec.depth > 1)
@@ -70,7 +69,7 @@ void check_size(const std::string& path, const OIIO::ImageSpec& spec, std::size_
     if (pixels > limit)
         throw InputError(shown(path), "header",
                          fmt::format("{} x {} pixels; the limit here is {}", spec.width, spec.height, limit));
-    if (spec.image_bytes(true) > (std::size_t(1) << 20) + 4096 * file_bytes)
+    if (spec.image_bytes(true) > most_picture_bytes(file_bytes))
         throw InputError(shown(path), "header",
                          fmt::format("declares {} x {} pixels of {} channels, which {} bytes cannot hold", spec.width,
                                      spec.height, spec.nchannels, file_bytes));
@@ -179,6 +178,7 @@ Raw decode_raw(const std::string& path, const std::string& extension, std::vecto
         check_png(path, file);
         read_png_through(path, file);
     }
+    if (format.reader == std::string_view("openexr")) check_exr(path, file);
 
     OIIO::Filesystem::IOMemReader memory(file.data(), file.size());
     const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::create(format.reader);
