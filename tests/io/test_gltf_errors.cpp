@@ -117,7 +117,13 @@ const std::vector<Malformed> cases = {
      "/accessors/0/count = 3.5: expected a whole number"},
     {"zeros without end",
      [](GltfSample& s) { s.json["accessors"][0].erase("bufferView"), s.json["accessors"][0]["count"] = 1 << 28; },
-     "/accessors/0/count = 268435456: more than 2^20 elements without a bufferView"},
+     "/accessors/0/count = 268435456: accessors without a bufferView have 268435456 elements; a file of"},
+    {"zeros again and again",
+     [](GltfSample& s) {
+         s.json["accessors"][0].erase("bufferView"), s.json["accessors"][0]["count"] = 3999;
+         s.json["meshes"][0]["primitives"] = Json::array({{{"attributes", {{"POSITION", 0}}}}, {{"attributes", {{"POSITION", 0}}}}});
+     },
+     "/accessors/0/count = 3999: accessors without a bufferView have 7998 elements; a file of"},
     {"unknown component", [](GltfSample& s) { s.json["accessors"][0]["componentType"] = 5124; },
      "/accessors/0/componentType = 5124: expected one of"},
     {"positions of integers", [](GltfSample& s) { s.json["accessors"][0]["componentType"] = 5123; },
