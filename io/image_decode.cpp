@@ -12,6 +12,7 @@
 #include "core/number.h"
 #include "io/exr_check.h"
 #include "io/file.h"
+#include "io/picture_check.h"
 #include "io/png_check.h"
 
 namespace plumb::io {
@@ -179,6 +180,8 @@ Raw decode_raw(const std::string& path, const std::string& extension, std::vecto
         read_png_through(path, file);
     }
     if (format.reader == std::string_view("openexr")) check_exr(path, file);
+    if (format.reader == std::string_view("dds")) check_dds(path, file);
+    if (format.reader == std::string_view("bmp")) check_bmp(path, file);
 
     OIIO::Filesystem::IOMemReader memory(file.data(), file.size());
     const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::create(format.reader);
