@@ -2,6 +2,7 @@
 #include "core/error.h"
 #include "io/gltf.h"
 #include "targets.h"
+#include "whole.h"
 
 namespace plumb::fuzz {
 namespace {
@@ -23,7 +24,9 @@ std::size_t read(const std::string& name, const std::uint8_t* data, std::size_t 
     io::GltfOptions options;
     options.second_coordinates = true;
     try {
-        return json_growth * size + bytes_of(io::parse_gltf("/dev/null/" + name, {data, data + size}, options));
+        const io::GltfModel model = io::parse_gltf("/dev/null/" + name, {data, data + size}, options);
+        for (const Mesh& mesh : model.meshes) require_whole(mesh, model.materials, model.textures);
+        return json_growth * size + bytes_of(model);
     } catch (const InputError&) {
         return json_growth * size;
     }

@@ -2,6 +2,7 @@
 #include "core/error.h"
 #include "io/obj.h"
 #include "targets.h"
+#include "whole.h"
 
 namespace plumb::fuzz {
 namespace {
@@ -19,8 +20,15 @@ constexpr std::size_t obj_growth = 4;
 
 std::size_t read(const std::string& obj, const std::string& mtl) {
     const std::size_t file = obj.size() + mtl.size();
+    // There is one library, by any name without a blank that does not begin with "no".
+    const io::ReadLibrary library = [&](const std::string& name, std::int64_t, io::Findings*) -> std::optional<io::Library> {
+        if (name.find(' ') != name.npos || name.substr(0, 2) == "no") return {};
+        return io::Library{scratch_folder() + "/" + name, mtl};
+    };
     try {
-        return file + bytes_of(io::parse_obj(scratch_folder() + "/a.obj", obj, [&](const std::string&) { return mtl; }));
+        const io::ObjModel model = io::parse_obj(scratch_folder() + "/a.obj", obj, library);
+        require_whole(model.mesh, model.materials, model.textures);
+        return file + bytes_of(model);
     } catch (const InputError&) {
         return obj_growth * file;
     }

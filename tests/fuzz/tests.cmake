@@ -1,6 +1,6 @@
 # The readers as fuzzers run them. test_io reads the corpus with them in every build; with PLUMB_FUZZ, plumb_fuzz changes it.
 set(fuzz_targets ${CMAKE_CURRENT_LIST_DIR}/fuzz_obj.cpp ${CMAKE_CURRENT_LIST_DIR}/fuzz_gltf.cpp
-  ${CMAKE_CURRENT_LIST_DIR}/fuzz_picture.cpp ${CMAKE_CURRENT_LIST_DIR}/fuzz_file.cpp ${CMAKE_CURRENT_LIST_DIR}/scratch.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/fuzz_picture.cpp ${CMAKE_CURRENT_LIST_DIR}/fuzz_file.cpp ${CMAKE_CURRENT_LIST_DIR}/scratch.cpp ${CMAKE_CURRENT_LIST_DIR}/whole.cpp
   ${CMAKE_CURRENT_LIST_DIR}/watch.cpp)
 target_sources(test_io PRIVATE ${fuzz_targets})
 
