@@ -18,6 +18,15 @@
 namespace plumb::io {
 namespace {
 
+// OpenImageIO 2.4 reads before its memory where a file names a place below zero, as the table of offsets of an EXR can.
+class Memory : public OIIO::Filesystem::IOMemReader {
+  public:
+    using IOMemReader::IOMemReader;
+    std::size_t pread(void* to, std::size_t size, std::int64_t offset) override {
+        return offset < 0 || std::uint64_t(offset) > this->size() ? 0 : IOMemReader::pread(to, size, offset);
+    }
+};
+
 struct Format {
     const char* extension;
     const char* reader;  // OpenImageIO's name
@@ -183,7 +192,7 @@ Raw decode_raw(const std::string& path, const std::string& extension, std::vecto
     if (format.reader == std::string_view("dds")) check_dds(path, file);
     if (format.reader == std::string_view("bmp")) check_bmp(path, file);
 
-    OIIO::Filesystem::IOMemReader memory(file.data(), file.size());
+    Memory memory(file.data(), file.size());
     const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::create(format.reader);
     if (!input) throw InputError(shown(path), "", "OpenImageIO here has no reader for it: " + reason(OIIO::geterror()));
     // Straight alpha and colours as they are: no reader is to change a value.

@@ -44,6 +44,14 @@ struct Header {
 
 }  // namespace
 
+TEST_CASE("exr: a table of offsets that points before the file gives no pixel", "[io][robustness]") {
+    const Folder folder;
+    // Compression by ZIP: the table has one entry, of 64 bits.
+    const Header header{.compression = 3, .tail = little(-1) + little(-1) + std::string(64, '\0')};
+    const std::string path = folder.put("a.exr", header.bytes());
+    require_message(error_of([&] { read_picture(path); }), {"a.exr: pixels: "});
+}
+
 TEST_CASE("exr: a header that asks for more than the file has is refused", "[io][robustness]") {
     const Folder folder;
     const auto message = [&](const Header& header) {
