@@ -38,14 +38,15 @@ std::size_t read(const std::string& obj, const std::string& mtl) {
 
 std::size_t fuzz_obj(const std::uint8_t* data, std::size_t size) {
     static const std::string mtl =
-        "newmtl a\nKd 0.5 0.4 0.3\nnewmtl b c\nKd 1 1 1\nKs 0.1 0.1 0.1\nNs 10\nillum 2\nnewmtl m\nKe 1 1 1\nmap_Kd a.png\n";
+        "newmtl a\nKd 0.5 0.4 0.3\nnewmtl b c\nKd 1 1 1\nKs 0.1 0.1 0.1\nNs 10\nillum 2\nnewmtl m\nKe 1 1 1\n"
+        "map_Kd -s 1e6 2 -o 0.5 a.png\n";
     return read(std::string(reinterpret_cast<const char*>(data), size), mtl);
 }
 
 std::size_t fuzz_mtl(const std::uint8_t* data, std::size_t size) {
     static const std::string obj =
-        "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\nusemtl a\nf 1/1 2/2 3/3\n"
-        "usemtl b\nf 1 2 3\n";
+        "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 3e38\nvn 0 0 1\nf 1/1 2/2 3/3\nusemtl a\n"
+        "f 1/1 2/2 3/3\nf 1/1/1 2/2/1 3/1/1\nusemtl b\nf 1/1/1 2/2/1 3/1/1\n";
     return read(obj, std::string(reinterpret_cast<const char*>(data), size));
 }
 
