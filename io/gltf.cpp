@@ -150,9 +150,14 @@ std::string GltfSkipped::text() const {
 }
 
 GltfModel read_gltf(const std::string& path, const GltfOptions& options) {
+    return parse_gltf(path, read_bytes(path), options);
+}
+
+GltfModel parse_gltf(const std::string& path, std::vector<unsigned char> file, const GltfOptions& options) {
     GltfDocument document;
     document.path = path;
     document.strict = options.strict;
+    document.file = std::move(file);
     open_gltf(document);
     return ModelReader(document, options).read();
 }

@@ -31,5 +31,7 @@ struct GltfModel {
 // Throws InputError that names the file, the place as a JSON pointer ("/meshes/0/primitives/1/indices") and the cause,
 // for anything that is not a whole and finite model.
 GltfModel read_gltf(const std::string& path, const GltfOptions& options = {});
+// The same of a file in memory: `path` names it in messages, and other files are beside it.
+GltfModel parse_gltf(const std::string& path, std::vector<unsigned char> file, const GltfOptions& options = {});
 
 }  // namespace plumb::io

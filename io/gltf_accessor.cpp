@@ -85,8 +85,7 @@ Accessor open_accessor(const GltfDocument& document, const JsonValue& index) {
     const JsonValue view_index = a.json["bufferView"];
     const std::uint64_t offset = a.json["byteOffset"].integer(0, std::uint64_t(1) << 40, 0);
     if (!view_index) {
-        // Zeros take no bytes of a file; nothing but this says how many a file may ask for.
-        if (a.count > std::size_t(1) << 20) a.json["count"].fail("more than 2^20 elements without a bufferView");
+        document.count_zeros(a.count, a.json["count"]);
         return a;
     }
     const ByteSpan view = view_bytes(document, view_index);

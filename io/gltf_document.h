@@ -43,14 +43,17 @@ struct GltfDocument {
     bool strict = false;     // what is required and not read is refused, whatever it is
     bool quantized = false;  // KHR_mesh_quantization: attributes may be integers
     GltfSkipped skipped;
+    mutable std::size_t zeros = 0;  // elements that were read of accessors without a bufferView
 
     JsonValue root() const { return JsonValue(path, json); }
     JsonValue list(const char* name) const { return root()[name]; }
+    // Zeros take no bytes of a file: nothing but this says how many elements of them all accessors may ask for.
+    void count_zeros(std::size_t elements, const JsonValue& place) const;
     // Says something once.
     void note(const std::string& text);
 };
 
-// Reads the file and its buffers and checks the version and the extensions that it requires.
+// Takes the file apart, reads its buffers and checks the version and the extensions that it requires.
 void open_gltf(GltfDocument& document);
 
 // The bytes of a bufferView, `index` being where it is named.

@@ -161,12 +161,20 @@ void load_buffers(GltfDocument& document, const std::optional<ByteSpan>& binary)
 
 }  // namespace
 
+void GltfDocument::count_zeros(std::size_t elements, const JsonValue& place) const {
+    std::size_t limit = 4096 + file.size();
+    for (const std::vector<unsigned char>& buffer : loaded) limit += buffer.size();
+    zeros += elements;
+    if (zeros > limit)
+        place.fail(fmt::format("accessors without a bufferView have {} elements; a file of {} bytes may have {}", zeros,
+                               limit - 4096, limit));
+}
+
 void GltfDocument::note(const std::string& text) {
     if (std::find(notes.begin(), notes.end(), text) == notes.end()) notes.push_back(text);
 }
 
 void open_gltf(GltfDocument& document) {
-    document.file = read_bytes(document.path);
     const std::vector<unsigned char>& file = document.file;
     if (file.empty()) throw InputError(shown(document.path), "", "is empty; expected glTF");
     Chunks chunks;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "core/host_math.h"
 #include "io/gltf_document.h"
@@ -157,6 +158,8 @@ class MeshReader {
             const double x = c.scale.x * double(block[i].u), y = c.scale.y * double(block[i].v);
             block[i].u = float(cosine * x + sine * y + c.offset.x);
             block[i].v = float(cosine * y - sine * x + c.offset.y);
+            if (!std::isfinite(block[i].u) || !std::isfinite(block[i].v))
+                uv.fail(fmt::format("element {} is not finite once KHR_texture_transform has moved it", i));
         }
         return block;
     }

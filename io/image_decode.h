@@ -15,6 +15,9 @@ inline constexpr std::int64_t max_pixels = std::int64_t(1) << 31;
 inline constexpr std::int64_t max_values = std::int64_t(1) << 34;
 inline constexpr int max_channels = 1024;
 
+// What decoding may cost is decided from the header. Of the compressions that are read, LZW packs most: under 4096 to 1.
+inline std::size_t most_picture_bytes(std::size_t file_bytes) { return (std::size_t(1) << 20) + 4096 * file_bytes; }
+
 // The header, and the pixels in the file's own number types.
 struct Raw {
     OIIO::ImageSpec spec;

@@ -63,12 +63,13 @@ class ObjBuilder {
     void add(std::size_t f, std::int32_t material, const Mapping& mapping) {
         const std::size_t first = in_.faces[f].first;
         const std::size_t end = f + 1 < in_.faces.size() ? in_.faces[f + 1].first : in_.corners.size();
+        line_ = in_.faces[f].line;
         polygon_.clear(), triangles_.clear();
         for (std::size_t i = first; i < end; ++i)
             polygon_.push_back(in_.positions[std::size_t(in_.corners[i].position)]);
         if (!triangulate(polygon_, triangles_))
             throw InputError(
-                shown(path_), fmt::format("line {}", in_.faces[f].line),
+                shown(path_), fmt::format("line {}", line_),
                 fmt::format("a concave face of {} corners; the limit is {}", polygon_.size(), max_concave_corners));
         for (const auto& t : triangles_) {
             const glm::vec3 flat = geometric_normal(polygon_[t[0]], polygon_[t[1]], polygon_[t[2]]);
@@ -93,11 +94,19 @@ class ObjBuilder {
         if (c.texture >= 0) {
             // OBJ counts v from the bottom of the picture.
             glm::vec2 uv = in_.texture_coordinates[std::size_t(c.texture)];
-            if (!(mapping == Mapping{})) uv = glm::vec2(glm::dvec2(uv) * mapping.scale + mapping.offset);
+            if (!(mapping == Mapping{})) uv = moved(uv, mapping);
             v.u = uv.x, v.v = 1 - uv.y;
         }
         mesh_.vertices.push_back(v);
         return std::uint32_t(mesh_.vertices.size()) - 1;
+    }
+
+    glm::vec2 moved(const glm::vec2& uv, const Mapping& mapping) const {
+        const glm::vec2 to(glm::dvec2(uv) * mapping.scale + mapping.offset);
+        if (!std::isfinite(to.x) || !std::isfinite(to.y))
+            throw InputError(shown(path_), fmt::format("line {}", line_),
+                             fmt::format("f: vt {} {} is not finite once -s and -o of its material have moved it", uv.x, uv.y));
+        return to;
     }
 
     std::int32_t number_of(const Mapping& mapping) {
@@ -109,6 +118,7 @@ class ObjBuilder {
     const std::string& path_;
     const ObjLines& in_;
     Mesh& mesh_;
+    std::int64_t line_ = 0;  // of the face
     std::vector<Mapping> mappings_;
     std::vector<glm::vec3> normals_;
     std::vector<glm::vec3> polygon_;

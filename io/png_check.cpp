@@ -13,10 +13,13 @@
 namespace plumb::io {
 namespace {
 
+// Deflate packs 258 bytes into two bits at best (RFC 1951, 3.2.5): bytes of a row are taken only where a file may fill them.
+constexpr std::size_t most_inflated = 1032;
+
 // Plain data: libpng's errors jump over the frames below, so nothing there may need a destructor.
 struct Reader {
     const unsigned char* next;
-    std::size_t left;
+    std::size_t left, size;
     png_structp png = nullptr;
     png_infop info = nullptr;
     png_bytep row = nullptr;
@@ -50,6 +53,8 @@ void read_all(Reader& reader) {
     const int passes = png_set_interlace_handling(reader.png);
     png_read_update_info(reader.png, reader.info);
     const png_uint_32 height = png_get_image_height(reader.png, reader.info);
+    if (png_get_rowbytes(reader.png, reader.info) > most_inflated * reader.size / height)
+        png_error(reader.png, "IHDR: the file is too short for so many pixels");
     reader.row = static_cast<png_bytep>(png_calloc(reader.png, png_get_rowbytes(reader.png, reader.info)));
     for (int pass = 0; pass < passes; ++pass)
         for (png_uint_32 y = 0; y < height; ++y) png_read_row(reader.png, reader.row, nullptr);
@@ -65,7 +70,7 @@ void read_or_stop(Reader& reader) {
 }  // namespace
 
 void read_png_through(const std::string& path, const std::vector<unsigned char>& file) {
-    Reader reader{file.data(), file.size()};
+    Reader reader{file.data(), file.size(), file.size()};
     read_or_stop(reader);
     if (*reader.fault) throw InputError(shown(path), "PNG", printable(reader.fault, sizeof reader.fault));
 }

@@ -70,6 +70,7 @@ inline std::vector<BadPng> bad_pngs() {
         {"PNG with an unknown critical chunk", png(head + chunk("ABCD", "x") + good), "ABCD"},
         {"PNG a pixel too wide", png(header(1000001, 1) + good), "IHDR"},
         {"PNG of 2^62 pixels", png(header(0x7fffffff, 0x7fffffff) + good), "IHDR"},
+        {"PNG of more pixels than its bytes can hold", png(header(850'000, 5, 16, 6) + good), "too short for so many"},
         {"PNG interlaced with too little data", png(header(2, 2, 8, 2, 1) + data(std::string(5, '\0'))), "Not enough"},
     };
 }

@@ -2,6 +2,7 @@
 #include <functional>
 
 #include "gltf_files.h"
+#include "tests/png_bytes.h"
 
 using namespace plumb;
 using namespace plumb::io;
@@ -117,7 +118,24 @@ const std::vector<Malformed> cases = {
      "/accessors/0/count = 3.5: expected a whole number"},
     {"zeros without end",
      [](GltfSample& s) { s.json["accessors"][0].erase("bufferView"), s.json["accessors"][0]["count"] = 1 << 28; },
-     "/accessors/0/count = 268435456: more than 2^20 elements without a bufferView"},
+     "/accessors/0/count = 268435456: accessors without a bufferView have 268435456 elements; a file of"},
+    {"coordinates moved beyond all numbers",
+     [](GltfSample& s) {
+         const float far = 3e38f;
+         std::memcpy(s.buffer.data() + s.json["bufferViews"][2]["byteOffset"].get<std::size_t>() + 8, &far, 4);
+         const std::string picture = png_bytes::png(png_bytes::header(1, 1) + png_bytes::data(std::string(4, '\0')));
+         s.json["images"] = Json::array({{{"uri", "data:image/png;base64," + base64(picture)}}});
+         s.json["textures"] = Json::array({{{"source", 0}}});
+         s.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] =
+             Json::parse(R"({"index": 0, "extensions": {"KHR_texture_transform": {"scale": [10, 1]}}})");
+     },
+     "/meshes/0/primitives/0/attributes/TEXCOORD_0 = 2: element 1 is not finite once KHR_texture_transform has moved it"},
+    {"zeros again and again",
+     [](GltfSample& s) {
+         s.json["accessors"][0].erase("bufferView"), s.json["accessors"][0]["count"] = 3999;
+         s.json["meshes"][0]["primitives"] = Json::array({{{"attributes", {{"POSITION", 0}}}}, {{"attributes", {{"POSITION", 0}}}}});
+     },
+     "/accessors/0/count = 3999: accessors without a bufferView have 7998 elements; a file of"},
     {"unknown component", [](GltfSample& s) { s.json["accessors"][0]["componentType"] = 5124; },
      "/accessors/0/componentType = 5124: expected one of"},
     {"positions of integers", [](GltfSample& s) { s.json["accessors"][0]["componentType"] = 5123; },

@@ -230,6 +230,16 @@ TEST_CASE("picture: malformed files are named with the cause", "[io][robustness]
                     {"a.pfm: header: 2000000000 x 2", "limits are 2^31 pixels"});
     require_message(read("a.pfm", pfm().substr(0, pfm().size() - 1)), {"a.pfm: pixels"});
     require_message(read("a.dds", dds().substr(0, 130)), {"a.dds: "});
+    // Colours that alpha multiplies; OpenImageIO 2.4 divides by an alpha of 0.
+    std::string multiplied = dds() + std::string(8, '\0');
+    put32(multiplied, 80, 4), multiplied.replace(84, 4, "DXT2");
+    require_message(read("a.dds", multiplied), {"a.dds: header: is packed as DXT2"});
+    std::string huge = dds();
+    put32(huge, 12, 1 << 24);
+    require_message(read("a.dds", huge), {"a.dds: header: declares 2 x 16777216 pixels, which 136 bytes cannot hold"});
+    std::string bmp = "BM" + std::string(24, '\0');
+    put32(bmp, 14, 40), put32(bmp, 18, 1), put32(bmp, 22, 7 << 24);
+    require_message(read("a.bmp", bmp), {"a.bmp: header: declares 1 x 117440512 pixels, which 26 bytes cannot hold"});
 
     const std::uint8_t pixel[] = {1, 2, 3};
     write_png(folder / "good.png", 1, 1, pixel);

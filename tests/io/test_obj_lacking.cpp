@@ -286,3 +286,12 @@ TEST_CASE("mtl: Pr and Pm are glTF's roughness and metalness, in place of Ks", "
         require_message(error_of([&] { read_obj(folder / "m.obj"); }), {"m.mtl: line 2: P", "expected 0 to 1"});
     }
 }
+
+TEST_CASE("obj: texture coordinates that a material moves beyond all numbers are refused", "[io][robustness]") {
+    const Folder folder;
+    folder.put("m.mtl", "newmtl a\nmap_Kd -s 10 1 none.png\n");
+    const std::string start = "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 3e38\nvt 3e37\nusemtl a\n";
+    CHECK(read_obj(folder.put("a.obj", start + "f 1/2 2/2 3/2\n")).mesh.triangles.size() == 1);
+    require_message(error_of([&] { read_obj(folder.put("a.obj", start + "f 1/1 2/2 3/2\n")); }),
+                    {"a.obj: line 8: f: vt 3e+38 0 is not finite once -s and -o of its material have moved it"});
+}
