@@ -376,6 +376,32 @@ TEST_CASE("render: a bar on a terminal, nothing elsewhere", "[program]") {
     CHECK(r.exit == 0);
     CHECK_THAT(r.out, Catch::Matchers::Contains("rsm.disc (key)") && Catch::Matchers::Contains("%"));
     CHECK_THAT(r.out, Catch::Matchers::Contains("\r\033[K"));
+    // What comes before the first stage and after the last one is named, too; all of it is wiped before anything is told.
+    const std::size_t reading = r.out.find("reading "), preparing = r.out.find("preparing the scene"),
+                      stage = r.out.find("gbuffer"), writing = r.out.find("writing pictures"), told = r.out.find("read scene");
+    CHECK(reading < preparing);
+    CHECK(preparing < stage);
+    CHECK(stage < writing);
+    CHECK(writing < told);
+    CHECK(told != std::string::npos);
+    CHECK(r.out.substr(writing, told - writing).find("\r\033[K") != std::string::npos);
+}
+
+TEST_CASE("render: what is done is said before it is begun, so that a large scene says it at once", "[program]") {
+    const std::string folder = fresh_folder("status");
+    write(folder + "/cut.obj", "v 0 0 0\nf 1 2");
+    const Result r = run_on_terminal({"render", folder + "/cut.obj", "-o", folder + "/out"});
+    if (r.exit == no_terminal) {
+        WARN("no pseudo-terminal here: the status line is not tested");
+        return;
+    }
+    // Also where reading fails: the line is there first, and is gone before the error.
+    CHECK(r.exit == 2);
+    CHECK(r.out.find('\r') == 0);
+    const std::size_t read = r.out.find("cut.obj"), wiped = r.out.find("\r\033[K"), error = r.out.find("plumb: ");
+    CHECK(read < wiped);
+    CHECK(wiped < error);
+    CHECK(error != std::string::npos);
 }
 
 TEST_CASE("plan: says what render would do, and renders nothing", "[program][contract]") {

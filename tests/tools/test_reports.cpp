@@ -186,4 +186,7 @@ TEST_CASE("progress: a line says stage, share and time left, and fits the termin
     CHECK(progress_line("a", 0.5, 3725, 100).find("1:02 h left") != std::string::npos);
     for (int width : {1, 20, 40, 60, 80, 200})
         CHECK(int(progress_line("a stage of a very long name", 1.5, 1e4, width).size()) < width);
+    // What is done beside stages: the end of a long name stays.
+    CHECK(status_text("reading city.toml", 80) == "reading city.toml");
+    CHECK(status_text("reading a/very/long/way/to/city.toml", 16) == "...to/city.toml");
 }

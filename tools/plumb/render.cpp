@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <memory>
+#include <optional>
 #include <nlohmann/json.hpp>
 
 #include "core/animation.h"
@@ -120,7 +121,10 @@ int render_one(Job& job) {
     const frame::Settings& settings = job.settings;
     const RunOptions options = given.common.run_options();
     const Clock::time_point start = Clock::now();
-    const frame::Plan plan = frame::plan(scene, settings);
+    const frame::Plan plan = [&] {
+        const StatusLine status("planning");
+        return frame::plan(scene, settings);
+    }();
     if (!given.common.json) print_notes(scene);
 
     // Render.
@@ -134,17 +138,22 @@ int render_one(Job& job) {
     job.times.render_ms = ms_since(start);
     if (!given.mesh.empty() && frame.radiosity.irradiance.empty())
         throw InputError("--mesh: nothing sends light, so that nothing was solved: there is no mesh");
-    const std::vector<TruthRow> rows = compare_layers(frame, given.common.threads);
+    const std::vector<TruthRow> rows = [&] {
+        const StatusLine status("comparing");
+        return compare_layers(frame, given.common.threads);
+    }();
     Json truth = frame.traced.empty() ? Json(nullptr) : truth_json(frame, rows, kept.notes());
     const std::optional<frame::MirrorClasses> mirrors = mirror_classes(scene, settings, frame, options);
     if (mirrors) truth["mirrors"] = mirror_json(*mirrors);
     const Json solved = radiosity_json(frame, settings, options, rows_kept.get());
 
     // Write.
+    std::optional<StatusLine> status("writing pictures");
     const Clock::time_point writing = Clock::now();
     write_pictures(scene, plan, frame, picture_name(scene), job.outputs, mirrors ? &*mirrors : nullptr);
     if (given.dump) write_dump(scene, settings, plan, frame, options, job.outputs);
     if (!given.mesh.empty()) io::write_coloured(given.mesh, coloured_meshes(scene, frame), mesh_scale(settings));
+    status.reset();
     job.times.write_ms = ms_since(writing);
     job.times.total_ms = ms_since(job.start);
     const RunReport report{scene, settings, options, frame.stages, job.times, peak_bytes(), truth, solved};
@@ -198,6 +207,7 @@ int render_frames(Job& job) {
         if (mirrors) run.truth["mirrors"] = mirror_json(*mirrors);
         run.radiosity = radiosity_json(frame, settings, options, rows_kept.get());
         run.lights = light_costs_json(scene, plan, frame.stages);
+        const StatusLine status(fmt::format("writing the pictures of frame {}", f));
         const Clock::time_point writing = Clock::now();
         write_pictures(scene, plan, frame, frame_name(picture_name(scene), f), job.outputs, mirrors ? &*mirrors : nullptr);
         run.write_ms = ms_since(writing);
@@ -231,8 +241,10 @@ void check_frames(const RenderOptions& given, Scene scene, const frame::Settings
 void choose(Job& job) {
     const RenderOptions& given = job.given;
     const double budget_ms = parse_milliseconds("--budget", given.budget);
-    const Choice choice =
-        choose_by_budget(job.scene, given.scene, job.settings, budget_ms, given.common.run_options());
+    const Choice choice = [&] {
+        const StatusLine status("measuring settings, for --budget");
+        return choose_by_budget(job.scene, given.scene, job.settings, budget_ms, given.common.run_options());
+    }();
     job.settings = choice.settings, job.chosen = choice.json;
     const std::string place =
         given.frames > 1 ? fmt::format("measured on frame {}, for all {} frames\n", given.first, given.frames) : "";
@@ -251,13 +263,21 @@ int render(const RenderOptions& given) {
     if (frame::reuses_light(settings) && given.frames <= 1)
         scene.notes.push_back("reuse.frames: changes nothing of the first frame, which has none before it: give --frames N");
     // All that can be wrong is found before anything is measured or rendered.
-    check_frames(given, scene, settings);
-    check_mesh(given, settings);
+    {
+        const StatusLine status("planning");
+        check_frames(given, scene, settings);
+        check_mesh(given, settings);
+    }
     Job job{given, start, {read_ms}, std::move(scene), std::move(settings), nullptr, Outputs(given.folder)};
     if (!given.budget.empty()) choose(job);
     note_lobes(job.settings, job.scene);
-    job.scene = drawn(std::move(job.scene), job.settings, given.common.run_options());
-    add_bake(job.scene, job.settings, {given.common.run_options(), given.scene.no_cache ? "" : cache_folder(), !given.common.json});
+    if (job.settings.method == frame::Method::radiosity || job.settings.method == frame::Method::probes) {
+        const StatusLine status(job.settings.method == frame::Method::probes ? "baking probes, or reading what is kept"
+                                                                             : "cutting the scene into elements");
+        job.scene = drawn(std::move(job.scene), job.settings, given.common.run_options());
+        add_bake(job.scene, job.settings,
+                 {given.common.run_options(), given.scene.no_cache ? "" : cache_folder(), !given.common.json});
+    }
     return given.frames > 0 ? render_frames(job) : render_one(job);
 }
 

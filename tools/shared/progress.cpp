@@ -23,7 +23,32 @@ std::string time_text(double seconds) {
     return fmt::format("{}:{:02} h left", int(seconds) / 3600, int(seconds) / 60 % 60);
 }
 
+void show_line(const std::string& text) {
+    std::fputs(("\r" + text + "\033[K").c_str(), stderr);
+    std::fflush(stderr);
+}
+
+// Of the thread that reads the command line: nobody else makes one.
+StatusLine* innermost = nullptr;
+
 }  // namespace
+
+std::string status_text(const std::string& what, int width) {
+    const std::size_t room = std::size_t(std::max(0, width - 1));
+    if (what.size() <= room) return what;
+    const std::size_t dots = std::min<std::size_t>(3, room);
+    return std::string(dots, '.') + what.substr(what.size() - (room - dots));
+}
+
+StatusLine::StatusLine(std::string what) : what_(std::move(what)), outer_(innermost), terminal_(isatty(STDERR_FILENO)) {
+    innermost = this;
+    if (terminal_) show_line(status_text(what_, terminal_width()));
+}
+
+StatusLine::~StatusLine() {
+    innermost = outer_;
+    if (terminal_) show_line(outer_ ? status_text(outer_->what_, terminal_width()) : "");
+}
 
 std::string progress_line(const std::string& stage, double share, double seconds_left, int width) {
     share = std::clamp(share, 0.0, 1.0);
@@ -43,10 +68,11 @@ ProgressBar::ProgressBar(const frame::Plan& plan) : terminal_(isatty(STDERR_FILE
         if (s.samples > 0) samples_[s.label] = s.samples;
     }
     start_ = std::chrono::steady_clock::now();
+    if (terminal_) show_line(progress_line("preparing the scene", 0, -1, terminal_width()));
 }
 
 ProgressBar::~ProgressBar() {
-    if (terminal_) std::fputs("\r\033[K", stderr);
+    if (terminal_) show_line("");
 }
 
 frame::Progress ProgressBar::callback() {
@@ -70,8 +96,7 @@ void ProgressBar::show(const std::string& label, double done) {
     const auto samples = samples_.find(label);
     std::string what = label;
     if (samples != samples_.end()) what += fmt::format(" {}/{}", int(done * samples->second), samples->second);
-    std::fputs(("\r" + progress_line(what, furthest_, left, terminal_width()) + "\033[K").c_str(), stderr);
-    std::fflush(stderr);
+    show_line(progress_line(what, furthest_, left, terminal_width()));
 }
 
 }  // namespace plumb::cli

@@ -7,8 +7,10 @@
 #include "gi/frame/idle_settings.h"
 #include "gi/frame/mirrors.h"
 #include "gi/frame/presets.h"
+#include "io/file.h"
 #include "io/scene_file.h"
 #include "tools/shared/light_sets.h"
+#include "tools/shared/progress.h"
 
 namespace plumb::cli {
 
@@ -66,6 +68,7 @@ Scene load(const SceneOptions& options) {
     // A wrong size is told before a large scene is read.
     const std::optional<glm::ivec2> size =
         options.size.empty() ? std::nullopt : std::optional(parse_size("--size", options.size));
+    const StatusLine status("reading " + io::shown(options.file));
     Scene scene = io::load_scene(options.file, frame::method_tables(), {options.strict});
     if (size) scene.frame_size = *size;
     switch_lights(options.sets, scene);
