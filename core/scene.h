@@ -89,9 +89,12 @@ inline constexpr float least_light_radius = 1e-6f, largest_light_radius = 1e9f; 
 
 struct Environment {
     glm::vec3 radiance{0};  // W/(m2 sr), from everywhere; multiplied by the map where there is one
-    // Directions by longitude and latitude: u = 1/2 + atan2(x, -z) / (2 pi), v = acos(y) / pi, v = 0 the top row. Texels
-    // are constant patches. Empty: none.
+    // Directions by longitude and latitude: u = 1/2 + atan2(x, -z) / (2 pi), v = acos(y) / pi, v = 0 the top row. Empty:
+    // none.
     Image4 map;
+    // Nearest: texels are constant patches. Bilinear: between the middles of four; columns go round, and from the middles
+    // of the first and the last row to the poles nothing changes along a column.
+    Filter filter = Filter::nearest;
 };
 
 // A value that the scene file gives for a stage's parameter: [rsm] samples = 400.

@@ -49,14 +49,24 @@ glm::dvec3 mean_of(const Texture& texture) {
     return texture.texels.size() > 0 ? sum / double(texture.texels.size()) : glm::dvec3(1);
 }
 
-// Over all directions: a row of the map at polar angle theta has the solid angle of its band.
-glm::dvec3 mean_of(const Image4& map) {
+// The integral of sin over a row's share of polar angles: its band, or its tents where rows are interpolated, which are 1
+// to the poles at the first and the last. int_0^h (1 - y/h) sin(a + y) dy = cos a - (sin(a + h) - sin a)/h.
+double row_weight(int y, int height, bool bilinear) {
+    const double h = host::pi / height, a = (y + 0.5) * h;
+    if (!bilinear) return host::cos(host::pi * y / height) - host::cos(host::pi * (y + 1) / height);
+    const double above = y == 0 ? 1 - host::cos(a) : (host::sin(a) - host::sin(a - h)) / h - host::cos(a);
+    const double below = y == height - 1 ? 1 + host::cos(a) : host::cos(a) - (host::sin(a + h) - host::sin(a)) / h;
+    return above + below;
+}
+
+// Over all directions.
+glm::dvec3 mean_of(const Environment& environment) {
+    const Image4& map = environment.map;
     glm::dvec3 sum(0);
     for (int y = 0; y < map.height; ++y) {
         glm::dvec3 row(0);
         for (int x = 0; x < map.width; ++x) row += glm::dvec3(map(x, y));
-        const double band = host::cos(host::pi * y / map.height) - host::cos(host::pi * (y + 1) / map.height);
-        sum += row * (band / 2 / map.width);
+        sum += row * (row_weight(y, map.height, environment.filter == Filter::bilinear) / 2 / map.width);
     }
     return sum;
 }
@@ -87,7 +97,7 @@ Replaced replace(Scene& scene) {
     scene.textures.clear();
     r.map = !scene.environment.map.empty();
     glm::vec3& radiance = scene.environment.radiance;
-    if (r.map) radiance = glm::vec3(glm::dvec3(radiance) * mean_of(scene.environment.map));
+    if (r.map) radiance = glm::vec3(glm::dvec3(radiance) * mean_of(scene.environment));
     scene.environment.map = {};
     return r;
 }

@@ -177,6 +177,14 @@ void read_environment(TomlReader& reader, const std::string& path, Scene& scene)
             scene.notes.push_back(fmt::format("the sky \"{}\" has {} x {} texels, not 2 : 1: it is stretched",
                                               printable(file), environment.map.width, environment.map.height));
     }
+    if (reader.has("filter") && environment.map.empty()) reader.fail("filter", "stands without a file");
+    environment.filter = Filter(reader.choice("filter", int(Filter::nearest), {"bilinear", "nearest"}));
+    if (!environment.map.empty())
+        scene.notes.push_back(fmt::format(
+            "the sky's {} x {} texels are {}", environment.map.width, environment.map.height,
+            environment.filter == Filter::bilinear
+                ? "interpolated"
+                : "patches of constant radiance; [environment] filter = \"bilinear\" interpolates"));
     environment.radiance = glm::vec3(reader.colour("radiance", glm::dvec3(environment.radiance), 0, 3e38));
     for (const glm::vec4& texel : environment.map.texels)
         for (int c = 0; c < 3; ++c)

@@ -70,9 +70,10 @@ SceneKeys scene_keys(const Scene& scene) {
     keys.surfaces = surfaces.hash;
     keys.emission = emission.hash;
 
-    const auto& [radiance, map] = environment;
+    const auto& [radiance, map, filter] = environment;
     paths.add(keys.geometry, keys.surfaces, keys.emission, radiance, lights.size());
     paths.add_image(map);
+    paths.add(filter);
     for (Light light : lights) {
         light.rsm_size = 0;  // rays know no maps
         add_light(light, paths);

@@ -75,7 +75,8 @@ void add_surfaces(Context& c, int view, Nodes& nodes) {
     node.reads = [&c](graph::Reads& r) {
         r.source("bake", c.bake_key);
         r.source("surfaces", c.keys.surfaces), r.source("emission", c.keys.emission);
-        r.value(c.scene.environment.radiance, c.settings.probe_run.unasked), r.image(c.scene.environment.map);
+        r.value(c.scene.environment.radiance, int(c.scene.environment.filter), c.settings.probe_run.unasked);
+        r.image(c.scene.environment.map);
         r.value(c.settings.probe_run.relight_dynamic);
         if (c.settings.probe_run.relight_dynamic) r.source("geometry", c.keys.geometry);
     };

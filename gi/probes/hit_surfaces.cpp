@@ -40,7 +40,7 @@ HitSurfaces hit_surfaces(const Scene& scene, const Bake& bake, const RunOptions&
     if (!normal_maps) drop_normal_maps(surfaces);
     const raster::SurfaceArgs args = raster::surface_args(bake.atlas.geometry, surfaces, View{});
     const reference::EnvironmentTable e = reference::environment_table(scene.environment);
-    const reference::EnvironmentArgs sky{e.width, e.height, e.radiance.data(), e.row_cdf.data(), e.column_cdf.data(), e.pdf.data()};
+    const reference::EnvironmentArgs sky = reference::environment_args(e);
     HitSurfaces made;
     for (Image4* image : {&made.position, &made.normal, &made.surface, &made.emitted, &made.place})
         *image = Image4(hits.rays, hits.probes);

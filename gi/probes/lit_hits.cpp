@@ -37,8 +37,7 @@ class Asker {
         : scene_(scene), surfaces_(raster::surface_args(scene.geometry, scene.surfaces, View{})), tracer_(*scene.query) {
         const reference::LightTable& t = scene.lights;
         lights_ = {t.count, 0, t.rows.data(), t.cdf.data(), t.triangle_pdf.data(), t.environment_probability, t.any_radius};
-        const reference::EnvironmentTable& e = scene.environment;
-        sky_ = {e.width, e.height, e.radiance.data(), e.row_cdf.data(), e.column_cdf.data(), e.pdf.data()};
+        sky_ = reference::environment_args(scene.environment);
     }
 
     glm::vec3 lamps(const glm::vec3& x, const glm::vec3& n) {

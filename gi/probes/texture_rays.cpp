@@ -35,7 +35,7 @@ RayTables ray_tables(const BakeArrays& a, const std::vector<int>& level_rays) {
 
 RaySurfaces ray_surfaces(const BakeArrays& a, const Scene& scene, Escape escape, Unasked unasked) {
     const reference::EnvironmentTable e = reference::environment_table(scene.environment);
-    const reference::EnvironmentArgs around{e.width, e.height, e.radiance.data(), e.row_cdf.data(), e.column_cdf.data(), e.pdf.data()};
+    const reference::EnvironmentArgs around = reference::environment_args(e);
     const Buffer<glm::vec4> directions = relight_directions(a.rays);
     const glm::vec4 nothing(0);
     RaySurfaces s;

@@ -32,7 +32,7 @@ glm::vec4 map_light(const reference::EnvironmentArgs& sky, const ElementItems& i
 
 Buffer<glm::vec4> map_at(const Scene& scene, const Elements& elements, const RowParams& params, const RunOptions& options) {
     const reference::EnvironmentTable table = reference::environment_table(scene.environment);
-    const reference::EnvironmentArgs sky{table.width, table.height, table.radiance.data(), table.row_cdf.data(), table.column_cdf.data(), table.pdf.data()};
+    const reference::EnvironmentArgs sky = reference::environment_args(table);
     const ElementItems items(elements, params.size);
     const std::vector<double> weights = texel_weights(params.size, params.weights);
     Buffer<glm::vec4> out(std::size_t(elements.count()), glm::vec4(0));

@@ -40,6 +40,7 @@ void add_scene(const Scene& scene, const Geometry& geometry, ContentHasher& h) {
         h.add(l.type, l.position, l.direction, l.cone_inner_deg, l.cone_outer_deg, l.intensity, l.on, l.radius);
     h.add(scene.environment.radiance);
     h.add_image(scene.environment.map);
+    if (!scene.environment.map.empty() && scene.environment.filter == plumb::Filter::bilinear) h.add(std::int32_t(1));
 }
 
 ContentHasher begin(const PathParams& given, const Scene& scene, const Geometry& geometry, std::uint32_t seed, Isa isa) {

@@ -1,5 +1,6 @@
 #include "gi/reference/environment.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -7,6 +8,7 @@
 
 #include "core/error.h"
 #include "core/host_math.h"
+#include "gi/reference/environment_kernel.h"
 
 namespace plumb::reference {
 namespace {
@@ -45,6 +47,30 @@ void multiply(const Environment& environment, EnvironmentTable& t) {
     }
 }
 
+double sum_of_channels(const EnvironmentTable& t, int x, int y) {
+    const float* texel = &t.radiance[4 * (std::size_t(y) * t.width + (x + t.width) % t.width)];
+    return double(texel[0]) + texel[1] + texel[2];
+}
+
+// A row's patches by what they send, over the solid angle of one column: the integral of the interpolated radiance.
+// Along a row the neighbours' tents have 1/8, 3/4 and 1/8 of a patch. Down a column, at y from the row's middle a, the
+// next row has y/h and this one 1 - |y|/h; with e = h/2
+//   int_0^e y sin(a +- y) dy = sin a (e sin e + cos e - 1) +- cos a (sin e - e cos e).
+void interpolated_row(const EnvironmentTable& t, int y, double solid_angle, std::vector<double>& sent) {
+    const double e = host::pi / (2 * t.height), a = (2 * y + 1) * e, column = 2 * host::pi / t.width;
+    const double sine = host::sin(e), even = host::sin(a) * (e * sine + host::cos(e) - 1),
+                 odd = host::cos(a) * (sine - e * host::cos(e));
+    const double below = column * (even + odd) / (2 * e), above = column * (even - odd) / (2 * e);
+    const int rows[3] = {std::max(y - 1, 0), y, std::min(y + 1, t.height - 1)};
+    const double weights[3] = {above, solid_angle - above - below, below};
+    for (int x = 0; x < t.width; ++x) {
+        sent[x] = 0;
+        for (int k = 0; k < 3; ++k)
+            sent[x] += weights[k] * (0.125 * (sum_of_channels(t, x - 1, rows[k]) + sum_of_channels(t, x + 1, rows[k])) +
+                                     0.75 * sum_of_channels(t, x, rows[k]));
+    }
+}
+
 }  // namespace
 
 EnvironmentTable environment_table(const Environment& environment) {
@@ -55,6 +81,7 @@ EnvironmentTable environment_table(const Environment& environment) {
         throw InputError("environment: a map of " + std::to_string(t.width) + " x " + std::to_string(t.height) +
                          " texels; at most 2^29 can be indexed");
     multiply(environment, t);
+    t.bilinear = !environment.map.empty() && environment.filter == Filter::bilinear;
 
     // Sums what each patch sends. A row's patches have the solid angle 2 pi / width (cos v0 - cos v1) each, and the
     // difference of the cosines is 2 sin((v0 + v1)/2) sin((v1 - v0)/2), without cancellation at the poles.
@@ -64,9 +91,13 @@ EnvironmentTable environment_table(const Environment& environment) {
     for (int y = 0; y < t.height; ++y) {
         solid_angles[y] = 2 * host::pi / t.width * 2 * host::sin((2 * y + 1) * half) * host::sin(half);
         for (int x = 0; x < t.width; ++x) {
-            const float* texel = &t.radiance[4 * (std::size_t(y) * t.width + x)];
-            columns[x] = double(texel[0]) + texel[1] + texel[2];
+            columns[x] = sum_of_channels(t, x, y);
             rows[y] += columns[x] * solid_angles[y];
+        }
+        if (t.bilinear) {
+            interpolated_row(t, y, solid_angles[y], columns);
+            rows[y] = 0;
+            for (const double sent : columns) rows[y] += sent;
         }
         cumulative(columns, &t.column_cdf[std::size_t(y) * (t.width + 1)]);
         t.mean_radiance += rows[y] / (3 * 4 * host::pi);
@@ -84,6 +115,10 @@ EnvironmentTable environment_table(const Environment& environment) {
             t.pdf[std::size_t(y) * t.width + x] = float(row * (double(cdf[x + 1]) - cdf[x]) / solid_angles[y]);
     }
     return t;
+}
+
+EnvironmentArgs environment_args(const EnvironmentTable& t) {
+    return {t.width, t.height, t.radiance.data(), t.row_cdf.data(), t.column_cdf.data(), t.pdf.data(), t.bilinear};
 }
 
 }  // namespace plumb::reference

@@ -1,7 +1,8 @@
 // The environment in a direction, and directions by its luminance. Tables: environment.h.
 //
 // Column c of row r is the patch of longitudes 2 pi (c..c + 1) / width - pi and of polar angles pi (r..r + 1) / height
-// from +y (core/scene.h, Environment). Its radiance is constant, and so is the density of samples in it.
+// from +y (core/scene.h, Environment). Its radiance is constant, or its texel's in its middle and interpolated elsewhere.
+// The density of samples in it is constant.
 #pragma once
 
 #include "gi/reference/warp_kernel.h"
@@ -14,6 +15,7 @@ struct EnvironmentArgs {
     const float* row_cdf;
     const float* column_cdf;
     const float* pdf;
+    bool bilinear = false;
 };
 
 template <class F>
@@ -38,21 +40,49 @@ PLUMB_INLINE F turn_of(F y, F x) {
     return select(y < zero, -half, half);
 }
 
-// The patch that direction d, of any length but 0, points at. Within 1e-7 turns of a border it may be the neighbour; at
-// a pole, where all columns meet, it is column 0.
+// Where direction d, of any length but 0, points at: patches from the map's left and upper border. x is no number at a
+// pole, where all columns meet.
 template <class F>
-PLUMB_INLINE index_t<F> environment_patch(const EnvironmentArgs& in, const vec3<F>& d) {
+PLUMB_INLINE vec2<F> environment_place(const EnvironmentArgs& in, const vec3<F>& d) {
     using I = index_t<F>;
     const F width = number<F>::from_index(I(in.width)), height = number<F>::from_index(I(in.height));
     const F u = F(0.5f) + turn_of(d.x, -d.z), v = 2.0f * turn_of(sqrt(d.x * d.x + d.z * d.z), d.y);
-    const I column = min(number<F>::truncate_to_index(u * width), I(in.width - 1));
-    const I row = min(number<F>::truncate_to_index(v * height), I(in.height - 1));
+    return {u * width, v * height};
+}
+
+// The patch there. Within 1e-7 turns of a border it may be the neighbour; at a pole it is column 0.
+template <class F>
+PLUMB_INLINE index_t<F> environment_patch(const EnvironmentArgs& in, const vec3<F>& d) {
+    using I = index_t<F>;
+    const vec2<F> place = environment_place<F>(in, d);
+    const I column = min(number<F>::truncate_to_index(place.x), I(in.width - 1));
+    const I row = min(number<F>::truncate_to_index(place.y), I(in.height - 1));
     return max(row, I(0)) * I(in.width) + max(column, I(0));
+}
+
+// Between the middles of the four patches around. The last column's right neighbour is the first; above the first row and
+// below the last are these again.
+template <class F>
+PLUMB_INLINE vec3<F> interpolated_radiance(const EnvironmentArgs& in, const vec3<F>& d) {
+    using N = number<F>;
+    using I = index_t<F>;
+    const F zero(0.0f), one(1.0f), width = N::from_index(I(in.width));
+    const vec2<F> place = environment_place<F>(in, d);
+    const F x = select(place.x >= zero, place.x, zero) + 0.5f, y = max(place.y, zero) + 0.5f;
+    const I column = min(N::truncate_to_index(x), I(in.width)), row = min(N::truncate_to_index(y), I(in.height));
+    const F right_share = min(x - N::from_index(column), one), lower_share = min(y - N::from_index(row), one);
+    const I left = select(x < one, I(in.width - 1), column - I(1)), right = select(x >= width, I(0), column);
+    const I top = max(row - I(1), I(0)) * I(in.width), bottom = min(row, I(in.height - 1)) * I(in.width);
+    const vec3<F> a = xyz<F>(N::fetch4(in.radiance, top + left)), b = xyz<F>(N::fetch4(in.radiance, top + right));
+    const vec3<F> c = xyz<F>(N::fetch4(in.radiance, bottom + left)), e = xyz<F>(N::fetch4(in.radiance, bottom + right));
+    const vec3<F> upper = a + (b - a) * right_share, lower = c + (e - c) * right_share;
+    return upper + (lower - upper) * lower_share;
 }
 
 template <class F>
 PLUMB_INLINE vec3<F> environment_radiance(const EnvironmentArgs& in, const vec3<F>& d) {
     if (in.width == 0) return {F(0.0f), F(0.0f), F(0.0f)};
+    if (in.bilinear) return interpolated_radiance<F>(in, d);
     return xyz<F>(number<F>::fetch4(in.radiance, environment_patch(in, d)));
 }
 
@@ -105,7 +135,9 @@ PLUMB_INLINE EnvironmentSample<F> sample_environment(const EnvironmentArgs& in, 
     // u = 1/2 + atan2(x, -z) / (2 pi): the angle from +z, the other way round.
     const vec2<F> q = on_circle<F>((N::from_index(column.i) + column.rest) / N::from_index(I(in.width)));
     const I patch = row.i * I(in.width) + column.i;
-    return {{-(sine * q.y), cosine, sine * q.x}, xyz<F>(N::fetch4(in.radiance, patch)), N::fetch(in.pdf, patch)};
+    const vec3<F> direction = {-(sine * q.y), cosine, sine * q.x};
+    const vec3<F> radiance = in.bilinear ? interpolated_radiance<F>(in, direction) : xyz<F>(N::fetch4(in.radiance, patch));
+    return {direction, radiance, N::fetch(in.pdf, patch)};
 }
 
 }  // namespace plumb::reference

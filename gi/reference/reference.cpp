@@ -87,8 +87,7 @@ PathArgs args_of(const PathParams& params, const PathScene& scene, int width, st
     PathArgs a{};
     a.surfaces = raster::surface_args(scene.geometry, scene.surfaces, View{});
     a.lights = light_args(scene.lights);
-    const EnvironmentTable& e = scene.environment;
-    a.environment = {e.width, e.height, e.radiance.data(), e.row_cdf.data(), e.column_cdf.data(), e.pdf.data()};
+    a.environment = environment_args(scene.environment);
     a.mirrors = {scene.lights.lamps > 0 ? scene.mirrors.count : 0, scene.lights.lamps, scene.mirrors.planes.data(),
                  scene.mirrors.plane.data()};
     a.reflection = scene.reflection.data();
@@ -110,7 +109,7 @@ PathArgs args_of(const PathParams& params, const PathScene& scene, int width, st
     a.last_bounce = params.mode == Mode::direct ? 0 : params.mode == Mode::one_bounce ? 1 : without_end;
     if (params.max_bounces > 0) a.last_bounce = std::min(a.last_bounce, params.max_bounces);
     // Only where paths can run into light is the last surface's ray worth tracing.
-    a.last_depth = a.last_bounce + (a.emitters || e.width > 0 ? 1 : 0);
+    a.last_depth = a.last_bounce + (a.emitters || scene.environment.width > 0 ? 1 : 0);
     return a;
 }
 

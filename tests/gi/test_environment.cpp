@@ -19,9 +19,7 @@ namespace {
 constexpr double pi = host::pi;
 constexpr float below_one = 1 - 0x1p-24f;
 
-EnvironmentArgs args_of(const EnvironmentTable& t) {
-    return {t.width, t.height, t.radiance.data(), t.row_cdf.data(), t.column_cdf.data(), t.pdf.data()};
-}
+EnvironmentArgs args_of(const EnvironmentTable& t) { return environment_args(t); }
 
 // The direction of map coordinates (u, v), core/scene.h: u = 1/2 + atan2(x, -z)/(2 pi), v = acos(y)/pi.
 glm::dvec3 direction_of(double u, double v) {

@@ -172,24 +172,25 @@ TEST_CASE("shading: every instruction set computes the same bits", "[reference][
     environment.map = Image4(13, 7);
     for (int i = 0; i < 91; ++i) environment.map.texels[i] = glm::vec4(i % 4 ? hashed(i, 0) : 0);
     const EnvironmentTable t = environment_table(environment);
-    const EnvironmentArgs args{t.width,          t.height,            t.radiance.data(),
-                               t.row_cdf.data(), t.column_cdf.data(), t.pdf.data()};
 
-    auto run = [&](Isa isa) {
+    auto run = [&](Isa isa, const EnvironmentTable& table) {
         std::vector<float> out(count * shade_outputs, -1);
-        const ShadeProbe probe{args, count, in.data(), out.data()};
+        const ShadeProbe probe{environment_args(table), count, in.data(), out.data()};
         dispatch(isa, [&](auto set) { probe_shading<set()>(probe); });
         return out;
     };
-    const std::vector<float> expected = run(Isa::scalar);
-    for (const Isa isa : supported_isas()) {
-        CAPTURE(isa_name(isa));
-        const std::vector<float> got = run(isa);
-        for (std::size_t i = 0; i < got.size(); ++i) {
-            if (std::memcmp(&got[i], &expected[i], 4) == 0) continue;
-            CAPTURE(i / shade_outputs, i % shade_outputs, got[i], expected[i]);
-            REQUIRE(std::memcmp(&got[i], &expected[i], 4) == 0);
+    environment.filter = Filter::bilinear;
+    const EnvironmentTable interpolated = environment_table(environment);
+    for (const EnvironmentTable* table : {&t, &interpolated}) {
+        const std::vector<float> expected = run(Isa::scalar, *table);
+        for (const Isa isa : supported_isas()) {
+            const std::vector<float> got = run(isa, *table);
+            for (std::size_t i = 0; i < got.size(); ++i) {
+                if (std::memcmp(&got[i], &expected[i], 4) == 0) continue;
+                CAPTURE(i / shade_outputs, i % shade_outputs, got[i], expected[i]);
+                REQUIRE(std::memcmp(&got[i], &expected[i], 4) == 0);
+            }
+            REQUIRE(got.back() != -1);
         }
-        REQUIRE(got.back() != -1);
     }
 }

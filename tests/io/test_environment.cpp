@@ -1,6 +1,7 @@
 // Maps of radiance: [environment] file.
 #include <OpenImageIO/imageio.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -101,6 +102,24 @@ TEST_CASE("environment: a map of another shape is stretched, and its size is sai
     for (const std::string& note : s.notes)
         said |= note == "the sky \"square.exr\" has 3 x 3 texels, not 2 : 1: it is stretched";
     CHECK(said);
+}
+
+TEST_CASE("environment: the filter of a map is nearest unless it is asked for, and is said", "[io]") {
+    const Skies skies;
+    skies.put_exr("sky.exr", 16, 8, {"R", "G", "B"}, sky());
+    const auto says = [](const Scene& s, const std::string& text) {
+        return std::count(s.notes.begin(), s.notes.end(), "the sky's 16 x 8 texels are " + text) == 1;
+    };
+    const Scene plain = skies.load("file = \"sky.exr\"\n"), nearest = skies.load("file = \"sky.exr\"\nfilter = \"nearest\"\n"),
+                bilinear = skies.load("file = \"sky.exr\"\nfilter = \"bilinear\"\n");
+    CHECK(plain.environment.filter == Filter::nearest);
+    CHECK(nearest.environment.filter == Filter::nearest);
+    CHECK(bilinear.environment.filter == Filter::bilinear);
+    CHECK(says(plain, "patches of constant radiance; [environment] filter = \"bilinear\" interpolates"));
+    CHECK(says(bilinear, "interpolated"));
+    require_message(skies.error("file = \"sky.exr\"\nfilter = \"linear\"\n"), {"s.toml: line 5: [environment] filter"});
+    require_message(skies.error("radiance = 1\nfilter = \"nearest\"\n"),
+                    {"s.toml: line 5: [environment] filter", "stands without a file"});
 }
 
 TEST_CASE("environment: what is no radiance is refused with its pixel", "[io][robustness]") {

@@ -57,8 +57,7 @@ class DirectLight {
           surfaces_(world.args()),
           sky_(reference::environment_table(world.scene.environment)),
           table_(reference::light_table(world.scene, world.geometry, world.surfaces, sky_)) {
-        sky_args_ = {sky_.width,     sky_.height, sky_.radiance.data(), sky_.row_cdf.data(), sky_.column_cdf.data(),
-                     sky_.pdf.data()};
+        sky_args_ = reference::environment_args(sky_);
         lights_ = {};
         lights_.count = table_.count, lights_.rows = table_.rows.data(), lights_.cdf = table_.cdf.data();
         lights_.triangle_pdf = table_.triangle_pdf.data(), lights_.any_radius = table_.any_radius ? 1 : 0;

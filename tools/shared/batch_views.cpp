@@ -81,6 +81,7 @@ std::uint64_t light_hash(const Scene& scene) {
     }
     h.add(scene.environment.radiance);
     h.add_image(scene.environment.map);
+    if (!scene.environment.map.empty() && scene.environment.filter == Filter::bilinear) h.add(std::int32_t(1));
     h.add(scene.seed);
     return h.hash;
 }
