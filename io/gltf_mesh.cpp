@@ -136,8 +136,9 @@ class MeshReader {
     }
 
     std::vector<Vertex> read_vertices(const JsonValue& attributes, const TextureCoordinates& c, std::size_t n) {
-        std::vector<Vertex> block(n);
+        // Read before memory is taken for as many vertices as the accessor says.
         const std::vector<float> position = attribute(attributes["POSITION"], n, numbers(3, true));
+        std::vector<Vertex> block(n);
         for (std::size_t i = 0; i < n; ++i)
             block[i].position = {position[3 * i], position[3 * i + 1], position[3 * i + 2]};
         if (attributes["NORMAL"]) {

@@ -39,8 +39,8 @@ std::span<const Format> formats() {
     static constexpr Format list[] = {
         {"obj", fuzz_obj, mib},
         {"mtl", fuzz_mtl, mib},
-        {"gltf", fuzz_gltf, 32 * mib},  // nodes may repeat a mesh: what is refused at the last may have had many before
-        {"glb", fuzz_glb, 32 * mib},
+        {"gltf", fuzz_gltf, 8 * mib},  // nodes may repeat a mesh: what is refused at the last may have had many before
+        {"glb", fuzz_glb, 8 * mib},
         {"png", fuzz_png, mib},
         {"exr", fuzz_exr, 48 * mib},  // OpenEXR packs up to 256 lines at once, of a picture of one line, too
         {"picture", fuzz_picture, 4 * mib},
