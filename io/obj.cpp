@@ -148,8 +148,10 @@ class ObjReader {
 
   private:
     std::string what_it_holds() const {
-        return fmt::format("{} vertices, {} statements of points, {} of lines, {} of free-form curves and surfaces",
-                           lines_.positions.size(), lines_.points, lines_.lines, lines_.surfaces);
+        std::string text = fmt::format("{} vertices, {} statements of points, {} of lines, {} of free-form curves and surfaces",
+                                       lines_.positions.size(), lines_.points, lines_.lines, lines_.surfaces);
+        const std::vector<std::string> found = findings_.notes();
+        return found.empty() ? text : text + "; " + found[0].substr(found[0].find(": ") + 2);
     }
 
     // One file whose name may hold blanks, or several.

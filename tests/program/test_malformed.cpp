@@ -27,6 +27,19 @@ std::string toml(const std::string& more, const std::string& mesh = "mesh.obj") 
     return "[[mesh]]\nfile = \"" + mesh + "\"\n" + more;
 }
 
+// What others read all the same: refused by --strict, drawn without it, with a note.
+std::vector<Bad> lacking_obj() {
+    return {
+        {"texture index out of range", "m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/2 3/1\n", "5"},
+        {"normal index out of range", "n.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 1 0\nf 1//1 2//1 3//9\n", "5"},
+        {"missing material library", "o.obj", "mtllib none.mtl\n" + triangle_obj, "none.mtl"},
+        {"unknown material", "p.obj", "mtllib p.mtl\nusemtl gold\n" + triangle_obj, "gold", {{"p.mtl", "newmtl tin\n"}}},
+        {"material without a name", "r.obj", "mtllib r.mtl\n" + triangle_obj, "r.mtl", {{"r.mtl", "newmtl\nKd 1 1 1\n"}}},
+        {"missing texture", "t.obj", "mtllib t.mtl\nusemtl a\n" + triangle_obj, "none.png",
+         {{"t.mtl", "newmtl a\nmap_Kd none.png\n"}}},
+    };
+}
+
 std::vector<Bad> bad_obj() {
     return {
         {"empty file", "a.obj", "", ""},
@@ -41,15 +54,8 @@ std::vector<Bad> bad_obj() {
         {"too few numbers", "j.obj", "v 0 0 0\nv 1 0\nv 0 1 0\nf 1 2 3\n", "2"},
         {"face of two corners", "k.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2\n", "4"},
         {"face of one corner", "l.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1\n", "4"},
-        {"texture index out of range", "m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/2 3/1\n", "5"},
-        {"normal index out of range", "n.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 1 0\nf 1//1 2//1 3//9\n", "5"},
-        {"missing material library", "o.obj", "mtllib none.mtl\n" + triangle_obj, "none.mtl"},
-        {"unknown material", "p.obj", "mtllib p.mtl\nusemtl gold\n" + triangle_obj, "gold", {{"p.mtl", "newmtl tin\n"}}},
         {"binary file", "q.obj", std::string("\x7f\x45\x4c\x46\0\0\1\2v\0\0", 11), ""},
-        {"material without a name", "r.obj", "mtllib r.mtl\n" + triangle_obj, "r.mtl", {{"r.mtl", "newmtl\nKd 1 1 1\n"}}},
         {"reflectance is no number", "s.obj", "mtllib s.mtl\n" + triangle_obj, "s.mtl", {{"s.mtl", "newmtl a\nKd x 1 1\n"}}},
-        {"missing texture", "t.obj", "mtllib t.mtl\nusemtl a\n" + triangle_obj, "none.png",
-         {{"t.mtl", "newmtl a\nmap_Kd none.png\n"}}},
         {"texture is no picture", "u.obj", "mtllib u.mtl\nusemtl a\n" + triangle_obj, "u.png",
          {{"u.mtl", "newmtl a\nmap_Kd u.png\n"}, {"u.png", "this is text"}}},
         {"texture cut off", "v.obj", "mtllib v.mtl\nusemtl a\n" + triangle_obj, "v.png",
@@ -168,14 +174,16 @@ std::vector<Bad> bad_png() {
     return bad;
 }
 
-void check(const std::vector<Bad>& corpus, const std::string& name) {
+void check(const std::vector<Bad>& corpus, const std::string& name, bool strict = false) {
     const std::string folder = fresh_folder("malformed_" + name);
     for (const Bad& bad : corpus) {
         INFO(bad.kind << ": " << bad.file);
         write(folder + "/" + bad.file, bad.bytes);
         for (const auto& [file, bytes] : bad.beside) write(folder + "/" + file, bytes);
         const std::vector<std::string> before = files_in(folder);
-        const Result r = run({"render", bad.file, "-o", "out"}, folder);
+        std::vector<std::string> command = {"render", bad.file, "-o", "out"};
+        if (strict) command.push_back("--strict");
+        const Result r = run(command, folder);
         INFO(r.err);
         CHECK(r.exit == 2);
         CHECK(r.out.empty());
@@ -193,6 +201,21 @@ void check(const std::vector<Bad>& corpus, const std::string& name) {
 }  // namespace
 
 TEST_CASE("malformed: OBJ, MTL and textures", "[program][robustness]") { check(bad_obj(), "obj"); }
+TEST_CASE("malformed: OBJ and MTL that lack something are drawn, and refused where one is strict", "[program][robustness]") {
+    check(lacking_obj(), "lacking", true);
+    const std::string folder = fresh_folder("malformed_lacking_drawn");
+    for (const Bad& bad : lacking_obj()) {
+        INFO(bad.kind << ": " << bad.file);
+        write(folder + "/" + bad.file, bad.bytes);
+        for (const auto& [file, bytes] : bad.beside) write(folder + "/" + file, bytes);
+        const Result r = run({"render", bad.file, "-o", "out", "--size", "8x8"}, folder);
+        CHECK(r.exit == 0);
+        CHECK(r.err.empty());
+        const std::size_t note = r.out.find("note: ");
+        REQUIRE(note != std::string::npos);
+        CHECK(r.out.find(bad.names, note) != std::string::npos);
+    }
+}
 TEST_CASE("malformed: PNG textures with right checksums", "[program][robustness]") { check(bad_png(), "png"); }
 TEST_CASE("malformed: TOML", "[program][robustness]") { check(bad_toml(), "toml"); }
 TEST_CASE("malformed: glTF and GLB", "[program][robustness]") { check(bad_gltf(), "gltf"); }
@@ -200,7 +223,7 @@ TEST_CASE("malformed: glTF and GLB", "[program][robustness]") { check(bad_gltf()
 TEST_CASE("malformed: sixty files of thirty kinds at least, and the sound ones render", "[program][robustness]") {
     std::set<std::string> kinds;
     std::size_t files = 0;
-    for (const auto& corpus : {bad_obj(), bad_png(), bad_toml(), bad_gltf()})
+    for (const auto& corpus : {bad_obj(), lacking_obj(), bad_png(), bad_toml(), bad_gltf()})
         for (const Bad& bad : corpus) kinds.insert(bad.kind), ++files;
     CHECK(files >= 60);
     CHECK(kinds.size() >= 30);
