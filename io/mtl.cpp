@@ -74,11 +74,15 @@ class MtlReader {
             {"map_Kn", &now_.norm},
         };
         for (const auto& [name, waiting] : values)
-            if (key == name && is_in_material(key)) *waiting = {rest, line_};
+            if (key == name) {
+                if (is_in_material(key)) *waiting = {rest, line_};
+                return;
+            }
         for (const auto& [name, map] : maps)
-            if (key == name && is_in_material(key)) *map = parse_map(path_, line_, key, rest);
-        const auto is = [&](const auto& entry) { return entry.first == key; };
-        if (std::any_of(std::begin(values), std::end(values), is) || std::any_of(std::begin(maps), std::end(maps), is)) return;
+            if (key == name) {
+                if (is_in_material(key)) *map = parse_map(path_, line_, key, rest);
+                return;
+            }
         if (std::find(std::begin(unread), std::end(unread), key) != std::end(unread)) return void(not_read_.insert(std::string(key)));
         if (std::find(std::begin(silent), std::end(silent), key) != std::end(silent) || findings_.counted("mtl statement")) return;
         found("mtl statement", "\"" + printable(key) + "\" is not a statement of MTL", "it is passed over");

@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "gi/frame/mirrors.h"
-#include "gi/reference/mirrors.h"
 #include "gi/reference/lobes.h"
+#include "gi/reference/mirrors.h"
 
 namespace plumb::frame {
 
@@ -97,7 +97,6 @@ Scene lamps_only(Scene scene) {
 Tracer::Tracer(const Scene& scene, const Settings& settings, const Geometry& geometry, reference::Store* store,
                PathScenes* paths)
     : scene_(scene), settings_(settings), geometry_(geometry), store_(store), without_(beyond_lamps(scene)),
-      unseen_(reference::lamp_light_unseen(scene, geometry)),
       whole_{&scene, (paths ? *paths : mine_).whole}, own_{&scene, (paths ? *paths : mine_).own} {
     if (!settings.truth || without_.empty()) return;
     lamps_ = lamps_only(scene);
@@ -118,12 +117,12 @@ Traced Tracer::begin(const std::string& layer) const {
         traced.params.ao_distance = settings_.ao.radius;
     } else if (of_mirrors(layer)) {
         traced.params.mode = reference::Mode::all;
-        traced.without = unseen_;
+        traced.without = reference::lamp_light_unseen(scene_, geometry_);
     } else if (own_transport(layer)) {
         traced.params.mode = layer == "truth.direct" ? reference::Mode::direct : reference::Mode::one_bounce;
         traced.without = without_;
     } else if (traced.params.mode != reference::Mode::direct && traced.params.mode != reference::Mode::ambient_occlusion) {
-        traced.without = unseen_;
+        traced.without = reference::lamp_light_unseen(scene_, geometry_);
     }
     return traced;
 }

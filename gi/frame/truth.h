@@ -20,7 +20,7 @@ struct Traced {
     std::string layer;                 // "color", or "truth", "truth.direct", "truth.indirect", "truth.ao", "truth.reflection"
     reference::PathParams params;
     reference::Estimate estimate;
-    std::vector<std::string> without;  // what the scene has and this layer leaves out, as the method does
+    std::vector<std::string> without;  // what the scene has and this layer leaves out, as the method does, or paths do not find
     double ms = 0;                     // that tracing took; of a kept estimate: when it was traced
     bool cached = false;
 };
@@ -61,7 +61,6 @@ class Tracer {
     reference::Store* store_;
     Scene lamps_;                       // lamps_only(scene); empty where the scene has nothing else
     std::vector<std::string> without_;  // what else it has
-    std::vector<std::string> unseen_;   // what paths through all of it do not find
     PathScenes mine_;                   // where nobody gave any
     View whole_, own_;
 };

@@ -12,11 +12,6 @@
 namespace plumb::reference {
 namespace {
 
-glm::dvec3 cross(const glm::dvec3& a, const glm::dvec3& b) {
-    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-double dot(const glm::dvec3& a, const glm::dvec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-
 // Normals of vertices are rounded; what leans by more bends what it mirrors.
 constexpr double largest_lean = 1e-5;  // |sin|
 
@@ -34,21 +29,21 @@ MirrorTable mirror_table(const Scene& scene, const Geometry& geometry) {
         if (!mirrors(material)) continue;
         const glm::uvec3 corners = geometry.triangles[t];
         const glm::dvec3 a(geometry.vertices[corners.x].position);
-        glm::dvec3 n = cross(glm::dvec3(geometry.vertices[corners.y].position) - a,
-                             glm::dvec3(geometry.vertices[corners.z].position) - a);
-        const double length = std::sqrt(dot(n, n));
+        glm::dvec3 n = glm::cross(glm::dvec3(geometry.vertices[corners.y].position) - a,
+                                  glm::dvec3(geometry.vertices[corners.z].position) - a);
+        const double length = std::sqrt(glm::dot(n, n));
         if (!(length > 0)) continue;  // no ray meets it
         n = n / length;
         bool flat = scene.materials[std::size_t(material)].normal_texture < 0;
         for (int k = 0; k < 3; ++k) {
-            const glm::dvec3 lean = cross(glm::dvec3(geometry.vertices[corners[k]].normal), n);
-            flat = flat && dot(lean, lean) <= largest_lean * largest_lean;
+            const glm::dvec3 lean = glm::cross(glm::dvec3(geometry.vertices[corners[k]].normal), n);
+            flat = flat && glm::dot(lean, lean) <= largest_lean * largest_lean;
         }
         table.curved = table.curved || !flat;
         if (!flat) continue;
         // Both sides mirror: one of the two normals stands for both.
         if (n.x < 0 || (n.x == 0 && (n.y < 0 || (n.y == 0 && n.z < 0)))) n = -n;
-        const std::array<float, 4> plane = {float(n.x), float(n.y), float(n.z), float(dot(n, a))};
+        const std::array<float, 4> plane = {float(n.x), float(n.y), float(n.z), float(glm::dot(n, a))};
         const auto [at, is_new] = known.try_emplace(plane, std::int32_t(known.size()));
         if (is_new) table.planes.insert(table.planes.end(), plane.begin(), plane.end());
         table.plane[t] = at->second;

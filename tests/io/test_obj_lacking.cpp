@@ -168,8 +168,10 @@ TEST_CASE("obj: names of files as other systems write them", "[io]") {
     // A picture may lie beside the OBJ and not beside the library.
     folder.put("sub/t.mtl", "newmtl a\nmap_Kd pictures/Bark.png\n");
     CHECK(read("sub/t.mtl", true).textures.size() == 1);
-    // No name leaves its folder for the root by an accident of an empty part.
-    folder.put("t.mtl", std::string("newmtl a\nmap_Kd x\0.png\n", 24));
+    // A name ends where its line does, and not at a zero byte in it: there is a picture "x".
+    write_png(folder / "x.png", 1, 1, pixels);
+    std::filesystem::rename(folder / "x.png", folder / "x");
+    folder.put("t.mtl", std::string("newmtl a\nmap_Kd x\0.png\n", 23));
     CHECK(read("t.mtl").textures.empty());
 }
 
