@@ -314,6 +314,7 @@ PLUMB_INLINE vec3<F> image_chosen(const PathArgs& in, const PathState<F>& s, con
         const vec3<F> way = select3<F>(image.infinite, vec3<F>{-to.x, -to.y, -to.z}, raster::minus3(to, origin));
         const RayHit<F> hit = tracer.nearest(origin, way, traced);
         const mask_t<F> on_plane = hit.found & (N::fetch(in.mirrors.plane, hit.triangle) == image.plane[j]);
+        // A mirror beyond the image would hide the lamp that is behind it: a ray less.
         const mask_t<F> before = hit.t < select(image.infinite, endless, one);
         const PathVertex<F> mirror = vertex_of<F, false>(in, hit, way);
         carried = select3<F>(traced, raster::times3<F>(carried, mirror.bsdf.mirror), carried);

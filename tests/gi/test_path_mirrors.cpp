@@ -81,6 +81,11 @@ TEST_CASE("path mirrors: a wall shows the lamp's image", "[reference][analytic][
     none.max_bounces = 1;
     check_equal(irradiance_at(scene, {0, 0, 0}, {0, 1, 0}, none), want);
 
+    // Each lamp has its image.
+    Scene two = scene;
+    two.lights.push_back(point_lamp({0.05, 1, 0.02}, 2 * power));
+    check_equal(irradiance_at(two, {0, 0, 0}, {0, 1, 0}, with(Mode::all, 4096)), want + 2 * 0.75 * from({-2.05, 1, 0.02}));
+
     // What stands before the mirror hides the image, on either way.
     for (const double x : {-0.5, -0.75}) {
         Scene hidden = scene;
